@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..dynamics.auxiliary import started
 from ..dynamics.bodies.marker import marker_motion
@@ -35,6 +36,7 @@ DEFORMED = (
     "torsion and of bending in both planes, or take joints that leave more freedom (spherical, "
     "universal, point_on_line)"
 )
+ALL = slice(None)
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
 
@@ -108,17 +110,31 @@ def consistent_state(
     return started(model, t, y)
 
 
-def _closed(model: Model, y: Array, t: float, *, elastic: bool = False) -> Array:
+def closed_by_frames(model: Model, y: Array, rows: NDArray[np.bool_], t: float = 0.0) -> Array:
+    """Return y (n,) after the least change of frames that closes some rows (n_c,) of the joints."""
+    return _closed(model, y, t, rows=rows)
+
+
+def _closed(
+    model: Model,
+    y: Array,
+    t: float,
+    *,
+    elastic: bool = False,
+    rows: "NDArray[np.bool_] | slice" = ALL,
+) -> Array:
     """Return y after Newton's steps of least change of frame positions and orientations.
 
     elastic : bodies deform where frames alone do not close the joints, with least strain energy
+    rows : of the joints that are to be closed
     """
     scale, y = _ease(model, elastic=elastic), y.copy()
     for _ in range(_MAX_ITERATIONS):
-        if _open(model, y, t).max() < _POSITION_TOLERANCE:
+        if _open(model, y, t)[rows].max(initial=0.0) < _POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
         equations = assemble(model, t, y)
-        step = scale * np.linalg.lstsq(equations.Phi_q * scale, -equations.Phi, rcond=1e-10)[0]
+        J, gap = equations.Phi_q[rows], equations.Phi[rows]
+        step = scale * np.linalg.lstsq(J * scale, -gap, rcond=1e-10)[0]
         step *= min(1.0, _MAX_STEP / max(np.max(np.abs(step)), 1e-300))
         y[: model.n_pos] = moved(model, y[: model.n_pos], step)
     return y

@@ -17,6 +17,7 @@ from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
+from ..mechanism.moved import moved_findings
 from ..mechanism.python_functions import Called, python_functions, require_permission
 from ..mechanism.reduced import used_packages
 from ..mechanism.start import starting_state
@@ -134,6 +135,7 @@ def prepare(
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
+    moved = moved_findings(mechanism, built.model, built.start, y0, built.body_names)
     found = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
@@ -168,7 +170,7 @@ def prepare(
         spin=spins,
         passage=passage,
         buckling=_buckling(mechanism, built, spins),
-        notes=found.findings(),
+        notes=[*moved, *found.findings()],
         independent=found.independent,
         refused=refused,
         functions=tuple(functions[name] for name in built.callers),

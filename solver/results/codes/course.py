@@ -36,6 +36,16 @@ SINGULAR_START = Code(
     "the rank of the constraint Jacobian is lower than in a position nearby",
     "start elsewhere, or give velocities that say in which direction it moves",
 )
+START_MOVED = Code(
+    "start-moved",
+    "warning",
+    "joints do not close where the case places the bodies: these were moved or turned at the start",
+    "distance above {limit:g} of the size of the mechanism, or angle above {limit:g} rad, without "
+    "what drives prescribe at t = 0; bodies at the origin by default may move",
+    "give the position and rotation_deg that the finding lists; check lengths, ground points and "
+    "axes if the start is another than meant",
+    limit=1e-3,
+)
 LOADED_START = Code(
     "loads-begin-suddenly",
     "warning",
@@ -163,6 +173,7 @@ CODES = (
     RUN_INTERRUPTED,
     REDUNDANT,
     SINGULAR_START,
+    START_MOVED,
     LOADED_START,
     MATERIAL_UNITS,
     TABLE_OVERSHOOTS,

@@ -1,0 +1,78 @@
+"""Bodies that do not close their joints where the case places them: told, and how to clear it."""
+
+import re
+
+import pytest
+from case_samples import case_runs, rigid, run_text
+from judged_samples import judged
+
+from plymotion.solver.run.execution import read_run
+from plymotion.solver.run.preparation import prepare
+
+ENDS = {"a": (-0.5, 0, 0), "b": (0.5, 0, 0)}
+PLACES = {
+    "crank": ([0.0, 0.5, 0.0], [0.0, 0.0, 90.0]),
+    "coupler": ([0.5, 1.0, 0.0], [0.0, 0.0, 0.0]),
+    "rocker": ([1.0, 0.5, 0.0], [0.0, 0.0, 90.0]),
+}
+
+
+def four_bar(apart=0.0, drive="", **places):
+    """A parallelogram of 1 m whose last foot stands further away [m]."""
+    text = "".join(
+        rigid(name, 1.0, 0.1, ENDS, position=position, rotation_deg=turn)
+        for name, (position, turn) in (PLACES | places).items()
+    )
+    text += f"[ground.o]\nposition = [0.0, 0.0, 0.0]\n[ground.p]\nposition = [{1 + apart}, 0.0, 0.0]\n"
+    hinges = [("ground.o", "crank.a"), ("crank.b", "coupler.a"), ("coupler.b", "rocker.b")]
+    for k, (one, two) in enumerate([*hinges, ("ground.p", "rocker.a")]):
+        key = drive if k == 0 else ""
+        text += f'[joints.j{k}]\nkind = "revolute"\nbetween = ["{one}", "{two}"]\n{key}\n'
+    return text
+
+
+@pytest.mark.provokes("start-moved")
+def test_a_loop_that_does_not_close_where_it_is_given(tmp_path):
+    found = judged(tmp_path, four_bar(0.034), t_end=0.01).finding("start-moved")
+    assert found["value"] == pytest.approx(0.0267, abs=1e-3)
+    assert "rocker by 0.0206 m and 1.53 deg" in found["message"]
+    listed = re.findall(
+        r"(\w+) by [^(]*\(position = \[([^]]*)\], rotation_deg = \[([^]]*)\]\)", found["message"]
+    )
+    assert len(listed) == 3
+    given = {
+        name: tuple([float(x) for x in part.split(", ")] for part in parts)
+        for name, *parts in listed
+    }
+    assert "start-moved" not in judged(tmp_path, four_bar(0.034, **given), t_end=0.01).codes
+
+
+def test_a_body_that_is_turned_by_a_right_angle(tmp_path):
+    off = {"rocker": ([1.0, 0.5, 0.0], [0.0, 0.0, 180.0])}
+    found = judged(tmp_path, four_bar(**off), t_end=0.01).finding("start-moved")
+    angles = [float(x) for x in re.findall(r"and ([0-9.e-]+) deg", found["message"])]
+    assert sum(sorted(angles)[-2:]) == pytest.approx(90.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        four_bar(0.0009),
+        four_bar(drive="drive = { polynomial = [0.5, 1.0] }"),
+        rigid("bob", 1.0, 0.1, {"pin": (-1, 0, 0)})
+        + '[ground.o]\nposition = [0.3, 0.0, 0.0]\n[joints.pin]\nkind = "revolute"\n'
+        + 'between = ["ground.o", "bob.pin"]\n',
+    ],
+    ids=["small", "driven", "placed by the program"],
+)
+def test_starts_that_are_as_asked(tmp_path, text):
+    _, _, summary = run_text(tmp_path, text, t_end=0.01, step=0.01)
+    assert "start-moved" not in {w["code"] for w in summary["warnings"]}
+
+
+@pytest.mark.parametrize("case", ["bricard", "slider-crank", "spinning-plate", "n-four-bar"])
+def test_shipped_cases_start_where_they_say(repository, tmp_path, case):
+    for file in sorted(case_runs(repository, case, tmp_path).glob("*.json")):
+        spec = read_run(file)
+        ready = prepare(spec.mechanism, spec.packages)
+        assert "start-moved" not in {finding.code for finding in ready.notes}, file
