@@ -23,7 +23,8 @@ def four_bar(apart=0.0, drive="", **places):
         rigid(name, 1.0, 0.1, ENDS, position=position, rotation_deg=turn)
         for name, (position, turn) in (PLACES | places).items()
     )
-    text += f"[ground.o]\nposition = [0.0, 0.0, 0.0]\n[ground.p]\nposition = [{1 + apart}, 0.0, 0.0]\n"
+    for name, x in (("o", 0.0), ("p", 1.0 + apart)):
+        text += f"[ground.{name}]\nposition = [{x}, 0.0, 0.0]\n"
     hinges = [("ground.o", "crank.a"), ("crank.b", "coupler.a"), ("coupler.b", "rocker.b")]
     for k, (one, two) in enumerate([*hinges, ("ground.p", "rocker.a")]):
         key = drive if k == 0 else ""

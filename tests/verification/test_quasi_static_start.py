@@ -1,12 +1,19 @@
 """Quasi-static start: bodies begin in the shape that the loads at t = 0 call for."""
 
+import json
+
 import numpy as np
 import pytest
-from beam_samples import clamped_file
-from case_samples import run_text
+from beam_samples import CLAMPED, clamped_file, reduced
+from case_samples import HEAD, run_text
+from stiffening_samples import rectangle
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.package import write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
+from plymotion.solver.run.execution import execute, read_run
 
 ARM = """
 gravity = [0.0, -9.81, 0.0]
@@ -71,3 +78,72 @@ def test_loads_that_grow_with_the_deformation_are_told(beam, tmp_path):
     text = ARM.format(joint="revolute", more=more)
     with pytest.raises(InputError, match="the shape of beam does not converge"):
         run_text(tmp_path, text, t_end=0.01, step=0.001, more=QUASI)
+
+
+def coupled(share=0.3):
+    """A section that twists as it bends in the plane: K_46 over the root of K_44 K_66."""
+    K, mass = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
+    K[3, 5] = K[5, 3] = share * np.sqrt(K[3, 3] * K[5, 5])
+    return K, mass
+
+
+def twisting_loop(folder, modes, drive, **solver):
+    """Summary and signals of a four-bar of hinges whose members twist as they bend."""
+    K, mass = coupled()
+    package = reduced(CLAMPED, modes, K=K, mass=mass, length=0.5, elements=8).package
+    x, y = 0.25, 0.5 * np.sin(np.pi / 3)
+    text = HEAD + "gravity = [0.0, -9.81, 0.0]\n"
+    for name, at, turn in (("crank", (0, 0), 60), ("coupler", (x, y), 0), ("rocker", (0.5, 0), 60)):
+        write_package(folder / f"{name}.vtkhdf", package)
+        text += (
+            f'[bodies.{name}]\nkind = "package"\npackage = "{name}.vtkhdf"\n'
+            f"position = [{at[0]}, {at[1]}, 0.0]\nrotation_deg = [0.0, 0.0, {turn}]\n"
+        )
+    text += "[ground.A]\nposition = [0.0, 0.0, 0.0]\n[ground.D]\nposition = [0.5, 0.0, 0.0]\n"
+    hinges = (
+        ("ground.A", "crank.root", f"drive = {{ {drive} }}"),
+        ("crank.tip", "coupler.root", ""),
+        ("coupler.tip", "rocker.tip", ""),
+        ("ground.D", "rocker.root", ""),
+    )
+    for k, (one, two, key) in enumerate(hinges):
+        text += f'[joints.j{k}]\nkind = "revolute"\nbetween = ["{one}", "{two}"]\n{key}\n'
+    text += '[signals]\nmoment = { kind = "reaction", joint = "j0", quantity = "moment", '
+    text += 'component = "z" }\n[solver]\nt_end = 0.02\noutput_step = 0.0005\n'
+    text += "".join(f"{key} = {json.dumps(value)}\n" for key, value in solver.items())
+    (folder / "case.toml").write_text(f"{text}[runs.base]\n")
+    write_case(load_case(folder / "case.toml"), folder / "build", None)
+    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    return summary, {s.name: s.values for s in result.signals}
+
+
+BENDING = {"kind": "bending-xy", "count": 3}
+MODE_SETS = (
+    [BENDING],
+    [BENDING, {"kind": "torsion", "count": 2}],
+    [{"kind": "lowest", "count": 8}, {"kind": "attachment", "at": "tip"}],
+)
+
+
+@pytest.mark.parametrize("modes", MODE_SETS, ids=["bending", "torsion", "complete"])
+@pytest.mark.parametrize(
+    "drive", ["polynomial = [0.0, 0.0, 20.0]", "polynomial = [0.0, 5.0]"], ids=["begins", "speed"]
+)
+def test_a_loop_of_hinges_whose_members_twist_as_they_bend(tmp_path, modes, drive):
+    """Rigid members cannot close it once they have twisted: "cannot be assembled"."""
+    summary, _ = twisting_loop(tmp_path, modes, drive, start="quasi-static")
+    assert summary["completed"]
+    codes = {w["code"] for w in summary["warnings"]}
+    assert not {"loads-begin-suddenly", "start-moved", "mechanism-locked"} & codes
+
+
+def test_the_loop_begins_without_a_vibration(tmp_path):
+    """The torque of the drive swings from the undeformed start, and is steady from this one."""
+    swings = {}
+    for start in ("positions", "quasi-static"):
+        folder = tmp_path / start
+        folder.mkdir()
+        drive = "polynomial = [0.0, 0.0, 20.0]"
+        _, signals = twisting_loop(folder, MODE_SETS[2], drive, start=start, rtol=1e-7)
+        swings[start] = float(np.ptp(signals["moment"]))
+    assert swings["quasi-static"] < 0.02 * swings["positions"]
