@@ -105,7 +105,8 @@ VIBRATION_DAMPED = Code(
     "a vibration that was resolved kept the steps tiny: from then on `radau` damps all vibrations "
     "above a cutoff frequency, which the finding gives with the energy that they lost",
     "on average more than 100 steps for each `output_step` (or each thousandth of the run, if that "
-    "is shorter), over 2000 attempts; limits of the cutoff: pi / `output_step` to ten times that",
+    "is shorter), over 2000 attempts; limits of the cutoff: pi / `output_step` to ten times that, "
+    "and above it less than a tenth of the kinetic energy",
     "`cutoff_frequency = 0` if the vibration matters; else damping of the body or element, or a "
     "cutoff of your own",
 )
@@ -136,7 +137,8 @@ REFUSED = Code(
     "note",
     "many attempts at a step were refused: each cost as much as a step. The finding gives the "
     "reasons, and the body and mode that caused most of them",
-    "share of refused attempts above {limit:g}, in runs of at least 100 attempts",
+    "share of refused attempts above {limit:g}, in runs of at least 100 attempts, where a shorter "
+    "longest step or another force would need fewer",
     "`max_step` of the average step; if a vibration of no interest is the reason, "
     "`cutoff_frequency` or damping",
     limit=0.2,

@@ -7,7 +7,8 @@ ENERGY_DRIFT = Code(
     "energy-drift",
     "warning",
     "energy less the work of drives, loads and dampers changes during the run",
-    "change above {limit:g} of the energy in play",
+    "change above {limit:g} of the energy in play: the largest of kinetic and strain energy, change of "
+    "potential and work at any step; at least that of a speed of 1000 rtol of the mechanism's",
     "decrease `rtol`",
     limit=1e-3,
 )
@@ -73,7 +74,8 @@ BUCKLING = Code(
     "error",
     "a stiffened body loses all stiffness in one of its modes under the loads of the motion and "
     "the joints: it buckles",
-    "smallest eigenvalue of elastic plus geometric stiffness not above {limit:g}; the run ends "
+    "smallest eigenvalue of elastic plus geometric stiffness not above {limit:g}, for longer than "
+    "0.05 rad of the lowest vibration of the body; the run ends "
     'there unless `on_invalid = "warn"`',
     "split the body, stiffen it, or reduce the load",
     limit=0.0,
