@@ -7,8 +7,9 @@ ENERGY_DRIFT = Code(
     "energy-drift",
     "warning",
     "energy less the work of drives, loads and dampers changes during the run",
-    "change above {limit:g} of the energy in play: the largest of kinetic and strain energy, change of "
-    "potential and work at any step; at least that of a speed of 1000 rtol of the mechanism's",
+    "change above {limit:g} of the energy in play: the largest of kinetic and strain energy, "
+    "change of potential and work at any step; at least that of 1000 rtol times the speed of the "
+    "mechanism",
     "decrease `rtol`",
     limit=1e-3,
 )
