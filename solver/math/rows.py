@@ -1,10 +1,13 @@
 """Arrays of which the first axis is time, too long for memory: read a block of rows at a time."""
 
+import bisect
+import os
 import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import IO, Any, ClassVar
 
 import numpy as np
 
@@ -72,35 +75,49 @@ class LongRows(ABC):
         return found
 
 
+def temporary_file(folder: Path | None) -> IO[bytes]:
+    """Return a file without a name: the system removes it, whatever happens."""
+    return tempfile.TemporaryFile(dir=folder)
+
+
 class StoredRows(LongRows):
-    """Rows in a temporary file without a name: the system removes it, whatever happens.
+    """Rows in a temporary file.
 
     Parameters
     ----------
     row : shape of a row
-    folder : where the file is; None: that of temporary files
+    place : folder of a new file, None: that of temporary files; or a file with other rows too
     """
 
-    def __init__(self, row: tuple[int, ...], folder: Path | None = None) -> None:
+    def __init__(self, row: tuple[int, ...], place: Path | IO[bytes] | None = None) -> None:
         self.shape = (0, *row)
-        self._file = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115 - lives as long as the rows
+        self._file = temporary_file(place) if place is None or isinstance(place, Path) else place
+        self._pieces: list[tuple[int, int]] = []  # first row, place in the file
 
     def append(self, rows: Array) -> None:
         """Add rows (k, ...)."""
         raw = np.ascontiguousarray(rows, dtype=float)
-        self._file.seek(self.nbytes)
-        self._file.write(raw.data)
-        self.shape = (self.shape[0] + len(raw), *self.shape[1:])
+        if raw.size:
+            self._pieces.append((len(self), self._file.seek(0, os.SEEK_END)))
+            self._file.write(raw.data)
+        self.shape = (len(self) + len(raw), *self.shape[1:])
 
     def cut(self, count: int) -> None:
         """Drop all rows but the first `count`."""
         self.shape = (min(count, self.shape[0]), *self.shape[1:])
+        self._pieces = [piece for piece in self._pieces if piece[0] < count]
 
     def read(self, first: int, end: int) -> Array:
         """Return rows first to end - 1."""
         found = np.empty((max(end - first, 0), *self.shape[1:]))
-        self._file.seek(first * self.nbytes // max(self.shape[0], 1))
-        self._file.readinto(found.reshape(-1).view(np.uint8).data)  # type: ignore[attr-defined]
+        size, raw = 8 * int(np.prod(self.shape[1:])), found.reshape(-1).view(np.uint8)
+        at = max(bisect.bisect_right(self._pieces, (first, np.inf)) - 1, 0)
+        for (start, place), (last, _) in pairwise([*self._pieces[at:], (len(self), 0)]):
+            if start >= end or first >= end:
+                break
+            a, b = max(first, start), min(end, last)
+            self._file.seek(place + size * (a - start))
+            self._file.readinto(raw[size * (a - first) : size * (b - first)].data)  # type: ignore[attr-defined]
         return found
 
 
@@ -116,27 +133,32 @@ class ComputedRows(LongRows):
 
 
 class RowKeeper:
-    """Rows that come in blocks, put together: in memory, or in a temporary file."""
+    """Rows that come in blocks, put together: in memory, or in a temporary file.
 
-    def __init__(self, *, stored: bool, folder: Path | None = None) -> None:
-        self._stored, self._folder = stored, folder
+    Rows in memory are copies: a column alone would keep all columns of its array.
+    """
+
+    def __init__(self, file: IO[bytes] | None = None) -> None:
+        self._file = file
         self._blocks: list[Array] = []
         self._rows: StoredRows | None = None
 
     def append(self, rows: Array) -> None:
         """Add rows (k, ...)."""
-        if not self._stored:
-            self._blocks.append(rows)
+        if self._file is None:
+            self._blocks.append(rows.copy())
             return
         if self._rows is None:
-            self._rows = StoredRows(rows.shape[1:], self._folder)
+            self._rows = StoredRows(rows.shape[1:], self._file)
         self._rows.append(rows)
 
     def all(self) -> Any:
         """Return all rows: an array, or StoredRows."""
         if self._rows is not None:
             return self._rows
-        return self._blocks[0] if len(self._blocks) == 1 else np.concatenate(self._blocks)
+        if len(self._blocks) > 1:
+            self._blocks = [np.concatenate(self._blocks)]
+        return self._blocks[0]
 
 
 def computed(like: Any, shape: tuple[int, ...], compute: Callable[[int, int], Array]) -> Any:

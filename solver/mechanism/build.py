@@ -82,11 +82,13 @@ def build(
             (k, min(m, heaviest * body) if body > 0.0 else m)
             for (k, m), body in zip(masses, own, strict=True)
         ]
-    signal_marker = {
-        name: places.marker(f"signals.{name}.at", at, np.eye(3))
-        for name, signal in mechanism.signals.items()
-        if (at := getattr(signal, "at", None)) is not None  # signals of a place
-    }
+    signal_marker: dict[str, int] = {}
+    watched: dict[str, int] = {}  # place -> marker, which its signals share
+    for name, signal in mechanism.signals.items():
+        if (at := getattr(signal, "at", None)) is not None:  # signals of a place
+            if at not in watched:
+                watched[at] = places.marker(f"signals.{name}.at", at, np.eye(3))
+            signal_marker[name] = watched[at]
     for name, signal in mechanism.signals.items():
         frame = getattr(signal, "frame", None)
         if frame is None:

@@ -1,6 +1,6 @@
 """Datasets of a result file: rows over time, in chunks of one column each."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import h5py
 import numpy as np
@@ -42,13 +42,24 @@ def blocks(shape: tuple[int, ...]) -> Iterator[tuple[int, int]]:
 class Datasets:
     """Arrays with unit, frame and meaning; what is written is kept for the checksum.
 
+    Parameters
+    ----------
+    total : bytes that will be written, about
+    told : called with the part of them that is
+
     Attributes
     ----------
     written : large arrays by the path of their dataset
     """
 
-    def __init__(self) -> None:
+    def __init__(self, total: int = 1, told: Callable[[float], None] | None = None) -> None:
         self.written: dict[str, Array | IntArray | LongRows] = {}
+        self._total, self._told, self._done = total, told, 0
+
+    def _tell(self, size: int) -> None:
+        self._done += size
+        if self._told is not None:
+            self._told(min(self._done / self._total, 1.0))
 
     def put(
         self,
@@ -66,9 +77,11 @@ class Datasets:
             )
             for first, end in blocks(values.shape):
                 dataset[first:end] = values[first:end]
+                self._tell(values.nbytes * (end - first) // values.shape[0])
             self.written[dataset.name.lstrip("/")] = values
         else:
             dataset = group.create_dataset(name, data=np.asarray(values))
+            self._tell(values.nbytes)
         for key, word in (("unit", unit), ("frame", frame), ("description", text)):
             set_text(dataset, key, word)
         return dataset

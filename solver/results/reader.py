@@ -1,6 +1,7 @@
 """Read the result of a run."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +12,16 @@ from ..errors import nearest
 from ..package.common.container import get_text, kind_of_file, open_file
 from ..package.common.identity import check_file_checksum, version_of
 from .nodes import drawn_by_views, positions_of_views
+from .records import Record, read_record, read_table, read_texts
 from .schema import (
     FORMAT,
-    FORMAT_VERSION,
-    BodyGeometry,
+    TABLES_VERSION,
     ResultError,
     RunResult,
     Signal,
     check_result,
 )
-from .view_file import read_link, read_view
+from .view_file import body_of, link_of
 
 
 def read_result(path: str | Path) -> RunResult:
@@ -38,13 +39,13 @@ def read_result(path: str | Path) -> RunResult:
             what = repr(found) if found else kind_of_file(file)
             raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
         major, minor = version_of(path, file, ResultError)
-        if major > FORMAT_VERSION[0]:
+        if major > TABLES_VERSION[0]:
             raise ResultError(
                 f"{path}: written by a newer Plymotion: format {major}.{minor}, "
-                f"this reader knows {FORMAT_VERSION[0]}.x"
+                f"this reader knows {TABLES_VERSION[0]}.x"
             )
         result = _load(path, file)
-        if minor > 0:  # 1.0 had none
+        if (major, minor) > (1, 0):  # 1.0 had none
             check_file_checksum(path, file, ResultError)
         try:
             check_result(result)
@@ -66,8 +67,39 @@ def _load(path: Path, file: h5py.File) -> RunResult:
     def series(name: str) -> dict[str, np.ndarray]:
         return {item.name.rsplit("/", 1)[1]: item[()] for item in members(name)}
 
+    def records(name: str) -> Iterator[tuple[str, str, Record]]:
+        """Yield place in the file, name and record of bodies or joints."""
+        if f"{name}_table" in group:
+            where = f"{path}: /results/{name}_table"
+            try:
+                found = read_table(group[f"{name}_table"])
+            except (KeyError, TypeError, ValueError) as error:
+                raise ResultError(f"{where}: damaged table: {error}") from error
+            yield from ((where, *each) for each in zip(*found, strict=True))
+        for item in members(name):
+            yield f"{path}: {item.name}", item.name.rsplit("/", 1)[1], read_record(item)
+
+    def signals() -> tuple[Signal, ...]:
+        if "signals_table" in group:
+            table = group["signals_table"]
+            words = (read_texts(_get(path, table, n)) for n in ("name", "unit", "description"))
+            values = np.asarray(_get(path, table, "values")[()])
+            return tuple(Signal(*each) for each in zip(*words, values, strict=True))
+        return tuple(
+            Signal(
+                item.name.rsplit("/", 1)[1],
+                get_text(item, "unit"),
+                get_text(item, "description"),
+                item[()],
+            )
+            for item in members("signals")
+        )
+
     q = array("q")
-    bodies = tuple(_body(path, item) for item in members("bodies"))
+    provenance = get_text(file, "provenance")
+    if "provenance" in group:
+        provenance = read_texts(group["provenance"])[0]
+    bodies = tuple(body_of(*each) for each in records("bodies"))
     if "node_positions_G" not in group and drawn_by_views(bodies):
         nodes: Any = positions_of_views(q, bodies)
     else:
@@ -76,15 +108,7 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         case=get_text(file, "case"),
         run=get_text(file, "run"),
         t=array("t"),
-        signals=tuple(
-            Signal(
-                item.name.rsplit("/", 1)[1],
-                get_text(item, "unit"),
-                get_text(item, "description"),
-                item[()],
-            )
-            for item in members("signals")
-        ),
+        signals=signals(),
         q=q,
         v=array("v"),
         multipliers=array("multipliers"),
@@ -93,19 +117,8 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         node_positions_G=nodes,
         violations=series("violations"),
         node_deflection=array("node_deflection") if "node_deflection" in group else None,
-        links=tuple(read_link(path, item) for item in members("joints")),
-        provenance=json.loads(get_text(file, "provenance") or "{}"),
-    )
-
-
-def _body(path: Path, item: h5py.Group) -> BodyGeometry:
-    return BodyGeometry(
-        name=item.name.rsplit("/", 1)[1],
-        view=read_view(path, item),
-        **{
-            name: np.asarray(_get(path, item, name)[()])
-            for name in ("nodes_B", "connectivity", "offsets", "cell_types")
-        },
+        links=tuple(link_of(*each) for each in records("joints")),
+        provenance=json.loads(provenance or "{}"),
     )
 
 

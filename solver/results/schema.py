@@ -11,6 +11,7 @@ from .view import BodyView, Link
 
 FORMAT = "plymotion result"
 FORMAT_VERSION = (1, 3)
+TABLES_VERSION = (2, 0)  # of a file with tables: older readers would miss what is in them
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative

@@ -1,19 +1,21 @@
-"""Views of bodies and joints as groups of result.vtkhdf: a dataset for each array."""
+"""Views of bodies and joints as records of result.vtkhdf: a dataset for each array."""
 
 import json
-from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from ..package.common.container import get_text, set_text
-from .schema import ResultError
+from .records import Record
+from .schema import BodyGeometry, ResultError
 from .summary import plain
 from .view import BodyView, Link, Side, Sites, Surface
 
-# Unit and frame of each dataset of a view.
-LAYOUT = {
+# Unit and frame of each dataset of a body, and a description.
+LAYOUT: dict[str, tuple[str, ...]] = {
+    "nodes_B": ("m", "B", "rest positions of the drawn points"),
+    "connectivity": ("-", "-", "rows of nodes_B, cell by cell"),
+    "offsets": ("-", "-", "start of each cell in connectivity"),
+    "cell_types": ("-", "-", "VTK cell types"),
     "shapes_B": ("m, rad", "B"),  # translation and rotation of the nodes per unit mode
     "stiffness": ("N m", "-"),  # modal stiffness
     "frequencies": ("rad/s", "-"),  # natural circular frequency of each mode
@@ -31,91 +33,91 @@ LAYOUT = {
     "sites/point_kind": ("-", "-"),  # section or laminate of each point
     "sites/point_ply": ("-", "-"),  # ply of each point, as row of plies
 }
-PACKED = 50_000  # bytes above which an array is compressed
+GEOMETRY = ("nodes_B", "connectivity", "offsets", "cell_types")
 SURFACE = ("node", "offset_B", "triangles", "edges", "site")
 SITES = ("place_B", "resultants_E", "kind", "compliance", "stress_M", "point_kind", "point_ply")
 BODY = ("shapes_B", "stiffness", "frequencies", "centre_B")
 SIDE = ("position_B", "A_BM", "phi_B", "psi_B")
 
 
-def write_view(group: h5py.Group, view: BodyView) -> None:
-    """Write the view of a body into its group."""
-    group.attrs["first_position"] = view.first_position
-    group.attrs["mass"] = view.mass
-    set_text(group, "labels", json.dumps(view.labels))
-    set_text(group, "provenance", json.dumps(plain(view.provenance)))
-    for name in BODY:
-        _put(group, name, getattr(view, name))
-    for name in SURFACE:
-        _put(group, f"surface/{name}", getattr(view.surface, name))
+def view_record(view: BodyView) -> Record:
+    """Return what a file has of the view of a body."""
+    found: dict[str, Any] = {
+        "first_position": view.first_position,
+        "mass": view.mass,
+        "labels": json.dumps(view.labels),
+        "provenance": json.dumps(plain(view.provenance)),
+    }
+    found |= {name: getattr(view, name) for name in BODY}
+    found |= {f"surface/{name}": getattr(view.surface, name) for name in SURFACE}
     if view.sites is not None:
-        for name in SITES:
-            _put(group, f"sites/{name}", getattr(view.sites, name))
-        set_text(group["sites"], "plies", json.dumps(plain(view.sites.plies)))
+        found |= {f"sites/{name}": getattr(view.sites, name) for name in SITES}
+        found["sites/plies"] = json.dumps(plain(view.sites.plies))
+    return found
 
 
-def write_link(group: h5py.Group, link: Link) -> None:
-    """Write a joint as attributes of its group: m, rad; axes as in results/view.py."""
-    set_text(group, "kind", link.kind)
-    set_text(group, "free", json.dumps(link.free))
+def link_record(link: Link) -> Record:
+    """Return what a file has of a joint: m, rad; axes as in results/view.py."""
+    found: dict[str, Any] = {"kind": link.kind, "free": json.dumps(link.free)}
     for number, side in enumerate(link.sides, 1):
-        group.attrs[f"body_{number}"] = side.body
-        for name in SIDE:
-            group.attrs[f"{name}_{number}"] = getattr(side, name)
+        found[f"body_{number}"] = side.body
+        found |= {f"{name}_{number}": getattr(side, name) for name in SIDE}
+    return found
 
 
-def read_view(path: Path, group: h5py.Group) -> BodyView | None:
-    """Read the view of a body; None if its group has none. Raises ResultError."""
-    if "shapes_B" not in group:
-        return None
-    with _told(path, group):
-        sites = None
-        if "sites" in group:
-            plies = tuple(json.loads(get_text(group["sites"], "plies")))
-            sites = Sites(**_arrays(group["sites"], SITES), plies=plies)
-        surface = Surface(**_arrays(group["surface"], SURFACE))
-        return BodyView(
-            first_position=int(group.attrs["first_position"]),
-            labels=tuple(json.loads(get_text(group, "labels"))),
-            mass=float(group.attrs["mass"]),
-            draw=lambda: surface,
-            sites=sites,
-            provenance=json.loads(get_text(group, "provenance")),
-            **_arrays(group, BODY),
+def body_of(where: str, name: str, record: Record) -> BodyGeometry:
+    """Return a body from its record. Raises ResultError."""
+    with _told(where):
+        return BodyGeometry(
+            name=name,
+            view=_view(record),
+            **{key: np.asarray(record[key]) for key in GEOMETRY},
         )
 
 
-def read_link(path: Path, group: h5py.Group) -> Link:
-    """Read a joint. Raises ResultError."""
-    with _told(path, group):
+def _view(record: Record) -> BodyView | None:
+    """Return the view of a body; None if its record has none."""
+    if "shapes_B" not in record:
+        return None
+    sites = None
+    if "sites/kind" in record:
+        plies = tuple(json.loads(record["sites/plies"]))
+        sites = Sites(**_arrays(record, "sites/", SITES), plies=plies)
+    surface = Surface(**_arrays(record, "surface/", SURFACE))
+    return BodyView(
+        first_position=int(record["first_position"]),
+        labels=tuple(json.loads(record["labels"])),
+        mass=float(record["mass"]),
+        draw=lambda: surface,
+        sites=sites,
+        provenance=json.loads(record["provenance"]),
+        **_arrays(record, "", BODY),
+    )
+
+
+def link_of(where: str, name: str, record: Record) -> Link:
+    """Return a joint from its record. Raises ResultError."""
+    with _told(where):
         one, two = (
             Side(
-                int(group.attrs[f"body_{number}"]),
-                *(np.asarray(group.attrs[f"{name}_{number}"]) for name in SIDE),
+                int(record[f"body_{number}"]),
+                *(np.asarray(record[f"{name}_{number}"]) for name in SIDE),
             )
             for number in (1, 2)
         )
-        free = tuple(json.loads(get_text(group, "free") or "[]"))
-        return Link(group.name.rsplit("/", 1)[1], get_text(group, "kind"), (one, two), free)
+        free = tuple(json.loads(record.get("free") or "[]"))
+        return Link(name, str(record["kind"]), (one, two), free)
 
 
-def _arrays(group: h5py.Group, names: tuple[str, ...]) -> dict[str, Any]:
-    return {name: np.asarray(group[name][()]) for name in names}
-
-
-def _put(group: h5py.Group, name: str, values: Any) -> None:
-    array = np.asarray(values)
-    squeeze = {"compression": "gzip", "shuffle": True} if array.nbytes > PACKED else {}
-    dataset = group.create_dataset(name, data=array, **squeeze)
-    for key, word in zip(("unit", "frame"), LAYOUT[name], strict=False):
-        set_text(dataset, key, word)
+def _arrays(record: Record, group: str, names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: np.asarray(record[f"{group}{name}"]) for name in names}
 
 
 class _told:
     """Missing and damaged entries as ResultError with file and group."""
 
-    def __init__(self, path: Path, group: h5py.Group) -> None:
-        self.where = f"{path}: {group.name}"
+    def __init__(self, where: str) -> None:
+        self.where = where
 
     def __enter__(self) -> None:
         return None

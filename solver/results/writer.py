@@ -1,34 +1,51 @@
 """Write a result: one VTKHDF file with an animation for ParaView and all result arrays."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..math.rows import LongRows
-from ..package.common.container import new_file, set_text
+from ..math.rows import ComputedRows, LongRows
+from ..package.common.container import MAX_ATTRIBUTE, new_file, set_text
 from ..package.common.identity import write_file_checksum
 from .datasets import LARGE, PACKED, Datasets
 from .nodes import MOST_STORED, drawn_by_views
-from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
+from .records import MOST_NAMED, Record, write_record, write_table, write_texts
+from .schema import (
+    FORMAT,
+    FORMAT_VERSION,
+    TABLES_VERSION,
+    BodyGeometry,
+    ResultError,
+    RunResult,
+    check_result,
+)
 from .summary import plain
-from .view_file import write_link, write_view
+from .view import Link
+from .view_file import GEOMETRY, LAYOUT, link_record, view_record
 
+Item = TypeVar("Item")
 MULTIPLIER_UNIT = "N, N m"
 
 
 def write_result(
-    path: str | Path, result: RunResult, *, max_frames: int = 200, all_positions: bool = False
+    path: str | Path,
+    result: RunResult,
+    *,
+    max_frames: int = 200,
+    all_positions: bool = False,
+    told: Callable[[float], None] | None = None,
 ) -> None:
     """Write result.vtkhdf under a temporary name, then rename it.
 
     /results has every output time. The animation has at most `max_frames` of
     them, including the first and the last. Positions of nodes that need more than
     100 MB are left out of /results unless `all_positions` is set: readers compute them from
-    the coordinates (docs/adr/0044).
+    the coordinates (docs/adr/0044). `told` hears what part of /results is written.
 
     Raises
     ------
@@ -44,12 +61,19 @@ def write_result(
         raise ResultError(f"{path}: {error}") from None
     with new_file(path) as file:
         set_text(file, "format", FORMAT)
-        file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
+        many = max(len(result.bodies), len(result.links), len(result.signals)) > MOST_NAMED
+        version = TABLES_VERSION if many else FORMAT_VERSION
+        file.attrs["format_version"] = np.array(version, dtype=np.int64)
         set_text(file, "case", result.case)
         set_text(file, "run", result.run)
         set_text(file, "units", "SI")
-        set_text(file, "provenance", json.dumps(plain(result.provenance)))
-        written = _write_results(file.create_group("results"), result, all_positions)
+        group = file.create_group("results")
+        provenance = json.dumps(plain(result.provenance))
+        if len(provenance.encode()) > MAX_ATTRIBUTE:
+            write_texts(group, "provenance", [provenance])
+        else:
+            set_text(file, "provenance", provenance)
+        written = _write_results(group, result, all_positions, told)
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
         points = result.node_positions_G[chosen]
@@ -64,9 +88,14 @@ def frames(k: int, max_frames: int) -> IntArray:
 
 
 def _write_results(
-    group: h5py.Group, result: RunResult, all_positions: bool
+    group: h5py.Group,
+    result: RunResult,
+    all_positions: bool,
+    told: Callable[[float], None] | None,
 ) -> Mapping[str, Array | IntArray | LongRows]:
-    datasets = Datasets()
+    width = sum(array.shape[1] for array in (result.q, result.v, result.multipliers))
+    width += len(result.energies) + len(result.violations) + len(result.signals) + 1
+    datasets = Datasets(8 * width * len(result.t), told)
     put = datasets.put
     put(group, "t", result.t, "s", "-", "output times")
     put(group, "q", result.q, "m, -, -", "G", "positions, Euler parameters, modal coordinates")
@@ -78,24 +107,15 @@ def _write_results(
     for name, values in result.violations.items():
         text = f"largest constraint violation, {name}"
         put(group, f"violations/{name}", values, units.get(name, "-"), "-", text)
-    for index, signal in enumerate(result.signals):
+    if len(result.signals) > MOST_NAMED:
+        _write_signals(group.create_group("signals_table"), result, datasets)
+    for index, signal in enumerate(_named(result.signals)):
         item = put(
             group, f"signals/{signal.name}", signal.values, signal.unit, "-", signal.description
         )
         item.attrs["index"] = index
-    for index, body in enumerate(result.bodies):
-        sub = group.create_group(f"bodies/{body.name}")
-        sub.attrs["index"] = index
-        put(sub, "nodes_B", body.nodes_B, "m", "B", "rest positions of the drawn points")
-        put(sub, "connectivity", body.connectivity, "-", "-", "rows of nodes_B, cell by cell")
-        put(sub, "offsets", body.offsets, "-", "-", "start of each cell in connectivity")
-        put(sub, "cell_types", body.cell_types, "-", "-", "VTK cell types")
-        if body.view is not None:
-            write_view(sub, body.view)
-    for index, link in enumerate(result.links):
-        sub = group.create_group(f"joints/{link.name}")
-        sub.attrs["index"] = index
-        write_link(sub, link)
+    _write_records(group, "bodies", result.bodies, _body_record)
+    _write_records(group, "joints", result.links, link_record)
     nodes = result.node_positions_G
     if all_positions or nodes.nbytes <= MOST_STORED or not drawn_by_views(result.bodies):
         text = "positions of all drawn points, bodies end to end"
@@ -104,6 +124,47 @@ def _write_results(
         text = "magnitude of the elastic displacement"
         put(group, "node_deflection", result.node_deflection, "m", "B", text)
     return datasets.written
+
+
+def _named(items: Sequence[Item]) -> Sequence[Item]:
+    """Return items that have a group or dataset of their own: all, or none of many."""
+    return items if len(items) <= MOST_NAMED else ()
+
+
+def _write_records(
+    group: h5py.Group,
+    name: str,
+    items: Sequence[BodyGeometry] | Sequence[Link],
+    record: Callable[[Any], Record],
+) -> None:
+    """Write bodies or joints: a group for each, or a table of many."""
+    for index, item in enumerate(_named(items)):
+        own = group.create_group(f"{name}/{item.name}")
+        own.attrs["index"] = index
+        write_record(own, record(item), LAYOUT)
+    if len(items) > MOST_NAMED:
+        records = [record(item) for item in items]
+        write_table(
+            group.create_group(f"{name}_table"), [item.name for item in items], records, LAYOUT
+        )
+
+
+def _body_record(body: BodyGeometry) -> Record:
+    own = {name: getattr(body, name) for name in GEOMETRY}
+    return own if body.view is None else own | view_record(body.view)
+
+
+def _write_signals(group: h5py.Group, result: RunResult, datasets: Datasets) -> None:
+    """Write many signals: names, units, descriptions (n,), values (n, k)."""
+    signals = result.signals
+    write_texts(group, "name", [signal.name for signal in signals])
+    write_texts(group, "unit", [signal.unit for signal in signals])
+    write_texts(group, "description", [signal.description for signal in signals])
+    rows = ComputedRows(
+        (len(signals), len(result.t)),
+        lambda first, end: np.array([np.asarray(s.values) for s in signals[first:end]]),
+    )
+    datasets.put(group, "values", rows, "of each signal", "-", "signals over time")
 
 
 def write_animation(
@@ -138,7 +199,9 @@ def write_animation(
         view[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
     view["CellData/body_id"] = np.repeat(np.arange(len(cells)), cells).astype(np.int64)
     # As attributes: VTK 9.7 ends with a fault on texts in the field data of a file with time steps.
-    set_text(view["CellData/body_id"], "names", json.dumps([body.name for body in bodies]))
+    # /results has the names of bodies that are too many for an attribute.
+    if len(names := json.dumps([body.name for body in bodies])) <= MAX_ATTRIBUTE:
+        set_text(view["CellData/body_id"], "names", names)
     set_text(view["Points"], "unit", "m")
 
     moving = {"displacement": (points - points[0]).reshape(-1, 3)}

@@ -41,7 +41,8 @@ def histories_of(
         other = runs[run]
         prepared = prepare(other.mechanism, other.packages, names, allow_python=allow_python)
         finished = integrated(prepared)
-        blocks = list(recorded(prepared.measured, finished.model, finished.blocks))
+        recordings = recorded(prepared.measured, finished.model, finished.blocks)
+        blocks = [(recording, dict(rows)) for recording, rows in recordings]
         values = {name: np.concatenate([v[name] for _, v in blocks]) for name in names}
         found[run] = np.concatenate([r.t for r, _ in blocks]), values
     return found

@@ -1,7 +1,7 @@
 """What a run leaves: histories, signals, checks and warnings from its solution."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from ..checks.judge import judge
 from ..checks.past import Past
 from ..dynamics import recover
 from ..math.arrays import Array
-from ..math.rows import LongRows, RowKeeper, columns
+from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 VTK_LINE = 3
+MOST_IN_MEMORY = 10 * IN_MEMORY  # bytes of reactions and signals
 
 
 @dataclass(frozen=True)
@@ -66,31 +67,34 @@ def collect(
     finished: FinishedRun,
     solve_s: float,
     folder: Path | None = None,
+    told: Callable[[float], None] = lambda _: None,
 ) -> tuple[RunResult, dict[str, Any]]:
     """Recover everything of interest from a finished run, and judge it.
 
     What has a row for every output time is computed block by block. Of a run whose states are
-    in a file (integrators/generic/output.py) it is kept in files as well, in `folder`.
+    in a file (integrators/generic/output.py), or with many signals, it is kept in a file as well,
+    in `folder`. `told` hears what part of the output times is done.
     """
     model, solution = finished.model, finished.solution
     t, y = solution.t, solution.y
-    stored = isinstance(y, LongRows)
-    kept: dict[tuple[str, str], RowKeeper] = defaultdict(
-        lambda: RowKeeper(stored=stored, folder=folder)
-    )
+    width = len(sensors) + model.n_constraint
+    stored = isinstance(y, LongRows) or 8 * width * len(t) > MOST_IN_MEMORY
+    file = temporary_file(folder) if stored else None
+    kept: dict[tuple[str, str], RowKeeper] = defaultdict(lambda: RowKeeper(file))
     past = Past(within=finished.in_play)
     turning = {name: Turning() for name, sensor in sensors.items() if sensor.life is not None}
+    done = 0.0
     for block, values in recorded(sensors, model, finished.blocks):
         history = recover.history_of(model, block.y, block.along)
         past.take(block.t, history)
         kept["", "multipliers"].append(history.multipliers)
-        for name, found in turning.items():
-            found.take(values[name] * sensors[name].scale)
-        for group, table in (
-            ("signals", values),
-            ("energies", history.energies),
-            ("violations", history.violations),
-        ):
+        for name, rows in values:
+            if name in turning:
+                turning[name].take(rows * sensors[name].scale)
+            kept["signals", name].append(rows)
+            done += len(block.t) / (len(t) * len(sensors))
+            told(min(done, 1.0))
+        for group, table in (("energies", history.energies), ("violations", history.violations)):
             for name, rows in table.items():
                 kept[group, name].append(rows)
     finished = replace(finished, known=past)
@@ -158,6 +162,9 @@ def collect(
 def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
     """Return the drawn shape of every body and its global points (k, n, 3)."""
     bodies, places = [], []
+    ends: dict[int, list[Array]] = defaultdict(list)
+    for b, p in built.places.values():
+        ends[b].append(p.position_B)
     for i, name in enumerate(built.body_names):
         package = built.packages.get(name)
         if package is not None:
@@ -166,8 +173,7 @@ def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, .
                 name, nodes, package.connectivity, package.offsets, package.cell_types
             )
         else:
-            ends = [p.position_B for _, (b, p) in built.places.items() if b == i]
-            nodes = np.array([np.zeros(3), *ends])
+            nodes = np.array([np.zeros(3), *ends[i]])
             shapes = np.zeros((0, nodes.shape[0], 3))
             spokes = np.array([(0, k) for k in range(1, len(nodes))], dtype=np.int64)
             body = BodyGeometry(

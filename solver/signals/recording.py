@@ -12,6 +12,9 @@ from ..dynamics.model import Model
 from ..math.arrays import Array
 
 
+MARKERS = 32  # whose motions are kept: signals of a place follow each other
+
+
 class Recording:
     """States y (k, n) of a model at times t (k,); each quantity is computed once.
 
@@ -57,6 +60,8 @@ class Recording:
     def _motion(self, marker: int) -> Array:
         """Row of dynamics/bodies/motion.py of a marker in every state, (k, 24)."""
         if marker not in self._motions:
+            if len(self._motions) >= MARKERS:
+                self._motions.pop(next(iter(self._motions)))
             self._motions[marker], _ = series.marker_motions(self.model, marker, self.y)
         return self._motions[marker]
 

@@ -109,8 +109,8 @@ def recorded(
     model: Model,
     blocks: Callable[[], Iterable[tuple[Array, Array]]],
     memory: dict[Any, Any] | None = None,
-) -> Iterator[tuple[Recording, dict[str, Array]]]:
-    """Yield recordings of k states and values of the sensors (k,), block by block.
+) -> Iterator[tuple[Recording, Iterator[tuple[str, Array]]]]:
+    """Yield recordings of k states and names and values of the sensors (k,), block by block.
 
     blocks : gives times and states; called again for sensors that look at all of them before
     memory : what sensors keep of blocks that were shown in an earlier call
@@ -124,7 +124,7 @@ def recorded(
                 look(recording)
     for t, y in blocks():
         recording = Recording(model, t, y, memory)
-        yield recording, {name: sensor.values(recording) for name, sensor in sensors.items()}
+        yield recording, ((name, sensor.values(recording)) for name, sensor in sensors.items())
 
 
 def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, Any]:

@@ -163,7 +163,7 @@ class Stepper:
         """Return the outputs at the present time, (n,)."""
         block = np.array([self.t]), self.y[None]
         _, found = next(recorded(self.outputs, self._prepared.model, lambda: [block], self._memory))
-        return np.array([found[name][0] for name in self.outputs])
+        return np.array([values[0] for _, values in found])
 
 
 def _require_restarts(spec: RunSpec) -> None:
