@@ -38,7 +38,15 @@ from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError, counted
 from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
-from .interrupts import INTERRUPTED, exit_code, heard, of_a_signal, starting
+from .interrupts import (
+    INTERRUPTED,
+    ending_words,
+    exit_code,
+    heard,
+    ignore,
+    of_a_signal,
+    starting,
+)
 from .package.common.replaceable import named_by_user
 
 EPILOG = """\
@@ -77,8 +85,14 @@ def main(arguments: list[str] | None = None) -> int:
     if words and words[0] not in known.commands() and _is_case(words[0]):
         words = ["run", *words]
     options = known.parsed(words)
-    with heard():
-        return exit_code(_guarded(options))
+    try:
+        with heard():
+            code = exit_code(_guarded(options))
+    except KeyboardInterrupt:  # while a message was printed, or between two handlers
+        code = exit_code(_interrupted())
+    if arguments is None:
+        ignore()  # all is done: a signal while Python ends would only be a traceback
+    return code
 
 
 def _is_case(word: str) -> bool:
@@ -97,7 +111,7 @@ def _guarded(options: argparse.Namespace) -> int:
             return code
     except (InputError, PackageError) as error:
         if of_a_signal(error):
-            return _nothing_written()
+            return _interrupted()
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
         return 2
@@ -111,10 +125,10 @@ def _guarded(options: argparse.Namespace) -> int:
         print(f"error: {where}{error.strerror or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        return _nothing_written()
+        return _interrupted()
     except Exception as error:
         if of_a_signal(error):
-            return _nothing_written()
+            return _interrupted()
         from .commands.defect import DEFECT, report
 
         print(f"error: {report(error)}", file=sys.stderr)
@@ -131,8 +145,8 @@ def _listed(value: object) -> list[object]:
     return value if isinstance(value, list) else [value]
 
 
-def _nothing_written() -> int:
-    print("interrupted: nothing written", file=sys.stderr)
+def _interrupted() -> int:
+    print(ending_words(), file=sys.stderr)
     return INTERRUPTED
 
 

@@ -21,6 +21,7 @@ if sys.platform != "win32":
 
 _received: list[int] = []  # since the command began
 _commands = 0  # that are under way in this process
+_written: list[str] = []  # the last file that this process has completed
 
 
 @contextlib.contextmanager
@@ -32,6 +33,7 @@ def heard() -> Iterator[None]:
     global _commands
     if not _commands:
         _received.clear()
+        _written.clear()
     _commands += 1
     try:
         with _handled(_interrupt), _not_lost():
@@ -71,8 +73,20 @@ def _send_again(number: int) -> None:
         signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
+def note_written(file: str) -> None:
+    """Note a file that is complete under its name."""
+    _written[:] = [file]
+
+
+def ending_words() -> str:
+    """Return what an interrupted command says of its files."""
+    if _written:
+        return f"interrupted: complete files are kept, the last is {_written[0]}"
+    return "interrupted: nothing written"
+
+
 def end_at_once() -> None:
-    """End the program at a signal while it starts: nothing is written yet.
+    """End the program at a signal while it starts.
 
     An exception within an import would be a traceback, or be taken for a missing module.
     """
@@ -102,26 +116,44 @@ def postponed() -> Iterator[None]:
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    os.write(2, b"interrupted: nothing written\n")
+    os.write(2, f"{ending_words()}\n".encode(errors="backslashreplace"))
     os._exit(128 + number)
 
 
 @contextlib.contextmanager
-def held() -> Iterator[None]:
+def held(patience_s: float | None = None) -> Iterator[None]:
     """Complete a block that saves results before a signal counts; a second one counts at once.
 
     In a command the signal is noted, see `asked`; elsewhere it is raised after the block.
+    With `patience_s`, a block that is not complete so long after the signal ends with
+    KeyboardInterrupt. Without timers of POSIX it has no patience.
     """
     late: list[int] = []
 
-    def note(number: int, frame: FrameType | None) -> None:
-        _received.append(number)
+    def delay(number: int, frame: FrameType | None) -> None:
+        note(number)
         if late:
             raise KeyboardInterrupt
         late.append(number)
+        if patience_s is None:
+            return
+        if not hasattr(signal, "setitimer"):
+            raise KeyboardInterrupt
+        alarm.append(signal.signal(signal.SIGALRM, expired))
+        # Repeated: Python drops an exception within a finalizer.
+        signal.setitimer(signal.ITIMER_REAL, patience_s, 0.2)
 
-    with _handled(note):
-        yield
+    def expired(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    alarm: list[Any] = []
+    try:
+        with _handled(delay):
+            yield
+    finally:
+        if alarm:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, alarm[0])
     if late and not _commands:
         raise KeyboardInterrupt
 
@@ -172,9 +204,30 @@ def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:
 
 
 def ignore() -> None:
-    """Leave all signals to the parent process, which ends this one."""
+    """Leave all signals to the parent process, which ends this one; or to nobody, at the end."""
     for number in NUMBERS:
         signal.signal(number, signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def shielded() -> Iterator[None]:
+    """Start processes that call `ignore`: before that, from the first instruction, they hear none.
+
+    A signal to this process counts after the block.
+    """
+    with postponed():
+        if not hasattr(signal, "pthread_sigmask"):
+            yield
+            return
+        from multiprocessing import resource_tracker
+
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, NUMBERS)
+        try:
+            resource_tracker.ensure_running()  # a process too; its start unblocks some
+            signal.pthread_sigmask(signal.SIG_BLOCK, NUMBERS)
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def handle(handler: Callable[[int, FrameType | None], None]) -> None:
@@ -199,5 +252,10 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    _received.append(number)
+    note(number)
     raise KeyboardInterrupt
+
+
+def note(number: int) -> None:
+    """Note a signal that a handler turns into KeyboardInterrupt."""
+    _received.append(number)

@@ -25,6 +25,7 @@ class Answer:
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
     finest : of a request that is not met, the run with all modes of the package of the check
     beyond : where the delivered run leaves the range of the theory, in words
+    plan_sha256 : of the plan as it was read from its file, or written there
     delivered : the finest run, or that of the check, or of the model if there is none
     """
 
@@ -45,6 +46,7 @@ class Answer:
     horizon: float | None = None
     tried: list[tuple[str, float, Array]] = field(default_factory=list)
     beyond: list[str] = field(default_factory=list)
+    plan_sha256: str = ""
 
     @property
     def estimates(self) -> dict[str, float]:

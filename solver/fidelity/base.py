@@ -19,7 +19,7 @@ from ..package.body.selection import (
 )
 from ..package.body.specification import DIRECTIONS
 from ..package.body.transform import rigid
-from ..run.integration import integrated
+from ..run.integration import complete
 from ..run.outcome import RunSpec
 from ..run.preparation import prepare
 from .model import DAMPED, with_values
@@ -84,7 +84,7 @@ def _motion(spec: RunSpec, packages: dict[str, ModalPackage]) -> tuple[Base | No
     )
     mechanism = with_values(spec.mechanism, solver=solver)
     prepared = prepare(mechanism, {**spec.packages, **packages})
-    solution = integrated(prepared).solution
+    solution = complete(prepared).solution
     if solution.status != "finished":
         return None, f"{solution.status} at t = {solution.t[-1]:.4g} s: {solution.message}"
     rates, multipliers = series.along_solution(prepared.model, solution.t, solution.y)

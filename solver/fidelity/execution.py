@@ -8,7 +8,7 @@ from typing import Any
 from ..package import ModalPackage
 from ..results import RunResult
 from ..run.execution import package_of, read_run
-from ..run.inputs_digest import inputs_sha256, plan_file, plan_sha256
+from ..run.inputs_digest import inputs_sha256, plan_file, plan_sha256, still
 from ..run.outcome import RunSpec
 from ..run.timing import Stopwatch
 from .answer import Answer
@@ -70,9 +70,10 @@ def answered(
     spec, digest : what `read_run` and `inputs_sha256` return for the file, if known
     allow_doubtful : as in `read_package`
     """
+    before = inputs_sha256(file) if digest is None else digest
     spec, packages = read_planned(file, spec, allow_doubtful=allow_doubtful)
     where = plan_file(file)
-    digest = inputs_sha256(file) if digest is None else digest
+    digest = still(file, before)
     known = {
         name: {
             "model": vibration_labels(spec.packages[name]),
@@ -80,15 +81,17 @@ def answered(
         }
         for name in flexible_names(spec)
     }
-    given = None if again else kept_plan(where, known, digest)
+    of_file = plan_sha256(where)
+    given = None if again or not digest else kept_plan(where, known, digest)
     answer = plan_of(spec, packages)
     if given is not None:
-        answer.plan = given
+        answer.plan, answer.plan_sha256 = given, of_file
         return checked(answer, promote=False) if check else answer
     if check:
         answer = checked(answer)
     answer.plan = replace(answer.plan, inputs_sha256=digest)
     write_plan(where, answer.plan, remarks(answer))
+    answer.plan_sha256 = plan_sha256(where)
     return answer
 
 
@@ -112,7 +115,8 @@ def delivered(
     tried = tried_models(answer)
     summary["fidelity"] = {
         **entry(answer),
-        "plan_sha256": plan_sha256(plan_file(file)),
+        "plan_sha256": answer.plan_sha256,
         "ladder": tried.entry() if tried else None,
     }
+    summary["inputs_sha256"] = answer.plan.inputs_sha256
     return result, summary

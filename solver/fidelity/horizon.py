@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..package import ModalPackage
-from ..run.integration import integrated
+from ..run.integration import complete
 from ..run.outcome import RunSpec
 from ..run.preparation import prepare
 from ..signals import Recording
@@ -31,7 +31,7 @@ def horizon(trial: Trial, names: list[str], accuracy: float) -> float | None:
         prepared = prepare(spec.mechanism, spec.packages)
     except InputError:
         return None
-    finished = integrated(prepared)
+    finished = complete(prepared)
     solution = finished.solution
     if solution.status != "finished" or not trial.complete:
         return None

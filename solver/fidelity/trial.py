@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ..checks.finished import FinishedRun
 from ..errors import InputError
 from ..math.arrays import Array
-from ..run.integration import integrated
+from ..run.integration import complete
 from ..run.outcome import RunSpec, collect
 from ..run.preparation import Prepared, prepare
 from ..run.timing import work_s
@@ -69,7 +69,7 @@ def tried(
     begin = work_s()
     own = planned(spec, plan, model, check)
     prepared = prepare(own.mechanism, own.packages)
-    finished = integrated(prepared)
+    finished = complete(prepared)
     solution = finished.solution
     recording = Recording(finished.model, solution.t, solution.y)
     compared = relatives(names, own.mechanism, prepared.built, solution.y[0])

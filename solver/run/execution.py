@@ -19,17 +19,17 @@ from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.finding import Finding
 from .disk_usage import disk_note, nearest_folder
-from .inputs_digest import inputs_sha256
+from .inputs_digest import inputs_sha256, still
 from .integration import integrated
 from .other_runs import histories_of
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
-from .timing import Stopwatch
+from .timing import FIRST_LINE_S, Stopwatch, Told
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
-FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
+PATIENCE_S = 1.5  # to complete the files of a run after a signal
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
@@ -217,7 +217,7 @@ def execute(
     """
     clock = Stopwatch()
     solved = _solved(spec, clock, progress, folder, allow_python=allow_python)
-    return _collected(spec, *solved, clock, folder)
+    return _collected(spec, *solved, clock, folder, progress)
 
 
 def _solved(
@@ -262,8 +262,10 @@ def _collected(
     solve_s: float,
     clock: Stopwatch,
     folder: Path | None,
+    progress: bool,
 ) -> tuple[RunResult, dict[str, Any]]:
-    result, summary = collect(spec, prepared.measured, finished, solve_s, folder)
+    told = Told(spec.run, "signals and reactions", show=progress)
+    result, summary = collect(spec, prepared.measured, finished, solve_s, folder, told)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
     return result, summary
@@ -294,17 +296,18 @@ def run_file(
     """
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file, allow_doubtful=allow_doubtful)
+    digest = still(file, digest)
     clock.lap("load")
     disk = nearest_folder(out)
     if note := disk_note(spec, disk):
         print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
     if planned is not None and spec.mechanism.fidelity is not None:
-        return _written(out, spec, *planned(spec, digest), digest, clock, import_s)
+        return _written(out, spec, *planned(spec, digest), digest, clock, import_s, progress)
     solving = Stopwatch()
     solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
-    with held():  # what is computed is kept
-        found = _collected(spec, *solved, solving, disk)
-        return _written(out, spec, *found, digest, clock, import_s)
+    with held(PATIENCE_S):  # what is computed is kept
+        found = _collected(spec, *solved, solving, disk, progress)
+        return _written(out, spec, *found, digest, clock, import_s, progress)
 
 
 def _written(
@@ -315,18 +318,20 @@ def _written(
     digest: str,
     clock: Stopwatch,
     import_s: float,
+    progress: bool,
 ) -> dict[str, Any]:
     """Write result and summary of a run; return the summary."""
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
     every = spec.mechanism.solver.node_positions == "all"
-    write_result(out / "result.vtkhdf", result, all_positions=every)
+    told = Told(spec.run, "writing", show=progress)
+    write_result(out / "result.vtkhdf", result, all_positions=every, told=told)
     clock.lap("write")
     seconds = summary["cost"]["seconds"]
     seconds["import"] = import_s
     seconds["load"] += clock.seconds["load"]
     seconds["write"] = clock.seconds["write"]
-    summary["inputs_sha256"] = digest
+    summary.setdefault("inputs_sha256", digest)  # a run with a plan reads more, later
     # Last: the sign of a finished run.
     write_summary(out / "summary.json", summary)
     return summary

@@ -25,6 +25,14 @@ def inputs_sha256(file: Path) -> str:
     return digest.hexdigest()
 
 
+def still(file: Path, digest: str) -> str:
+    """Return the digest of inputs that were read since it was computed; "" if they have changed.
+
+    Then nobody knows what was read, and the result is up to date with nothing.
+    """
+    return digest if inputs_sha256(file) == digest else ""
+
+
 def plan_file(file: Path) -> Path:
     """Return where the plan of a run file with `[fidelity]` is."""
     return file.parent.parent / "plans" / f"{file.stem}.toml"

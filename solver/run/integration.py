@@ -62,3 +62,17 @@ def integrated(
         )
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
+
+
+def complete(prepared: Prepared) -> FinishedRun:
+    """Integrate a run that serves another purpose than its own results: a part of it is no use.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        A signal has ended it. `integrated` keeps its part.
+    """
+    finished = integrated(prepared)
+    if finished.solution.status == "interrupted":
+        raise KeyboardInterrupt
+    return finished

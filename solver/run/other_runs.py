@@ -8,7 +8,7 @@ import numpy as np
 from ..inputs.case.combining import needed
 from ..math.arrays import Array
 from ..signals import Histories, recorded
-from .integration import integrated
+from .integration import complete
 from .outcome import RunSpec
 from .preparation import prepare
 
@@ -40,7 +40,7 @@ def histories_of(
     for run, names in needed(signals).items():
         other = runs[run]
         prepared = prepare(other.mechanism, other.packages, names, allow_python=allow_python)
-        finished = integrated(prepared)
+        finished = complete(prepared)
         recordings = recorded(prepared.measured, finished.model, finished.blocks)
         blocks = [(recording, dict(rows)) for recording, rows in recordings]
         values = {name: np.concatenate([v[name] for _, v in blocks]) for name in names}

@@ -1,5 +1,6 @@
 """Where the CPU time of a run goes."""
 
+import sys
 import time
 from collections.abc import Mapping
 
@@ -9,6 +10,7 @@ from ..math.compiled import statistics
 # signals; integrate: steps; monitors: checks after steps; recover: signals and checks of the
 # solution; write: result.vtkhdf.
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
+FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 
 
 def work_s() -> float:
@@ -17,6 +19,22 @@ def work_s() -> float:
     These are compiled once for each release: planning with a budget must not pay for that.
     """
     return time.process_time() - statistics.load_s
+
+
+class Told:
+    """Tells how far a stage is: a line on standard error after 2 s, then at doubled intervals."""
+
+    def __init__(self, label: str, stage: str, *, show: bool) -> None:
+        self._words = f"{label}: {stage}"
+        self._begin, self._next = time.perf_counter(), FIRST_LINE_S if show else float("inf")
+
+    def __call__(self, part: float) -> None:
+        """Note the part that is done."""
+        seconds = time.perf_counter() - self._begin
+        if seconds > self._next:
+            self._next *= 2.0
+            text = f"{self._words}: {100.0 * part:.0f} %, {seconds:.0f} s"
+            print(text, file=sys.stderr, flush=True)
 
 
 class Stopwatch:

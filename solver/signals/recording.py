@@ -11,7 +11,6 @@ from ..dynamics.bodies.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE,
 from ..dynamics.model import Model
 from ..math.arrays import Array
 
-
 MARKERS = 32  # whose motions are kept: signals of a place follow each other
 
 

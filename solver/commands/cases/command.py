@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,14 @@ from ...math.cores import cores
 from ...package.common.replaceable import RECORD as FILES
 from ..exit_codes import INCOMPLETE, INPUT, INTERRUPTED, worst
 from .chosen import build_folder, chosen_runs, chosen_sweeps
-from .finished import RECORD, finished_before, note_finished, request_of
+from .finished import (
+    RECORD,
+    finished_before,
+    note_finished,
+    request_of,
+    state_of,
+    state_since,
+)
 from .turn import turn
 
 # What the results depend on, of the options of a command.
@@ -60,7 +68,9 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         if not options.quiet:
             print(f"{out}: {text}", file=sys.stderr, flush=True)
 
+    begin, inputs = time.time_ns(), {file: state_of(file)}
     case = load_case(file, coarse=options.coarse, sweeps=options.sweep or ())
+    inputs |= {source: state_since(source, begin) for source in source_files(case)}
     runs, sweeps = chosen_runs(case, options.run), chosen_sweeps(case, options.sweep)
     if sweeps and not options.run:
         runs = []
@@ -71,6 +81,8 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     named = {each: named_packages(each) for each in files}
     if options.packages is None:
         _build(named, jobs, say, quiet=options.quiet, keep_going=not runs)
+    used = [out / entry["file"] for entries in named.values() for entry in entries]
+    inputs |= {package: state_of(package) for package in used}
     codes, text = [], ""
     if runs:
         code, text = _integrated(out, runs, options, jobs, say)
@@ -81,8 +93,6 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         text = text or str(out / "sweeps" / sweeps[0])
     code = worst(codes)
     if code in (0, INCOMPLETE):
-        used = [out / entry["file"] for entries in named.values() for entry in entries]
-        inputs = [file, *source_files(case), *used]
         results = _results(out, runs, sweeps)
         note_finished(out, request, code, text, inputs, results, shared=(MANIFEST,))
     return code

@@ -8,7 +8,7 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ def note_finished(
     request: str,
     code: int,
     text: str,
-    inputs: Iterable[Path],
+    inputs: Mapping[Path, list[int]],
     results: Iterable[Path],
     shared: Collection[str] = (),
 ) -> None:
@@ -50,7 +50,7 @@ def note_finished(
 
     Parameters
     ----------
-    inputs : files that it depends on, besides the program
+    inputs : files that it depends on, besides the program, with their states when they were read
     results : files in `out` that it has made or used
     shared : names of results that other commands add to: these must only be there
     """
@@ -62,7 +62,7 @@ def note_finished(
         "code": code,
         "text": text,
         "program": _program(),
-        "inputs": {str(file.absolute()): state_of(file) for file in inputs},
+        "inputs": {str(file.absolute()): state for file, state in inputs.items()},
         "results": {
             file.relative_to(out).as_posix(): None if file.name in shared else state_of(file)
             for file in results
@@ -96,6 +96,15 @@ def state_of(file: Path) -> list[int]:
     except OSError:
         return []
     return [found.st_size, found.st_mtime_ns]
+
+
+def state_since(file: Path, begin: int) -> list[int]:
+    """Return `state_of` a file that was read after `begin` [ns]; one that no file has if it may
+    have changed since, so that the record does not tell what was read."""
+    try:
+        return state_of(file) if os.stat(file).st_ctime_ns < begin else [-1]
+    except OSError:
+        return [-1]
 
 
 @cache

@@ -6,12 +6,12 @@ import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
-from ...interrupts import ignore
+from ...interrupts import ignore, shielded
 
 TASKS = 100  # of a process, after which a new one takes its place: its memory is free again
 
@@ -97,8 +97,9 @@ class Local:
             return self._workers[lane].pool.submit(function, *arguments)
         if lane in self._workers:
             self._workers.pop(lane).close(at_once=True)
-        self._workers[lane] = _Thread() if self._threads else _Process()
-        return self._workers[lane].pool.submit(function, *arguments)
+        with nullcontext() if self._threads else shielded():  # the process starts in `submit`
+            self._workers[lane] = _Thread() if self._threads else _Process()
+            return self._workers[lane].pool.submit(function, *arguments)
 
     def close(self, *, at_once: bool) -> None:
         """End all workers."""

@@ -1,11 +1,13 @@
 """Specifications of a batch, handed out to an executor: each mesh to one worker if possible."""
 
+import json
 from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ...inputs.common.gmsh_file import content_sha256
 from ...inputs.scripts import are_refused
 from ..executors.executor import Executor, Task, distribute
 from ..executors.local import Local
@@ -13,6 +15,7 @@ from .interpreter import find_interpreter
 from .launch import Line
 from .task import Start, crashed, make, preprocessors
 
+MESHES = (".msh", ".geo", ".py")
 MOST_CRASHES = 3  # number of crashes without a result in between after which the batch is aborted
 
 
@@ -52,6 +55,11 @@ class _Specifications:
 
     def took(self, task: Task, result: Any) -> None:
         """Report an outcome. Raises InputError: the preprocessor crashes all the time."""
+        if result["status"] == "built" and (changed := _changed_mesh(task.content)):
+            # Nobody knows which content was read: the file would be taken for that of the first.
+            task.content.with_suffix(".vtkhdf").unlink(missing_ok=True)
+            words = f"{changed}: was changed while it was analysed; the same command does it again"
+            result = result | {"status": "failed", "error": words}
         self._crashes = self._crashes + 1 if "crashed" in result else 0
         if self._crashes == MOST_CRASHES:
             raise InputError(f"the preprocessor does not run: {result['crashed']}")
@@ -60,6 +68,23 @@ class _Specifications:
     def lost(self, task: Task) -> None:
         """Report a file whose worker died."""
         self._done(task.content, crashed("its worker died"))
+
+
+def _changed_mesh(spec: Path) -> str:
+    """Return a mesh or script that is not as its specification has read it; "" if there is none."""
+    pending: list[Any] = [json.loads(spec.read_text(encoding="utf-8"))]
+    while pending:
+        value = pending.pop()
+        if isinstance(value, dict):
+            name, digest = value.get("file"), value.get("sha256")
+            if isinstance(name, str) and isinstance(digest, str) and name.endswith(MESHES):
+                file = Path(name)
+                if not file.is_file() or content_sha256(file) != digest:
+                    return name
+            pending += value.values()
+        elif isinstance(value, list):
+            pending += [each for each in value if isinstance(each, dict | list)]
+    return ""
 
 
 def start_of(command: str, options: Sequence[str], executor: Executor) -> Start:

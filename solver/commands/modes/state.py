@@ -15,7 +15,7 @@ from ...mechanism.equilibrium import resting_state
 from ...mechanism.initial import Start, consistent_state
 from ...mechanism.relative_equilibrium import Steady, relative_equilibrium
 from ...mechanism.start import starting_state
-from ...run.integration import integrated
+from ...run.integration import complete
 from ...run.outcome import RunSpec
 from ...run.preparation import prepare
 from .place import At
@@ -107,7 +107,7 @@ class States:
         if t > solver.t_end * (1.0 + 1e-9):
             raise InputError(f"--at t={t:g}: expected {self._span()}")
         spec = self.spec.changed({"solver.t_end": t, "solver.output_step": t})
-        finished = integrated(prepare(spec.mechanism, spec.packages, ()))
+        finished = complete(prepare(spec.mechanism, spec.packages, ()))
         solution = finished.solution
         if solution.status != "finished":
             raise InputError(

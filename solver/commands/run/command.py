@@ -14,7 +14,7 @@ from typing import Any
 
 from ...errors import InputError, PackageError, few
 from ...inputs.case.extreme import ERRORS, out_of_range
-from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
+from ...interrupts import INTERRUPTED, asked, ending_words, handle, note, passed_to_children
 from ...package.common.replaceable import refuse_foreign
 from ...results.damping import damping_lines
 from ...results.verdict import invalid_words
@@ -143,7 +143,7 @@ def _outcome(task: _Task) -> Outcome:
         where = f"{error.filename}: " if error.filename else ""
         return Outcome(INPUT, errors=[f"{where}{error.strerror or error}"])
     except KeyboardInterrupt:
-        return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
+        return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
     except Exception as error:
         if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
             return Outcome(INPUT, errors=[message])
@@ -234,6 +234,7 @@ def _begin(stop: Any) -> None:
     told: list[int] = []
 
     def interrupted(number: int, *_: Any) -> None:
+        note(number)
         told.append(number)
         if _busy and len(told) == 1:
             raise KeyboardInterrupt

@@ -7,9 +7,11 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from ...errors import InputError
 from ...interrupts import held
 from ...math.compiled import COMPILED
 from ...results import ResultError
+from ..cases.finished import state_of
 from ..executors.executor import Executor, distribute
 from ..executors.local import Local
 from .file import believed_rows, result_of, write_sweep
@@ -43,6 +45,7 @@ class Work:
 
     def __init__(self, plan: Plan, file: Path, known_in: Sequence[Path], *, show: bool) -> None:
         self.plan, self.file, self.show = plan, file, show
+        self._read = self._states()
         self.keys = plan.keys()
         known = {key: row for path in known_in for key, row in _known(path).items()}
         self.rows = [known.get(key, Row(key)) for key in self.keys]
@@ -62,6 +65,7 @@ class Work:
         ) as bar:
 
             def report(number: int, row: Row) -> None:
+                self._require_unchanged()
                 self.rows[number] = row
                 if row.defect:
                     bar.write(row.defect, file=sys.stderr, end="")
@@ -77,6 +81,20 @@ class Work:
                 return False
             finally:
                 self.save()
+
+    def _states(self) -> dict[Path, list[int]]:
+        """Return the states of the files that workers read."""
+        packages = (self.plan.package_file(k) for k in range(len(self.plan.packages)))
+        return {file: state_of(file) for file in (self.plan.file, *packages)}
+
+    def _require_unchanged(self) -> None:
+        """Raise InputError for files that are no longer those of the keys of the rows."""
+        for file, state in self._states().items():
+            if state != self._read[file]:
+                raise InputError(
+                    f"{file}: was changed while the sweep ran; the same command computes the "
+                    "members that are left"
+                )
 
     def save(self) -> None:
         """Write the file; it is whole at any time."""
