@@ -10,6 +10,7 @@ from ..math.rotations import rotation_matrices
 from ..math.rows import ComputedRows, computed
 from .schema import BodyGeometry
 
+MANY = 16  # rigid bodies that are moved together
 MOST_STORED = 100_000_000  # bytes of positions that a result file has in any case
 
 
@@ -50,16 +51,33 @@ def all_positions(q: Any, bodies: Sequence[Moved]) -> Any:
 
     count = sum(len(nodes) for _, nodes, _ in bodies)
 
+    starts = np.cumsum([0] + [len(nodes) for _, nodes, _ in bodies])
+    rigid = [i for i, (_, _, shapes) in enumerate(bodies) if not len(shapes)]
+    # Many rigid bodies together: each has few nodes. It takes more memory for each of them.
+    rigid = rigid if len(rigid) > MANY else []
+    single = sorted(set(range(len(bodies))) - set(rigid))
+    sizes = [len(bodies[i][1]) for i in rigid]
+    of_rigid = _joined([np.arange(starts[i], starts[i + 1]) for i in rigid], 0).astype(int)
+    nodes_B = _joined([bodies[i][1] for i in rigid], 3)
+    columns = np.array([bodies[i][0] for i in rigid], dtype=int)[:, None] + np.arange(7)
+
     def points(first: int, end: int) -> Array:
-        some, at = q[first:end], 0
+        some = q[first:end]
         found = np.empty((len(some), count, 3))
-        for body in bodies:
-            _, nodes, _ = body
-            node_positions(some, *body, found[:, at : at + len(nodes)])
-            at += len(nodes)
+        for i in single:
+            node_positions(some, *bodies[i], found[:, starts[i] : starts[i + 1]])
+        if rigid:
+            at = some[:, columns]
+            A = rotation_matrices(at[..., 3:].reshape(-1, 4)).reshape(*at.shape[:2], 3, 3)
+            turned = np.einsum("kiab,ib->kia", np.repeat(A, sizes, axis=1), nodes_B)
+            found[:, of_rigid] = turned + np.repeat(at[..., :3], sizes, axis=1)
         return found
 
     return computed(q, (len(q), count, 3), points)
+
+
+def _joined(parts: list[Array], width: int) -> Array:
+    return np.concatenate(parts) if parts else np.zeros((0, width) if width else 0)
 
 
 def drawn_by_views(bodies: Sequence[BodyGeometry]) -> bool:

@@ -15,6 +15,7 @@ from .nodes import drawn_by_views, positions_of_views
 from .records import Record, read_record, read_table, read_texts
 from .schema import (
     FORMAT,
+    FORMAT_VERSION,
     TABLES_VERSION,
     ResultError,
     RunResult,
@@ -42,7 +43,7 @@ def read_result(path: str | Path) -> RunResult:
         if major > TABLES_VERSION[0]:
             raise ResultError(
                 f"{path}: written by a newer Plymotion: format {major}.{minor}, "
-                f"this reader knows {TABLES_VERSION[0]}.x"
+                f"this reader knows {FORMAT_VERSION[0]}.x and {TABLES_VERSION[0]}.x"
             )
         result = _load(path, file)
         if (major, minor) > (1, 0):  # 1.0 had none

@@ -176,21 +176,25 @@ def spokes(nodes_B: Array, width: float) -> Surface:
 
 def add_bars(parts: Parts, nodes_B: Array, width: float) -> None:
     """Add square bars from the first node to each of the others."""
-    for k in range(1, len(nodes_B)):
-        if np.linalg.norm(nodes_B[k] - nodes_B[0]) > 1e-9:
-            axes = frames_along(nodes_B[[0, k]], None)[0]
-            _bar(parts, (0, k), axes, width)
-
-
-def _bar(parts: Parts, nodes: tuple[int, int], axes_B: Array, width: float) -> None:
+    along = nodes_B - nodes_B[0]
+    length = np.linalg.norm(along, axis=1)
+    ends = np.flatnonzero(length > 1e-9)
+    if not len(ends):
+        return
+    e1 = along[ends] / length[ends, None]
+    e2 = np.cross(e1, np.eye(3)[np.argmin(np.abs(e1), axis=1)])
+    e2 /= np.linalg.norm(e2, axis=1)[:, None]
+    across = np.stack([e2, np.cross(e1, e2)], axis=1)  # (bars, 2, 3)
     outline = square(width)
-    flat = np.column_stack([np.zeros(4), outline.points]) @ axes_B.T
-    one, two = (parts.points(np.full(4, node), flat) for node in nodes)
-    loop, none = outline.loops[0], np.full((4, 4), -1)
+    corners = outline.points @ across
+    nodes = np.repeat(np.column_stack([np.zeros_like(ends), ends]), 4, axis=1)
+    one = parts.points(nodes.ravel(), np.concatenate([corners, corners], axis=1).reshape(-1, 3))
+    loop, two = outline.loops[0], outline.loops[0] + 4
     there = np.roll(loop, -1)
-    parts.quads(np.column_stack([one + loop, two + loop, two + there, one + there]), none)
-    for face in (one + loop[::-1], two + loop):
-        parts.quads(face[None], none[:1])
+    sides = np.column_stack([loop, two, there + 4, there])
+    faces = np.concatenate([sides, loop[None, ::-1], two[None]])
+    quads = (one + 8 * np.arange(len(ends)))[:, None, None] + faces
+    parts.quads(quads.reshape(-1, 4), np.full((len(ends) * len(faces), 4), -1))
 
 
 def frames_along(nodes_B: Array, first_B: Array | None) -> Array:

@@ -32,7 +32,7 @@ class Told:
         """Note the part that is done."""
         seconds = time.perf_counter() - self._begin
         if seconds > self._next:
-            self._next *= 2.0
+            self._next = 2.0 * seconds
             text = f"{self._words}: {100.0 * part:.0f} %, {seconds:.0f} s"
             print(text, file=sys.stderr, flush=True)
 
