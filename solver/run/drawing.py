@@ -50,8 +50,8 @@ def with_views(
     states = np.asarray(y[times])
     reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
     found = []
-    # By the identity of the package: bodies may share one.
-    surfaces: dict[int, Callable[[], Surface]] = {}
+    # By the identity of the package, or what a rigid body is drawn from: bodies may share one.
+    surfaces: dict[Any, Callable[[], Surface]] = {}
     for i, body in enumerate(bodies):
         package, first = built.packages.get(body.name), int(model.pos_start[i])
         mass = float(model.mass[i])
@@ -62,6 +62,10 @@ def with_views(
             # Beside a large neighbour, a small body is still to be seen.
             width = 2.0 * GLYPH * (max(_size(body.nodes_B), 0.5 * reach) or 0.1)
             centre_B = model.S0[i] / mass if mass else np.zeros(3)
+            drawn = body.nodes_B, box_B, edges, axes_B, width, reach or np.inf
+            key = tuple(np.asarray(part).tobytes() for part in drawn)
+            if key not in surfaces:
+                surfaces[key] = cache(partial(rigid_surface, *drawn))
             view = BodyView(
                 first_position=first,
                 shapes_B=np.zeros((0, len(body.nodes_B), 6)),
@@ -70,9 +74,7 @@ def with_views(
                 labels=(),
                 mass=mass,
                 centre_B=centre_B,
-                draw=partial(
-                    rigid_surface, body.nodes_B, box_B, edges, axes_B, width, reach or np.inf
-                ),
+                draw=surfaces[key],
             )
         else:
             q = states[:, first + 7 : first + 7 + package.n_mode]

@@ -1,0 +1,144 @@
+"""Result files of many bodies, joints and signals: tables in place of a group for each."""
+
+import dataclasses
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from result_samples import swinging_rod
+
+from plymotion.solver.math.rows import StoredRows, temporary_file
+from plymotion.solver.results import (
+    BodyGeometry,
+    ResultError,
+    RunResult,
+    Signal,
+    read_result,
+    write_result,
+)
+from plymotion.solver.results.nodes import all_positions, node_positions
+from plymotion.solver.results.rigid import rigid_surface
+from plymotion.solver.results.view import BodyView, Link, Side
+
+K = 5  # output times
+
+
+def crowd(count: int) -> RunResult:
+    """Free rigid bodies in a row, a joint and a signal for each; sizes differ."""
+    t = np.linspace(0.0, 1.0, K)
+    q = np.zeros((K, 7 * count))
+    q[:, 0::7] = np.arange(count) + t[:, None]
+    q[:, 3::7] = 1.0
+    bodies, links, signals = [], [], []
+    none = np.zeros(0, dtype=np.int64)
+    for i in range(count):
+        nodes = np.zeros((1 + i % 3, 3))
+        nodes[1:, 0] = 0.5
+        view = BodyView(
+            first_position=7 * i,
+            shapes_B=np.zeros((0, len(nodes), 6)),
+            stiffness=np.zeros((0, 0)),
+            frequencies=np.zeros(0),
+            labels=(),
+            mass=1.0 + i,
+            centre_B=np.zeros(3),
+            draw=lambda nodes=nodes: rigid_surface(
+                nodes, np.zeros(3), np.ones(3), np.eye(3), 0.1, 1.0
+            ),
+        )
+        name = f"Körper-{i}"
+        bodies.append(BodyGeometry(name, nodes, none, np.zeros(1, dtype=np.int64), none, view))
+        side = Side(i, np.full(3, float(i)), np.eye(3), np.zeros((3, 0)), np.zeros((3, 0)))
+        links.append(Link(f"j{i}", "spherical", (side, side), ("about x",)))
+        signals.append(Signal(f"s{i}", "m", f"number {i}", np.sin(i + t)))
+    zero = np.zeros(K)
+    moved = [
+        (7 * i, body.nodes_B, np.zeros((0, len(body.nodes_B), 3))) for i, body in enumerate(bodies)
+    ]
+    return dataclasses.replace(
+        swinging_rod(k=K),
+        t=t,
+        q=q,
+        v=np.zeros((K, 6 * count)),
+        multipliers=np.zeros((K, 3)),
+        energies=dict.fromkeys(("kinetic", "strain", "potential", "drive_work"), zero),
+        violations={},
+        bodies=tuple(bodies),
+        links=tuple(links),
+        signals=tuple(signals),
+        node_positions_G=all_positions(q, moved),
+        provenance={"command": "x" * 100_000},  # longer than an attribute of HDF5
+    )
+
+
+def same(one: object, two: object) -> bool:
+    if isinstance(one, BodyView):
+        assert isinstance(two, BodyView)
+        names = ("first_position", "shapes_B", "mass", "centre_B", "labels", "surface")
+        return all(same(getattr(one, name), getattr(two, name)) for name in names)
+    if dataclasses.is_dataclass(one):
+        return all(
+            same(getattr(one, f.name), getattr(two, f.name)) for f in dataclasses.fields(one)
+        )
+    if isinstance(one, tuple):
+        assert isinstance(two, tuple)
+        return len(one) == len(two) and all(map(same, one, two))
+    return bool(np.array_equal(np.asarray(one), np.asarray(two)))
+
+
+@pytest.mark.parametrize("count", [3, 150])
+def test_bodies_joints_and_signals_come_back(tmp_path: Path, count: int) -> None:
+    path, result = tmp_path / "result.vtkhdf", crowd(count)
+    write_result(path, result)
+    found = read_result(path)
+    for name in ("bodies", "links", "signals"):
+        assert same(getattr(result, name), getattr(found, name)), name
+    assert found.provenance == result.provenance
+    assert np.array_equal(found.node_positions_G, result.node_positions_G)
+    with h5py.File(path) as file:
+        version = file.attrs["format_version"].tolist()
+        assert version == ([1, 3] if count == 3 else [2, 0])  # old readers refuse tables
+
+
+def test_the_number_of_objects_does_not_grow_with_bodies_and_signals(tmp_path: Path) -> None:
+    """Each object of HDF5 takes a millisecond to write, and as long for the checksum."""
+    counts = []
+    for count in (150, 3000):  # names of the latter are longer than an attribute
+        write_result(tmp_path / "result.vtkhdf", crowd(count))
+        with h5py.File(tmp_path / "result.vtkhdf") as file:
+            seen: list[str] = []
+            file.visit(seen.append)
+        counts.append(len(seen))
+    assert counts[0] == counts[1] < 150
+
+
+def test_a_damaged_table_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "result.vtkhdf"
+    write_result(path, crowd(150))
+    with h5py.File(path, "r+") as file:
+        del file["results/bodies_table/mass/values"]
+    with pytest.raises(ResultError, match=r"/results/bodies_table: damaged table"):
+        read_result(path)
+
+
+def test_nodes_of_many_bodies_are_those_of_each() -> None:
+    random = np.random.default_rng(1)
+    q = random.normal(size=(4, 7 * 40))
+    bodies = [
+        (7 * i, random.normal(size=(1 + i % 3, 3)), np.zeros((0, 1 + i % 3, 3))) for i in range(40)
+    ]
+    expected = np.concatenate([node_positions(q, *body) for body in bodies], axis=1)
+    np.testing.assert_allclose(all_positions(q, bodies), expected, rtol=0.0, atol=1e-13)
+
+
+def test_rows_share_a_file(tmp_path: Path) -> None:
+    """A file for each signal would be more than a process may open."""
+    file, numbers = temporary_file(tmp_path), np.arange(60.0).reshape(20, 3)
+    one, two = StoredRows((3,), file), StoredRows((), file)
+    for first, end in ((0, 7), (7, 8), (8, 20)):
+        one.append(numbers[first:end])
+        two.append(-numbers[first:end, 0])
+    for key in (slice(None), slice(2, 15), slice(7, 8), 19, np.array([1, 6, 7, 8, 3])):
+        assert np.array_equal(one[key], numbers[key])
+        assert np.array_equal(two[key], -numbers[key, 0])
