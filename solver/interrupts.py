@@ -73,7 +73,7 @@ def _send_again(number: int) -> None:
         signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
-def note_written(file: str) -> None:
+def note_complete(file: str) -> None:
     """Note a file that is complete under its name."""
     _written[:] = [file]
 
@@ -178,15 +178,14 @@ def exit_code(code: int) -> int:
 def of_a_signal(error: BaseException) -> bool:
     """Tell whether an exception was made of a KeyboardInterrupt.
 
-    Python 3.11 turns one that comes while a class is made into a RuntimeError, and extensions in C
-    one that comes while a module is imported into an ImportError, without a trace of it.
+    Python 3.11 turns one that comes while a class is made into a RuntimeError, extensions in C one
+    that comes while a module is imported into an ImportError, Pydantic into a SchemaError; without
+    a trace of it. After a signal, therefore, each is taken for one.
     """
     found: BaseException | None = error
-    while found is not None:
-        if isinstance(found, KeyboardInterrupt) or (isinstance(found, ImportError) and asked()):
-            return True
+    while found is not None and not isinstance(found, KeyboardInterrupt):
         found = found.__cause__ or found.__context__
-    return False
+    return asked() or found is not None
 
 
 def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:

@@ -14,7 +14,15 @@ from typing import Any
 
 from ...errors import InputError, PackageError, few
 from ...inputs.case.extreme import ERRORS, out_of_range
-from ...interrupts import INTERRUPTED, asked, ending_words, handle, note, passed_to_children
+from ...interrupts import (
+    INTERRUPTED,
+    asked,
+    ending_words,
+    handle,
+    note,
+    of_a_signal,
+    passed_to_children,
+)
 from ...package.common.replaceable import refuse_foreign
 from ...results.damping import damping_lines
 from ...results.verdict import invalid_words
@@ -145,6 +153,8 @@ def _outcome(task: _Task) -> Outcome:
     except KeyboardInterrupt:
         return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
     except Exception as error:
+        if of_a_signal(error):
+            return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
         if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
             return Outcome(INPUT, errors=[message])
         return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])

@@ -8,7 +8,7 @@ import socket
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...interrupts import note_written
+from ...interrupts import note_complete
 from .replaceable import note_written, refuse_foreign
 
 _HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "_"
@@ -33,7 +33,7 @@ def temporary_sibling(path: Path, *, own: bool = False) -> Iterator[Path]:
         if not own:
             note_written(path)
         os.replace(temporary, path)
-        note_written(str(path))
+        note_complete(str(path))
     except OSError as error:
         if error.filename is not None and Path(os.fsdecode(error.filename)) == temporary:
             raise OSError(error.errno, error.strerror, str(path)) from error
