@@ -25,7 +25,6 @@ from .schema import (
     check_result,
 )
 from .summary import plain
-from .view import Link
 from .view_file import GEOMETRY, LAYOUT, link_record, view_record
 
 Item = TypeVar("Item")
@@ -134,7 +133,7 @@ def _named(items: Sequence[Item]) -> Sequence[Item]:
 def _write_records(
     group: h5py.Group,
     name: str,
-    items: Sequence[BodyGeometry] | Sequence[Link],
+    items: Sequence[Any],
     record: Callable[[Any], Record],
 ) -> None:
     """Write bodies or joints: a group for each, or a table of many."""
@@ -151,7 +150,7 @@ def _write_records(
 
 def _body_record(body: BodyGeometry) -> Record:
     own = {name: getattr(body, name) for name in GEOMETRY}
-    return own if body.view is None else own | view_record(body.view)
+    return own if body.view is None else {**own, **view_record(body.view)}
 
 
 def _write_signals(group: h5py.Group, result: RunResult, datasets: Datasets) -> None:

@@ -78,7 +78,7 @@ def collect(
     model, solution = finished.model, finished.solution
     t, y = solution.t, solution.y
     width = len(sensors) + model.n_constraint
-    stored = isinstance(y, LongRows) or 8 * width * len(t) > MOST_IN_MEMORY
+    stored = 8 * width * len(t) > MOST_IN_MEMORY or isinstance(y, LongRows)
     file = temporary_file(folder) if stored else None
     kept: dict[tuple[str, str], RowKeeper] = defaultdict(lambda: RowKeeper(file))
     past = Past(within=finished.in_play)
