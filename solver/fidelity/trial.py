@@ -76,8 +76,8 @@ def tried(
     measured = {n: s.values(recording) for n, s in compared.sensors(prepared.built).items()}
     signals, sizes = compared.judged(measured, plan.rtol, quiet)
     cpu = work_s() - begin
-    complete = solution.status == "finished"
-    return Trial(plan, own, prepared, finished, signals, sizes, complete, cpu)
+    whole = solution.status == "finished"
+    return Trial(plan, own, prepared, finished, signals, sizes, whole, cpu)
 
 
 def attempted(
