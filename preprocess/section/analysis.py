@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .adaptive import indicators, worst_cells
@@ -173,6 +174,10 @@ def analyse(
         if result.space.over is not None:
             points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
+    if degree_of(spec) is not None:  # a file of another code may have other units
+        size = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))
+        doubts = [*described_doubts(spec), *section_doubts(size, M[0, 0])]
+        warnings += [doubt.warning for doubt in not_allowed(spec, doubts)]
     of_ends = problem.end_compliance(result, lay.stiffness)
     seconds = time.perf_counter() - start
     return SectionFile(

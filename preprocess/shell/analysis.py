@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.common.plausible import described_doubts, not_allowed, shell_doubts
 from ...solver.package.shell.schema import (
     ShellCases,
     ShellFile,
@@ -65,7 +66,10 @@ def analyse(
     begin("mesh")
     problem = ShellProblem(spec, where, team, mesh)
     laminates, warnings = _laminates(problem)
-    warnings = [*problem.warnings, *warnings]
+    mass = sum(float(r.geometry.area.sum()) * r.stiffness.mass[0] for r in problem.regions)
+    doubts = [*described_doubts(spec), *shell_doubts(spec, problem.mesh.points_G, mass)]
+    units = [doubt.warning for doubt in not_allowed(spec, doubts)]
+    warnings = [*problem.warnings, *warnings, *units]
     cases, probes, u = _cases(problem, warnings, begin)
     stressed = Stressed(problem, cases.names, u)
     finer = FinerMesh(problem, begin)

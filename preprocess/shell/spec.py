@@ -40,7 +40,7 @@ TABLES = (
     "frequencies",
     "buckling",
 )
-OTHER = ("name", "title", "format")
+OTHER = ("name", "title", "format", "allow")
 REGION = (
     *("laminate", "material", "thickness", "offset", "shear_correction"),
     *("axis", "axis_curve", "axis_about", "flip"),

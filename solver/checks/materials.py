@@ -1,66 +1,77 @@
-"""Whether the numbers of a material can be those of a material in SI units."""
+"""Whether materials, sizes and masses of the bodies can be meant in SI units."""
 
-from collections.abc import Iterator, Mapping
-from math import sqrt
+from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
-from ..results.codes.course import MATERIAL_UNITS
+import numpy as np
+
+from ..package import ModalPackage
+from ..package.common.plausible import (
+    MATERIAL,
+    Doubt,
+    beam_doubts,
+    body_doubts,
+    described_doubts,
+    not_allowed,
+    section_doubts,
+    shell_doubts,
+)
+from ..results.codes.course import MATERIAL_UNITS, SIZE_UNITS
 from ..results.finding import Finding
 from .finished import FinishedRun
 
-# Speed of waves along the stiffest axis, sqrt(E / rho) [m/s]: silicone rubber 20 to 40, soft foam
-# 50, cork 500, steel 5000, diamond 18 000. With moduli in MPa, plies of carbon fibre have up to 15.
-SLOWEST, FASTEST = 20.0, 50_000.0
-# A void is a material without effect beside others, as a part of the stiffest and heaviest.
-VOID = 1e-3
-
-Materials = dict[str, tuple[float, float]]  # name: largest modulus [Pa], density [kg/m3]
-
 
 def material_findings(run: FinishedRun) -> Iterator[Finding]:
-    """Yield the materials of the packages whose stiffness does not fit their density."""
-    seen: set[tuple[str, float, float]] = set()
-    for body, package in run.packages.items():
-        for materials in _tables(package.provenance.get("spec")):
-            for name, (modulus, density) in materials.items():
-                if (name, modulus, density) in seen or _is_void(name, materials):
-                    continue
-                seen.add((name, modulus, density))
-                speed = sqrt(modulus / density)
-                if not SLOWEST <= speed <= FASTEST:
-                    yield MATERIAL_UNITS.finding(
-                        f"{body}: material {name} has E = {modulus:.4g} Pa and rho = "
-                        f"{density:.4g} kg/m3, so that waves travel along it at {speed:.2g} m/s "
-                        f"(expected {SLOWEST:g} to {FASTEST:g}): are they in Pa and kg/m3, not in "
-                        "MPa, GPa or g/cm3?",
-                        body=body,
-                        value=speed,
-                    )
+    """Yield materials and bodies whose numbers are unusual in SI units, a material once."""
+    seen: set[str] = set()
+    for body, doubt in _doubts(run):
+        if doubt.code in run.mechanism.allow or doubt.text in seen:
+            continue
+        if doubt.code == MATERIAL:  # bodies share materials
+            seen.add(doubt.text)
+        code = MATERIAL_UNITS if doubt.code == MATERIAL else SIZE_UNITS
+        yield code.finding(f"{body}: {doubt.text}", body=body, value=doubt.value)
 
 
-def _tables(spec: Any) -> Iterator[Materials]:
-    """Yield every table of materials of a specification, of its sections too."""
+def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:
+    for name, package in run.packages.items():
+        spec = package.provenance.get("spec")
+        for doubt in chain(_described(spec), _sized(package, spec)):
+            yield name, doubt
+    for name, body in run.mechanism.bodies.items():
+        if body.kind == "rigid":
+            for doubt in body_doubts(body.mass, float(np.linalg.eigvalsh(body.inertia)[-1])):
+                yield name, doubt
+
+
+def _described(spec: Any) -> Iterator[Doubt]:
+    """Doubts about all tables of materials of a specification, of its sections too."""
     if isinstance(spec, list):
         for item in spec:
-            yield from _tables(item)
-    if not isinstance(spec, dict):
+            yield from _described(item)
+    if isinstance(spec, dict):
+        if isinstance(spec.get("materials"), dict):
+            yield from not_allowed(spec, described_doubts(spec))
+        for key, value in spec.items():
+            if key != "materials":
+                yield from _described(value)
+
+
+def _sized(package: ModalPackage, spec: Any) -> Iterator[Doubt]:
+    """Doubts about the size of a beam or shell; of other packages, about the mass alone."""
+    mass = package.invariants.mass
+    shell = spec.get("shell") if isinstance(spec, dict) else None
+    if isinstance(shell, dict):
+        yield from not_allowed(shell, shell_doubts(shell, package.nodes_B, mass))
         return
-    for key, value in spec.items():
-        if key == "materials" and isinstance(value, dict):
-            yield {n: pair for n, m in value.items() if (pair := _numbers(m)) is not None}
-        else:
-            yield from _tables(value)
-
-
-def _numbers(material: Any) -> tuple[float, float] | None:
-    if not isinstance(material, Mapping) or not material.get("rho"):
-        return None
-    moduli = [float(material[key]) for key in ("E", "E1", "E2", "E3") if key in material]
-    return (max(moduli), float(material["rho"])) if moduli else None
-
-
-def _is_void(name: str, materials: Materials) -> bool:
-    stiffest = max(modulus for modulus, _ in materials.values())
-    heaviest = max(density for _, density in materials.values())
-    modulus, density = materials[name]
-    return modulus < VOID * stiffest and density < VOID * heaviest
+    # given matrices may belong to no shape
+    shapes = [section for section in package.sections if section.recovery is not None]
+    if shapes:
+        length = float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
+        spans = [np.ptp(section.recovery.points, axis=0) for section in shapes if section.recovery]
+        width = max(float(np.linalg.norm(span)) for span in spans)
+        yield from section_doubts(width, max(float(section.M[0, 0]) for section in shapes))
+        yield from beam_doubts(width, length, mass)
+    else:
+        yield from body_doubts(mass)

@@ -1,6 +1,6 @@
 """Findings about the numbers of a case: units of materials, splines through tables."""
 
-import dataclasses
+from dataclasses import replace
 
 import pytest
 from case_samples import rigid
@@ -20,7 +20,7 @@ def found_with(folder, materials):
     """Codes and messages of a run whose body is made of these materials."""
     spec = {"kind": "beam", "sections": [{"mesh": {}, "materials": materials}]}
     package = cantilever()
-    package = dataclasses.replace(package, provenance={**package.provenance, "spec": spec})
+    package = replace(package, provenance={**package.provenance, "spec": spec})
     found = judged(folder, FREE, {"bar": package}, t_end=0.01)
     return [w["message"] for w in found.summary["warnings"] if w["code"] == "material-units"]
 
@@ -63,6 +63,56 @@ def test_soft_light_and_stiff_materials_are_no_mistakes(tmp_path):
         "of a file without density": light | {"E": 70e9, "rho": 0.0},
     }
     assert found_with(tmp_path, known) == []
+
+
+def test_constants_of_one_material_in_different_units(tmp_path):
+    ply = CARBON | {"G12": 5.0, "G13": 5.0, "G23": 3.5}  # GPa beside Pa
+    (message,) = found_with(tmp_path, {"ply": ply})
+    assert "1.4e+11 and 3.5 Pa" in message
+    strong = ALUMINIUM | {"strength": {"yield_stress": 250.0}}  # MPa
+    (message,) = found_with(tmp_path, {"metal": strong})
+    assert "7e+10 and 250 Pa" in message
+    (message,) = found_with(tmp_path, {"metal": ALUMINIUM | {"E": 70.0, "rho": 2.7}})
+    assert "5.1 m/s" in message
+    assert found_with(tmp_path, {"example": ALUMINIUM | {"E": 100.0, "rho": 1.0}}) == []
+
+
+def sized(folder, text, **changes):
+    """Messages of `size-units` of a run of these bodies."""
+    package = replace(cantilever(), **changes)
+    found = judged(folder, text, {"bar": package}, t_end=0.01)
+    return [w["message"] for w in found.summary["warnings"] if w["code"] == "size-units"]
+
+
+@pytest.mark.provokes("size-units")
+def test_sizes_and_masses_in_other_units(tmp_path):
+    assert sized(tmp_path, FREE) == []
+    (section,) = cantilever().sections
+    points = 1e3 * section.recovery.points  # 60 by 30 mm, in m
+    wide = [replace(section, recovery=replace(section.recovery, points=points))]
+    (beam,) = sized(tmp_path, FREE, sections=tuple(wide))
+    assert "bar: the beam is" in beam, "size-units"
+    assert "1.501 m long" in beam
+    assert sized(tmp_path, 'allow = ["size-units"]' + FREE, sections=tuple(wide)) == []
+    heavy = rigid("block", 2e8, 1e8, {"centre": (0, 0, 0)})
+    (message,) = sized(tmp_path, FREE + heavy)
+    assert "block: the mass is 2e+08 kg" in message
+    rod = rigid("block", 1.0, 1e6 / 12.0, {"centre": (0, 0, 0)})  # 1 m, in kg mm2
+    (message,) = sized(tmp_path, FREE + rod)
+    assert "kg mm2" in message
+
+
+def test_what_is_meant_is_accepted(tmp_path):
+    spec = {"materials": {"gel": ALUMINIUM | {"E": 100.0, "rho": 1000.0}}}
+    package = cantilever()
+    for allowed, count in (({}, 1), ({"allow": ["material-units"]}, 0)):
+        provenance = {**package.provenance, "spec": {"sections": [spec | allowed]}}
+        soft = replace(package, provenance=provenance)
+        found = judged(tmp_path, FREE, {"bar": soft}, t_end=0.01)
+        assert found.codes.count("material-units") == count
+    bare = replace(package, provenance={**package.provenance, "spec": {"sections": [spec]}})
+    found = judged(tmp_path, 'allow = ["material-units"]' + FREE, {"bar": bare}, t_end=0.01)
+    assert "material-units" not in found.codes
 
 
 PUSHED = """

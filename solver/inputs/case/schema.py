@@ -45,6 +45,10 @@ class PointMass(Table):
 class Mechanism(Table):
     """Keys of one run; a variant may change any of them."""
 
+    allow: list[Literal["material-units", "size-units"]] = Field(
+        default=[],
+        description="warnings that are not shown, because the unusual numbers are meant",
+    )
     gravity: Vector = Field(
         default=[0.0, 0.0, 0.0],
         description="acceleration of free fall, global",

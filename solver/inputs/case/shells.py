@@ -92,7 +92,7 @@ def _shell(body: ShellBody, folder: Path) -> Any:
     # a description alone must request a result
     spec = shell_spec({**table, "frequencies": {}}, file)
     del spec["elements"]["mass_form"]  # the body's
-    parts = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")
+    parts = ("allow", "mesh", "materials", "laminates", "regions", "elements", "stiffeners")
     return {key: spec[key] for key in parts if key in spec}
 
 

@@ -133,10 +133,13 @@ class SectionDescription(Table):
         default=None,
         description="sign convention of ply angles; required if one of them is not 0",
     )
-    allow: list[Literal["nearly-incompressible", "ill-conditioned"]] = Field(
+    allow: list[
+        Literal["nearly-incompressible", "ill-conditioned", "material-units", "size-units"]
+    ] = Field(
         default=[],
         description="what is computed with a warning instead of an error: linear elements of a "
-        "material that locks, equations that appear to be singular",
+        "material that locks, equations that appear to be singular; warnings that are not shown, "
+        "because unusual materials or sizes are meant",
     )
     initial_curvature: Curvature | None = Field(
         default=None,

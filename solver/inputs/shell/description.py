@@ -273,6 +273,10 @@ class ShellDescription(Table):
 
     format: Literal[1] = Field(description="version of this format")
     title: str = Field(description="one line")
+    allow: list[Literal["material-units", "size-units"]] = Field(
+        default=[],
+        description="warnings that are not shown, because unusual materials or sizes are meant",
+    )
     mesh: Mesh = Field(description="a surface mesh with physical groups")
     materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
     laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")

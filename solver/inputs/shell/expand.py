@@ -77,6 +77,7 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
     spec = {
         "name": file.stem,
         "title": description.title,
+        **({"allow": list(description.allow)} if description.allow else {}),
         "mesh": mesh,
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "laminates": laminates,

@@ -1,5 +1,6 @@
 """Codes of the start, the course and the end of a run."""
 
+from ...package.common.plausible import MATERIAL, SIZE
 from ..finding import Code
 
 # The end of a run.
@@ -56,14 +57,27 @@ LOADED_START = Code(
     "without acceleration (`smooth_step`, `ramp`); none if a sudden release is meant",
     limit=0.05,
 )
+# solver/package/common/plausible.py has the limits with their sources.
 MATERIAL_UNITS = Code(
-    "material-units",
+    MATERIAL,
     "warning",
-    "modulus and density of a material do not fit together: they may be in other units than Pa and "
-    "kg/m3",
-    "sqrt(E / rho) below 20 or above 50 000 m/s; gels are slower, and materials of less than 0.001 "
-    "of the stiffness and density of others (voids) are not judged",
-    "correct the numbers: 70 GPa is 70e9, 1.6 g/cm3 is 1600",
+    "the constants of a material do not fit together: they may be in other units than Pa and kg/m3",
+    "sqrt(E / rho) below 20 or above 50 000 m/s, density outside 3 to 23 000 kg/m3, a modulus or "
+    "strength below 1e-7 of the largest modulus; gels are slower. Materials of less than 0.001 of "
+    "the stiffness and density of others (voids), those with a density of 1 (examples without "
+    "units) and sections of other codes' files are not judged",
+    "correct the numbers: 70 GPa is 70e9, 1.6 g/cm3 is 1600. If they are meant: "
+    '`allow = ["material-units"]` at the top of the case, section or shell',
+)
+SIZE_UNITS = Code(
+    SIZE,
+    "warning",
+    "a size or mass is unusual: lengths may be in mm, or an inertia in kg mm2",
+    "beam wider than long, shell thicker than its shorter side, plies of fibres outside 1e-6 to "
+    "0.1 m, sections outside 1e-7 to 50 m or above 5e4 kg/m, bodies above 1e8 kg or of less than "
+    "1e-4 kg/m3 (mass over the cube of twice the radius of gyration)",
+    "correct the numbers, or give a mesh in mm `scale = 1e-3`. If they are meant: "
+    '`allow = ["size-units"]` at the top of the case, section or shell',
 )
 TABLE_OVERSHOOTS = Code(
     "table-overshoots",
@@ -178,6 +192,7 @@ CODES = (
     START_MOVED,
     LOADED_START,
     MATERIAL_UNITS,
+    SIZE_UNITS,
     TABLE_OVERSHOOTS,
     LOCKED,
     CONSTRAINT_DRIFT,

@@ -1,0 +1,202 @@
+"""Whether materials and sizes can be meant in SI units: warnings, never errors.
+
+One place of limits for sections, shells, bodies and blades. `material_doubts` takes the tables of
+materials of any description. `allow` of a description lists the codes of what is meant.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...math.arrays import Array
+
+MATERIAL, SIZE = "material-units", "size-units"
+CODES = (MATERIAL, SIZE)
+
+# Speed of waves along the stiffest axis, sqrt(E / rho) [m/s]: silicone rubber 20 to 40, soft foam
+# 50, cork 500, steel 5000, diamond 18 000. With moduli in MPa, plies of carbon fibre have up to 15.
+SLOWEST, FASTEST = 20.0, 50_000.0
+# Density [kg/m3]: polystyrene foam from 10, aerogel 3 to 350 (Ashby, Materials Selection, charts of
+# modulus and density); tungsten 19 300, osmium 22 590.
+LIGHTEST, HEAVIEST = 3.0, 23_000.0
+WITHOUT_UNITS = 1.0  # density of examples in textbooks and manuals whose numbers have no units
+# A void is a material without effect beside others, as a part of the stiffest and heaviest.
+VOID = 1e-3
+# Smallest over largest modulus or strength of one material: honeycomb (in its plane, where walls of
+# t / l = 0.01 bend) 1e-4, its strength 1e-4 of that. With some numbers in MPa or GPa 1e-8 and less.
+MIXED = 1e-7
+
+# Plies of fibres [m]: spread tows from 1e-5; a layer of a blade's spar cap has up to 0.1.
+THINNEST_PLY, THICKEST_PLY = 1e-6, 0.1
+FIBRES = 2.0  # E1 over E2 and E3 of a ply with fibres
+# Size [m] and mass per length [kg/m] of a section: a road bridge has 40 m and 30e3 kg/m, the tower
+# and monopile of a wind turbine 10 m and 25e3 kg/m. With mm for m, a bar of 20 by 2 mm has 6e4.
+LARGEST_SECTION, HEAVIEST_SECTION = 50.0, 5e4
+SMALLEST_SECTION = 1e-7  # beams of microsystems have 1e-6
+HEAVIEST_BODY = 1e8  # [kg]: the ship Titanic 5e7. With mm for m, 0.1 kg become 1e8 kg.
+# Mass over the cube of twice the radius of gyration [kg/m3]: a boom of 20 m and 1 kg has 6e-4, a
+# solar sail of 100 kg and 80 m 2e-4. With kg mm2 for kg m2, a steel ball has 1e-5 and others less.
+THINNEST_BODY = 1e-4
+
+
+class Doubt(NamedTuple):
+    """A doubt about numbers of the user; `text` begins with what they belong to."""
+
+    code: str
+    text: str
+    value: float
+
+    @property
+    def warning(self) -> dict[str, str]:
+        """The warning of a file."""
+        return {"code": self.code, "message": self.text}
+
+
+def material_doubts(materials: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield the materials whose constants cannot be those of a material in Pa and kg/m3.
+
+    Parameters
+    ----------
+    materials : tables of constants by name, of any kind that a specification has
+    """
+    known = {name: pair for name, m in materials.items() if (pair := _numbers(m)) is not None}
+    for name, (modulus, least, density) in known.items():
+        if density == WITHOUT_UNITS:
+            continue
+        if least < MIXED * modulus:
+            text = (
+                f"material {name} has constants of {modulus:.4g} and {least:.4g} Pa: are all of "
+                "them in Pa, none in MPa or GPa?"
+            )
+            yield Doubt(MATERIAL, text, least / modulus)
+        if density == 0.0 or _is_void(name, known):
+            continue
+        speed = sqrt(modulus / density)
+        if not SLOWEST <= speed <= FASTEST:
+            text = (
+                f"material {name} has E = {modulus:.4g} Pa and rho = {density:.4g} kg/m3, so that "
+                f"waves travel along it at {speed:.2g} m/s (expected {SLOWEST:g} to {FASTEST:g}): "
+                "are they in Pa and kg/m3, not in MPa, GPa or g/cm3?"
+            )
+            yield Doubt(MATERIAL, text, speed)
+        elif not LIGHTEST <= density <= HEAVIEST:
+            text = (
+                f"material {name} has rho = {density:.4g} kg/m3 (expected {LIGHTEST:g} to "
+                f"{HEAVIEST:g}): is it in kg/m3, not in g/cm3?"
+            )
+            yield Doubt(MATERIAL, text, density)
+
+
+def described_doubts(spec: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield what is unusual about materials and plies of a specification of section or shell."""
+    materials = spec["materials"]
+    yield from material_doubts(materials)
+    for key in ("laminates", "regions"):
+        for name, table in spec.get(key, {}).items():
+            for i, ply in enumerate(table.get("plies", ())):
+                thickness = ply.get("thickness")
+                if thickness is None or not _has_fibres(materials.get(ply["material"])):
+                    continue
+                if not THINNEST_PLY <= thickness <= THICKEST_PLY:
+                    text = (
+                        f"{key}.{name}.plies[{i}] is {thickness:.4g} m thick (expected "
+                        f"{THINNEST_PLY:g} to {THICKEST_PLY:g}): is it in m, not in mm?"
+                    )
+                    yield Doubt(SIZE, text, thickness)
+                    break
+
+
+def section_doubts(size: float, mass: float) -> Iterator[Doubt]:
+    """Yield what is unusual about size [m] and mass per length [kg/m] of a section."""
+    if not SMALLEST_SECTION <= size <= LARGEST_SECTION:
+        limits = f"{SMALLEST_SECTION:g} to {LARGEST_SECTION:g}"
+        text = f"the section is {size:.4g} m wide (expected {limits}): is its mesh in m, not in mm?"
+        yield Doubt(SIZE, text, size)
+    elif mass > HEAVIEST_SECTION:
+        text = (
+            f"the section has a mass of {mass:.4g} kg/m (expected up to {HEAVIEST_SECTION:g}): are "
+            "lengths in m, not in mm, and densities in kg/m3?"
+        )
+        yield Doubt(SIZE, text, mass)
+
+
+def shell_doubts(spec: Mapping[str, Any], nodes: Array, mass: float) -> Iterator[Doubt]:
+    """Yield what is unusual about a shell: thickness against shorter side, mass [kg].
+
+    `nodes` (n, 3) are in any frame [m].
+    """
+    stacks = [table["plies"] for table in spec.get("laminates", {}).values()]
+    layers = [sum(float(ply["thickness"]) for ply in plies) for plies in stacks]
+    layers += [float(r["thickness"]) for r in spec["regions"].values() if "thickness" in r]
+    centred = nodes - nodes.mean(axis=0)
+    along = np.linalg.eigh(centred.T @ centred)[1]
+    thickness, width = max(layers), float(np.sort(np.ptp(centred @ along, axis=0))[1])
+    if thickness > width > 0.0:
+        text = (
+            f"the shell is {thickness:.4g} m thick, but its shorter side has {width:.4g} m: are "
+            "both in m, not in mm?"
+        )
+        yield Doubt(SIZE, text, thickness / width)
+    yield from body_doubts(mass)
+
+
+def beam_doubts(width: float, length: float, mass: float) -> Iterator[Doubt]:
+    """Yield what is unusual about a beam: diagonal of its largest section, length [m], mass [kg]."""
+    if width > length:
+        text = f"the beam is {width:.4g} m wide and {length:.4g} m long: are both in m, not in mm?"
+        yield Doubt(SIZE, text, width / length)
+    yield from body_doubts(mass)
+
+
+def body_doubts(mass: float, inertia: float = 0.0) -> Iterator[Doubt]:
+    """Yield what is unusual about mass [kg] and largest moment of inertia [kg m2] of a body."""
+    if mass > HEAVIEST_BODY:
+        text = (
+            f"the mass is {mass:.4g} kg (expected up to {HEAVIEST_BODY:g}): are lengths in m, not "
+            "in mm, and masses in kg?"
+        )
+        yield Doubt(SIZE, text, mass)
+    radius = sqrt(max(inertia, 0.0) / mass)
+    if mass < THINNEST_BODY * (2.0 * radius) ** 3:
+        text = (
+            f"a mass of {mass:.4g} kg with a moment of inertia of {inertia:.4g} kg m2 has a radius "
+            f"of gyration of {radius:.4g} m: is the inertia in kg m2, not in kg mm2?"
+        )
+        yield Doubt(SIZE, text, radius)
+
+
+def not_allowed(spec: Mapping[str, Any], doubts: Iterable[Doubt]) -> list[Doubt]:
+    """Return the doubts that `allow` of a specification does not list."""
+    return [doubt for doubt in doubts if doubt.code not in spec.get("allow", ())]
+
+
+def _has_fibres(material: Any) -> bool:
+    if not isinstance(material, Mapping) or "E1" not in material:
+        return False
+    return bool(material["E1"] > FIBRES * max(material["E2"], material["E3"]))
+
+
+def _numbers(material: Any) -> tuple[float, float, float] | None:
+    """Largest modulus, least modulus or strength [Pa], density (0: not known) [kg/m3]."""
+    if not isinstance(material, Mapping):
+        return None
+    if "C" in material:  # the upper triangle of the stiffness of another code, row by row
+        C = material["C"]
+        moduli = [abs(float(C[i])) for i in (0, 6, 11, 15, 18, 20)]
+    else:
+        keys = ("E", "E1", "E2", "E3", "G12", "G13", "G23")
+        moduli = [float(material[key]) for key in keys if key in material]
+    if not moduli:
+        return None
+    table = material.get("strength") or {}
+    strengths = [float(v) for key, v in table.items() if key != "F12_star" and v is not None]
+    return max(moduli), min([*moduli, *strengths]), float(material.get("rho") or 0.0)
+
+
+def _is_void(name: str, materials: Mapping[str, tuple[float, float, float]]) -> bool:
+    stiffest = max(modulus for modulus, _, _ in materials.values())
+    heaviest = max(density for _, _, density in materials.values())
+    modulus, _, density = materials[name]
+    return modulus < VOID * stiffest and density < VOID * heaviest
