@@ -143,7 +143,7 @@ def shell_doubts(spec: Mapping[str, Any], nodes: Array, mass: float) -> Iterator
 
 
 def beam_doubts(width: float, length: float, mass: float) -> Iterator[Doubt]:
-    """Yield what is unusual about a beam: diagonal of its largest section, length [m], mass [kg]."""
+    """Yield what is unusual about a beam: largest section's diagonal, length [m], mass [kg]."""
     if width > length:
         text = f"the beam is {width:.4g} m wide and {length:.4g} m long: are both in m, not in mm?"
         yield Doubt(SIZE, text, width / length)
