@@ -20,7 +20,7 @@ _PUBLIC = {
     "eigen": ("eigenpairs",),
     "factorisation": ("Cholesky", "cholesky"),
     "gmsh_model": ("plain_from_model",),
-    "gmsh_script": ("gmsh_session", "open_mesh", "run_script"),
+    "gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "inertia": ("negative_pivots",),
     "reference_cell": ("quadrature", "reference_nodes"),
     "stack": ("HAS_MUMPS", "MPI", "gmsh"),

@@ -1,22 +1,28 @@
 """Mesh a gmsh script with gmsh and NumPy only, so that a separate process can run this file.
 
     python gmsh_alone.py SCRIPT PARAMETERS MESH
+    python gmsh_alone.py SCRIPT PARAMETERS --count BYTES
 
-PARAMETERS is JSON, MESH the .msh to write.
+PARAMETERS is JSON, MESH the .msh to write. With --count, prints how many cells the script asks for,
+estimated from the mesh of its curves, and ends by a signal if that takes more memory than BYTES:
+gmsh has no limit of its own.
 """
 
 import json
+import resource
+import runpy
 import sys
 from collections.abc import Mapping, Sequence
 
 import gmsh
 import numpy as np
 
+FINEST = 1e-7  # size of cells over that of the model, below which no mesh is meant
 Parameters = Mapping[str, float | Sequence[float]]
 
 
-def generate(script: str, parameters: Parameters) -> None:
-    """Mesh a script with values for its "Parameters/<key>" in the current model."""
+def define(parameters: Parameters) -> None:
+    """Set the values of "Parameters/<key>" that the next script reads."""
     numbers = [
         {
             "type": "number",
@@ -27,9 +33,66 @@ def generate(script: str, parameters: Parameters) -> None:
     ]
     gmsh.onelab.clear()
     gmsh.onelab.set(json.dumps(numbers))
+
+
+def generate(script: str, parameters: Parameters) -> None:
+    """Mesh a script with values for its "Parameters/<key>" in the current model."""
+    define(parameters)
     gmsh.merge(script)
     gmsh.model.mesh.generate(2)
     gmsh.onelab.clear()
+
+
+def cell_count(script: str, parameters: Parameters) -> float:
+    """About how many cells the mesh of a script would have; its curves are meshed."""
+    if script.endswith(".py"):
+        runpy.run_path(script)["build"](gmsh, parameters)
+    else:
+        define(parameters)
+        gmsh.merge(script)
+    made = sum(len(tags) for tags in gmsh.model.mesh.getElements(2)[1])
+    if made:
+        return float(made)
+    gmsh.model.mesh.generate(1)
+    if gmsh.option.getNumber("Mesh.MeshSizeMax") < FINEST * _extent():
+        return np.inf  # gmsh divides nothing by a size below its tolerance
+    return sum(_cells_of(tag) for _, tag in gmsh.model.getEntities(2))
+
+
+def _extent() -> float:
+    box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+    return float(np.linalg.norm(box[1] - box[0]))
+
+
+def _cells_of(surface: int) -> float:
+    """Area within the edges, over that of an equilateral triangle of their mean length."""
+    start, end = [], []
+    for _, curve in gmsh.model.getBoundary([(2, surface)], oriented=True):
+        kinds, _, nodes = gmsh.model.mesh.getElements(1, abs(curve))
+        for kind, tags in zip(kinds, nodes, strict=True):
+            known, places, _ = gmsh.model.mesh.getNodes(1, abs(curve), includeBoundary=True)
+            row = dict(zip(known.tolist(), places.reshape(-1, 3), strict=True))
+            n = gmsh.model.mesh.getElementProperties(kind)[3]
+            ends = np.array([row[tag] for tag in tags.tolist()]).reshape(-1, n, 3)
+            a, b = (ends[:, 0], ends[:, 1]) if curve > 0 else (ends[:, 1], ends[:, 0])
+            start.append(a)
+            end.append(b)
+    if not start:
+        return 0.0
+    a, b = np.concatenate(start), np.concatenate(end)
+    area = 0.5 * float(np.linalg.norm(np.cross(a - a[0], b - a[0]).sum(axis=0)))
+    mean = float(np.linalg.norm(b - a, axis=1).mean())
+    return max(area / (0.25 * np.sqrt(3.0) * mean**2), float(len(a)))
+
+
+def count(script: str, parameters: str, memory: int) -> None:
+    """Print the number of cells, or end by a signal: gmsh aborts where it gets no memory."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    gmsh.initialize([], readConfigFiles=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    print(cell_count(script, json.loads(parameters)))
+    gmsh.finalize()
 
 
 def main(script: str, parameters: str, mesh: str) -> None:
@@ -43,4 +106,7 @@ def main(script: str, parameters: str, mesh: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if sys.argv[3] == "--count":
+        count(sys.argv[1], sys.argv[2], int(sys.argv[4]))
+    else:
+        main(*sys.argv[1:])

@@ -47,6 +47,7 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     position[used] = np.arange(len(used))
     at = position[np.searchsorted(tags, np.maximum(labels, tags[0]))]
     cells = np.where(labels < 0, -1, at)
+    check_finite(every[used], tags[used], where)
     points = _in_plane(every[used], where) if gdim == 2 else every[used]
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
@@ -125,6 +126,16 @@ def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
         raise MeshError(
             f"{where}: {place} is in {len(names)} physical groups{listed}; expected exactly one, "
             "the region of its material"
+        )
+
+
+def check_finite(points: Array, tags: IntArray, where: str) -> None:
+    """Raise MeshError for a coordinate that is not finite; `tags` are the numbers of the file."""
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if wrong.size:
+        raise MeshError(
+            f"{where}: node {tags[wrong[0]]} at {points[wrong[0]].tolist()}: expected finite "
+            f"coordinates; wrong nodes: {wrong.size}"
         )
 
 

@@ -6,13 +6,14 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...solver.errors import few
 from . import gmsh_alone
 from .errors import MeshError
 from .gmsh_alone import Parameters, generate
@@ -22,6 +23,11 @@ from .stack import gmsh
 
 MESH_HEAD = b"$MeshFormat"
 _session_depth = 0
+
+MOST_CELLS = 1_000_000  # of a script's mesh: more take hours and tens of gigabytes to solve
+MOST_MEMORY = 3 * 2**30  # of gmsh for its curves [B]; a mesh of MOST_CELLS takes half of that
+LONGEST = 120.0  # to mesh the curves [s]
+LARGEST = 1e8  # of a parameter: gmsh counts elements of a curve with 32 bits, then begins again
 
 
 @contextmanager
@@ -41,6 +47,46 @@ def gmsh_session() -> Iterator[Any]:
         _session_depth -= 1
         if _session_depth == 0:
             gmsh.finalize()
+
+
+def check_count(path: Path, parameters: Mapping[str, Any]) -> None:
+    """Raise MeshError for a script of the user that asks for more than MOST_CELLS cells.
+
+    gmsh meshes until the memory is used up, so a process of its own meshes the curves first. Other
+    errors of the script are left to the run itself.
+    """
+    numbers = {key: np.asarray(value).tolist() for key, value in parameters.items()}
+    given = few(f"{key} = {value}" for key, value in numbers.items())
+    asked = f"mesh.parameters ({given})" if given else "its mesh sizes"
+    limit = f"expected at most {MOST_CELLS} cells"
+    for key, value in parameters.items():
+        if not isinstance(value, str) and np.abs(np.asarray(value, float)).max(initial=0) > LARGEST:
+            raise MeshError(
+                f"{path}: mesh.parameters.{key} = {value}: expected a number up to {LARGEST:g}; "
+                f"as a density or a number of elements it asks for more than {MOST_CELLS} cells"
+            )
+    command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), json.dumps(numbers)]
+    command += ["--count", str(MOST_MEMORY)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        text = f"the curves alone take more than {LONGEST:g} s to mesh"
+        raise MeshError(f"{path}: {asked}: {text}, {limit}") from None
+    if done.returncode < 0 or "MemoryError" in done.stderr:
+        text = f"the mesh of the curves takes more than {MOST_MEMORY / 2**30:g} GB"
+        raise MeshError(f"{path}: {asked}: {text}, {limit}")
+    try:
+        count = float(done.stdout.split()[-1])
+    except (IndexError, ValueError):  # another error, which the run will show
+        return
+    check_size(count, f"{path}: {asked}")
+
+
+def check_size(count: float, what: str) -> None:
+    """Raise MeshError for more cells than MOST_CELLS; `what` names file, key and value."""
+    if count > MOST_CELLS:
+        about = f"about {count:.1e} cells" if np.isfinite(count) else "far too many cells"
+        raise MeshError(f"{what}: the mesh would have {about}, expected at most {MOST_CELLS}")
 
 
 def run_script(path: Path, parameters: Parameters, *, gdim: int = 2) -> PlainMesh:

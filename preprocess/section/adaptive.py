@@ -15,10 +15,10 @@ Result = SectionStiffness | CentralSolutions
 SHARE = 0.85  # of the error that the refined cells hold
 
 
-def indicators(
+def error_energy(
     problem: SectionProblem, result: Result, richer: SectionProblem, better: Result, C: Array
 ) -> Array:
-    """Energy of the error in each cell under the six unit resultants, relative, summed, (c,).
+    """Energy of the error in each cell under pairs of the six unit resultants, (c, 6, 6) [1/K].
 
     The difference of the solutions with this degree and one more, on the same mesh.
 
@@ -36,10 +36,17 @@ def indicators(
     if result.space.over is not None:
         points = points.expressed(result.space.over)
     difference = unit_strains(better.space, better) - unit_strains(points, result)
-    density = np.einsum("cqim,cqim->cqm", difference, C @ difference)
-    energy = np.einsum("cq,cqm->cm", points.weights, density)
-    size = np.diag(np.linalg.inv(better.K))
-    return np.asarray((energy / size).sum(axis=1))
+    stress = C @ difference
+    return np.einsum("cq,cqim,cqin->cmn", points.weights, difference, stress, optimize=True)
+
+
+def relative(energy: Array, K: Array) -> Array:
+    """Energy of each cell under the six unit resultants, relative to that of the section, summed.
+
+    `energy` (c, 6, 6), see `error_energy`; K (6, 6).
+    """
+    size = np.diag(np.linalg.inv(K))
+    return np.asarray((np.einsum("cmm->cm", energy) / size).sum(axis=1))
 
 
 def worst_cells(error: Array, share: float = SHARE) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
-from .adaptive import indicators, worst_cells
+from .adaptive import worst_cells
 from .estimate import error_of_edges, scaled
 from .guards import (
     REVERSAL,
@@ -18,6 +18,7 @@ from .guards import (
     coarse_warnings,
     condition_warnings,
     density_warnings,
+    finer_mesh,
     not_computed_warnings,
     reversal_warnings,
     solvability_warnings,
@@ -138,15 +139,13 @@ def analyse(
                 {
                     "code": "accuracy-not-met",
                     "message": f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
-                    f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use a finer "
-                    "mesh (density)",
+                    f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use "
+                    f"{finer_mesh(spec['mesh'])}",
                 }
             )
             break
-        richer = solved.richer
-        assert richer is not None
-        eta = indicators(problem, result, richer.problem, richer.result, richer.lay.stiffness)
-        cells = refined(problem.mesh.cells, worst_cells(eta))
+        assert solved.indicator is not None
+        cells = refined(problem.mesh.cells, worst_cells(solved.indicator))
         cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
         if cost > MOST_DOFS or len(steps) > MOST_STEPS:
             warnings.append(
@@ -159,10 +158,10 @@ def analyse(
             break
         degree, mesh = problem.space.degree, replace(problem.mesh, cells=cells)
         coarser = problem
-        del problem, lay, result, solved, richer  # their memory serves the next step
+        del problem, lay, result, solved  # their memory serves the next step
         problem = SectionProblem(mesh, degree, team).like(coarser)
         del coarser
-    warnings += coarse_warnings(solved.error, result.K)
+    warnings += coarse_warnings(solved.error, result.K, spec["mesh"])
     begin("recovery")
     density = lay.density
     if isinstance(result, CentralSolutions):

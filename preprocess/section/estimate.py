@@ -7,9 +7,29 @@ from ..fenicsx import EDGES
 from .cells import CORNERS, KINDS, CellMesh
 
 # The error of K falls with the degree of the field, at least with degree^-RATE. This is the rate
-# for singular stresses (at the edge of a ply or a re-entrant corner); smooth parts converge
-# faster. docs/sections-accuracy.md compares the estimates with true errors.
+# for singular stresses at the edge of a ply or a re-entrant corner; smooth parts converge faster,
+# stronger singularities, as between stiff and soft quarters, more slowly (singular.py).
+# docs/sections-accuracy.md compares the estimates with true errors.
 RATE = 2.1
+REGULAR = RATE / 4.0  # exponent lambda of the displacement that has this rate
+
+
+def singular_error(K: Array, energy: Array, exponents: Array, degree: int) -> Array:
+    """What `error_estimate` lacks of the error near singular points, (6, 6), in units of K.
+
+    Parameters
+    ----------
+    energy : (c, 6, 6) of the difference to one degree more, under pairs of unit resultants
+    exponents : (c,) lambda of the strongest singularity at each cell, REGULAR at most
+    """
+    # flexibilities add up, stiffnesses do not: an error may be larger than the stiffness itself
+    S, usual = np.linalg.inv(K), _removed(degree)
+    # the parts of the degrees above p, j^(-4 lambda - 1), add up to (p + 1/2)^(-4 lambda)
+    singular = 1.0 - ((degree + 0.5) / (degree + 1.5)) ** (4.0 * exponents)
+    counted = energy.sum(axis=0) / usual
+    share = np.where(exponents < REGULAR, singular, usual)
+    whole = np.einsum("c,cij->ij", 1.0 / share, energy)
+    return np.abs(np.linalg.inv(S + counted) - np.linalg.inv(S + whole))
 
 
 def error_estimate(K: Array, K_richer: Array, degree: int) -> Array:
@@ -18,8 +38,7 @@ def error_estimate(K: Array, K_richer: Array, degree: int) -> Array:
     `K` belongs to a field of some degree, `K_richer` to one degree more on the same mesh. With
     errors proportional to degree^-RATE, their difference is a known fraction of the error of K.
     """
-    share = 1.0 - (degree / (degree + 1.0)) ** RATE
-    return np.abs(K - K_richer) / share
+    return np.abs(K - K_richer) / _removed(degree)
 
 
 def error_of_edges(mesh: CellMesh, modulus: Array) -> float:
@@ -63,6 +82,11 @@ def error_of_edges(mesh: CellMesh, modulus: Array) -> float:
     # second moment of a rectangle about its middle: a third of that of its corners
     share += list(lost @ where**2 / (weight @ (places**2 + corner / 3.0)))
     return float(np.abs(share).max())
+
+
+def _removed(degree: int) -> float:
+    """Share of an error proportional to degree^-RATE that one degree more removes."""
+    return 1.0 - float((degree / (degree + 1.0)) ** RATE)
 
 
 def scaled(difference: Array, K: Array) -> Array:

@@ -1,6 +1,7 @@
 """Warnings about a section: locking of linear fields, ill-conditioned equations."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from .errors import SectionError
 from .estimate import scaled
 from .helical import CentralSolutions
 from .layers import Layup
+from .mesh import OF_MESH
 from .space import SectionSpace
 from .timoshenko import SectionStiffness
 from .warping import SOLVABILITY
@@ -126,21 +128,30 @@ def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict
     ]
 
 
-def coarse_warnings(error: Array | None, K: Array) -> list[dict[str, str]]:
-    """Warning if the estimated error (6, 6) of the stiffness is large."""
+def coarse_warnings(
+    error: Array | None, K: Array, spec_mesh: Mapping[str, Any]
+) -> list[dict[str, str]]:
+    """Warning if the estimated error (6, 6) of the stiffness is large; what helps depends on the
+    mesh."""
     if error is None:
         return []
     share = scaled(error, K)
     if share.max() <= COARSE:
         return []
     i, j = np.unravel_index(int(np.argmax(share)), share.shape)
+    higher = "" if spec_mesh.get("degree") == OF_MESH else " or a higher mesh.degree"
     return [
         {
             "code": "coarse-mesh",
             "message": f"the estimated error of K{i + 1}{j + 1} is {share[i, j]:.2g} of "
-            "sqrt(K_ii K_jj): use a finer mesh (density) or a higher mesh.degree",
+            f"sqrt(K_ii K_jj): use --accuracy, {finer_mesh(spec_mesh)}{higher}",
         }
     ]
+
+
+def finer_mesh(spec_mesh: Mapping[str, Any]) -> str:
+    """What makes the mesh of a section finer, in words."""
+    return "a larger density" if "script" in spec_mesh else "a finer mesh in the file"
 
 
 def reversal_warnings(

@@ -132,6 +132,8 @@ def _read(spec: Mapping[str, Any], path: Path) -> PlainMesh:
     if "script" not in spec and is_refused(path):
         raise fenicsx.MeshError(f"{path}: expected no script with --no-scripts")
     if path.suffix == ".geo":
+        if "file" in spec:
+            fenicsx.check_count(path, parameters)
         return fenicsx.run_script(path, parameters)
     if path.suffix == ".py":
         with fenicsx.gmsh_session() as gmsh:

@@ -6,14 +6,15 @@ from typing import Any
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
-from .adaptive import Result
+from .adaptive import Result, error_energy, relative
 from .errors import SectionError
-from .estimate import error_estimate, scaled
+from .estimate import REGULAR, error_estimate, scaled, singular_error
 from .guards import ALLOWED
 from .layers import Layup, layup
 from .mesh import OF_MESH
 from .problem import SectionProblem, section_problem
 from .shape_along import curvature_of
+from .singular import cell_exponents
 
 DEGREE = 2  # of the warping field
 # A thin twisted wall bends without stretching, which low degrees cannot represent in long cells.
@@ -32,6 +33,7 @@ class Solved:
     result: Result
     richer: "Solved | None" = None
     error: Array | None = None  # estimate (6, 6) by the difference, in units of K
+    indicator: Array | None = None  # (c,) of the error of each cell
 
 
 def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool) -> Solved:
@@ -39,8 +41,13 @@ def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool
     problem = _richer(solved.problem, spec, where, first=first)
     lay = layup(spec, problem.mesh, problem.space, where)
     richer = Solved(problem, lay, solve(problem, lay, where, spec, measured=False))
-    error = error_estimate(solved.result.K, richer.result.K, solved.problem.space.degree)
-    return replace(solved, richer=richer, error=error)
+    degree, K, better = solved.problem.space.degree, solved.result.K, richer.result
+    energy = error_energy(solved.problem, solved.result, problem, better, lay.stiffness)
+    indicator = relative(energy, better.K)
+    cells = problem.mesh.cells
+    exponents = cell_exponents(cells, solved.lay.stiffness, indicator, REGULAR)
+    error = error_estimate(K, better.K, degree) + singular_error(K, energy, exponents, degree)
+    return replace(solved, richer=richer, error=error, indicator=indicator)
 
 
 def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:

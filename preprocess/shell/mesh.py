@@ -24,8 +24,9 @@ from ..fenicsx import NamedNodes, PlainMesh
 from ..python_script import is_refused, load_script
 from .errors import ShellError
 from .pairing import Unpaired, paired
-from .refinement import finer_parameters, split
+from .refinement import finer_parameters, is_ours, split
 
+FEW = 300.0  # cells of a direction of a script of meshes/shells that need no check
 KEPT = 8  # meshes that a process keeps
 KEYS = ("file", "parameters", "scale", "element", "refine", "sha256")
 ELEMENTS = ("triangle", "quadrilateral")
@@ -124,6 +125,7 @@ def _made(table: str, file: str, content: str) -> ShellMesh:
     if element == "triangle" and plain.cell != "triangle":
         raise ShellError('element = "triangle", but the mesh has quadrilaterals; remove `element`')
     if plain.degree == 1:
+        fenicsx.check_size(len(plain.cells) * 4**left, f"{path}: refine = {left}")
         for _ in range(left):
             plain = split(plain)
     scale = float(spec.get("scale", 1.0))
@@ -202,6 +204,7 @@ def _read(path: Path, parameters: Mapping[str, Any], refine: int) -> tuple[Plain
     if is_refused(path):
         raise ShellError(f"{path}: expected no script with --no-scripts")
     if path.suffix == ".geo":
+        fenicsx.check_count(path, parameters)
         return fenicsx.run_script(path, parameters, gdim=3), refine
     if path.suffix != ".py":
         return fenicsx.open_mesh(path, gdim=3), refine
@@ -209,6 +212,9 @@ def _read(path: Path, parameters: Mapping[str, Any], refine: int) -> tuple[Plain
     finer = finer_parameters(script, parameters, refine) if refine else None
     if finer is not None:
         parameters, refine = finer, 0
+    numbers = [n for n in parameters.values() if isinstance(n, int | float)]
+    if not is_ours(script) or max(numbers, default=0.0) > FEW:
+        fenicsx.check_count(path, parameters)
     with fenicsx.gmsh_session() as gmsh:
         gmsh.clear()
         build = getattr(script, "build", None)

@@ -23,14 +23,19 @@ def finer_parameters(
     None for a script that is not of this library: its parameters may count other things. Nodes of
     a script lie on the surface that it describes; those of split cells lie between its nodes.
     """
-    ours = Path(__file__).resolve().parents[2] / "meshes" / "shells"
-    if Path(str(script.__file__)).resolve().parent != ours:
+    if not is_ours(script):
         return None
     counts = {key: n for key, n in script.DEFAULTS.items() if key.startswith(COUNT)}
     counts |= {key: n for key, n in parameters.items() if key in counts}
     if not all(isinstance(n, int | float) for n in counts.values()):
         return dict(parameters)  # the script says what is wrong
     return {**parameters, **{key: n * 2**times for key, n in counts.items()}}
+
+
+def is_ours(script: ModuleType) -> bool:
+    """Whether a script is one of meshes/shells."""
+    ours = Path(__file__).resolve().parents[2] / "meshes" / "shells"
+    return Path(str(script.__file__)).resolve().parent == ours
 
 
 def split(plain: PlainMesh) -> PlainMesh:

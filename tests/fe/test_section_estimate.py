@@ -1,15 +1,22 @@
 """The error estimate against true errors, and refinement to an accuracy."""
 
+from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from section_cases import section
 
+from plymotion.preprocess.materials import isotropic
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.estimate import error_of_edges, scaled
+from plymotion.preprocess.section.layers import layup
 from plymotion.preprocess.section.mesh import section_mesh
+from plymotion.preprocess.section.problem import SectionProblem, section_problem
+from plymotion.preprocess.section.refine import refined
+from plymotion.preprocess.section.singular import exponent
 from plymotion.solver.inputs.section.shapes.library import expand
 
 SMALL = 0.05  # errors below this share of the worst one are irrelevant
@@ -53,6 +60,88 @@ def test_estimate_bounds_the_largest_error_of_curved_walls(
     """With degree 3 nearly all of the error is the distance of the edges from circles."""
     error, estimate = compared(name, 1.0, degree)
     assert least < estimate.max() / error.max() < most
+
+
+QUARTERS = {"stiff": 100.0, "soft": 1.0, "ply": 10.0}
+
+
+def quarters(folder: Path, layout: str) -> dict[str, Any]:
+    """A square of nine blocks of 3 x 3 cells; layout: one letter a block, or - for a void."""
+    names = {"s": "stiff", "o": "soft", "p": "ply"}
+    used = sorted({names[c] for c in layout if c != "-"})
+    line = np.arange(10)
+    points = 0.1 * np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1).reshape(-1, 2)
+    cells, region = [], []
+    for i, j in np.ndindex(9, 9):
+        block = layout[3 * (i // 3) + j // 3]
+        if block != "-":
+            cells.append([10 * i + j, 10 * i + j + 10, 10 * i + j + 11, 10 * i + j + 1])
+            region.append(used.index(names[block]))
+    path = folder / f"{layout}.npz"
+    np.savez(path, points=points, cells=cells, cell_type="quad", region=region, region_names=used)
+    ply = {"E1": 140e9, "E2": 9e9, "E3": 9e9, "G12": 5e9, "G13": 5e9, "G23": 3e9, "rho": 1600.0}
+    ply |= {"kind": "orthotropic", "nu12": 0.3, "nu13": 0.3, "nu23": 0.4}
+    materials = {
+        name: {"kind": "isotropic", "E": 1e9 * QUARTERS[name], "nu": 0.3, "rho": 1000.0}
+        for name in used
+    }
+    materials |= {"ply": ply} if "ply" in used else {}
+    angle = {"ply": 45.0}
+    return {
+        "mesh": {"arrays": str(path), "degree": 2},
+        "materials": materials,
+        "convention": "cartesian",
+        "regions": {
+            name: {
+                "plies": [{"material": name, "angle_deg": angle.get(name, 0.0)}],
+                "direction": {"vector": [1.0, 0.0]},
+            }
+            for name in used
+        },
+    }
+
+
+def refined_at_corners(spec: dict[str, Any], levels: int) -> Any:
+    """K of degree 3 on cells that are halved towards the corners of all blocks."""
+    problem = section_problem(spec["mesh"], "quarters", 2)
+    cells = problem.mesh.cells
+    places = 0.3 * np.stack(np.meshgrid(*2 * [np.arange(4)]), axis=-1).reshape(-1, 2)
+    for _ in range(levels):
+        corners = cells.points[cells.nodes[:, :4]]
+        apart = np.abs(corners[:, :, None] - places).max(axis=-1).min(axis=(1, 2))
+        cells = refined(cells, apart < 1e-9)
+    finer = SectionProblem(replace(problem.mesh, cells=cells), 3)
+    lay = layup(spec, finer.mesh, finer.space, "quarters")
+    return finer.solve(lay.stiffness, measured=False).K
+
+
+@pytest.mark.one_end
+@pytest.mark.parametrize(
+    "layout", ["sososoooo", "so-ososo-", "pso-opsop", "ssos-osss", "pppppooop", "ssssss-ss"]
+)
+def test_estimate_where_stiff_and_soft_parts_meet(tmp_path: Path, layout: str) -> None:
+    """Crosses of stiff and soft quarters, corners of voids, ends of plies."""
+    spec = quarters(tmp_path, layout)
+    exact = refined_at_corners(spec, 20)
+    found = analyse(spec)
+    error = scaled(found.K - exact, exact)
+    estimate = scaled(np.asarray(found.error_estimate), exact)
+    assert 0.85 < estimate.max() / error.max() < 3.0
+    counts = error > 0.3 * error.max()
+    assert (estimate[counts] / error[counts]).min() > 0.75
+
+
+@pytest.mark.one_end
+def test_exponents_of_corners_by_closed_forms() -> None:
+    """Williams's corner and crack; stiff and soft quarters crosswise in torsion (antiplane)."""
+    one = isotropic(1.0, 0.3, 1.0).stiffness_M
+    turn = np.radians([0.0, 90.0, 180.0, 270.0, 360.0])
+    assert exponent(turn[[0, 3]], [one], closed=False) == pytest.approx(0.544484, rel=1e-4)
+    assert exponent(turn[[0, 4]], [one], closed=False) == pytest.approx(0.5, rel=1e-3)
+    assert exponent(turn[[0, 2]], [one], closed=False) == pytest.approx(1.0, rel=1e-3)
+    for ratio in (10.0, 1e3, 1e4):
+        found = exponent(turn, [ratio * one, one, ratio * one, one], closed=True)
+        assert found == pytest.approx(4.0 / np.pi * np.arctan(ratio**-0.5), rel=1e-4)
 
 
 def test_estimate_of_round_edges_by_closed_forms() -> None:

@@ -263,7 +263,7 @@ SECTION_CODES = (
         "the estimated error of the stiffness is large, as that of a very thin twisted strip in "
         "shear and in bending in its plane",
         "estimate above {limit:g} of sqrt(K_ii K_jj)",
-        "use a finer mesh (`density`), `--accuracy`, or `mesh.degree = 3`",
+        "use `--accuracy`, a finer mesh (`density` of a shape), or `mesh.degree = 3`",
         0.05,
     ),
     _code(

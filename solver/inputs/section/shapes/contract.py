@@ -89,4 +89,7 @@ def size(key: str, meaning: str, **more: Any) -> Parameter:
     return Parameter(key, "m", meaning, above=0.0, **more)
 
 
-DENSITY = Parameter("density", "-", "elements along each line over the default", 1.0, above=0.0)
+# Cells grow with the square of the density: 20 makes a million, which takes hours.
+DENSITY = Parameter(
+    "density", "-", "elements along each line over the default", 1.0, above=0.0, most=20.0
+)

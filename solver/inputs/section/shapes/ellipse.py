@@ -25,8 +25,8 @@ SHAPE = Shape(
     parameters=(
         size("radius_2", "half-axis along x2", required=True),
         size("radius_3", "half-axis along x3; default: radius_2"),
-        Parameter("elements_arc", "-", "elements on a quarter of the edge", 10, least=1),
-        Parameter("elements_radial", "-", "elements from core to edge", 6, least=1),
+        Parameter("elements_arc", "-", "elements on a quarter of the edge", 10, least=1, most=1000),
+        Parameter("elements_radial", "-", "elements from core to edge", 6, least=1, most=1000),
         DENSITY,
     ),
     walls=(Wall("section", STACK, "radius_3", stacked=False),),

@@ -12,8 +12,12 @@ RECTANGLE = (
     size("height", "along x3", required=True),
 )
 COUNTS = (
-    Parameter("elements_2", "-", "elements along the width; default: by the sizes", least=1),
-    Parameter("elements_3", "-", "elements along the height; default: by the sizes", least=1),
+    Parameter(
+        "elements_2", "-", "elements along the width; default: by the sizes", least=1, most=1000
+    ),
+    Parameter(
+        "elements_3", "-", "elements along the height; default: by the sizes", least=1, most=1000
+    ),
     Parameter("grading", "-", "spacing, 0: equal, 1: cosine", 0.5, least=0.0, most=1.0),
     DENSITY,
 )
