@@ -22,14 +22,15 @@ Warnings = list[dict[str, str]]
 QUADRATURE_DEGREE = 6
 # Permutations of the nodes that reverse the orientation of clockwise cells, for each kind.
 TURNED = ([0, 2, 1, 5, 4, 3, 6, 7, 8], [0, 3, 2, 1, 7, 6, 5, 4, 8])
-COINCIDENT = 1e-7  # of the section's size: two nodes at the same place
+COINCIDENT = 1e-7  # of the section's size: two nodes at the same place,
+TOUCHING = 1e-2  # unless that is more than this part of the shortest edge at either of them
 ROUNDING = 1e-12  # of the square of a cell's size: a smaller area counts as zero
 
-# Sliver: smallest angle, largest change of area within a cell, largest aspect ratio. The graded
-# walls of the library are long rectangles. They are harmless; small angles and folds are not.
+# Sliver: smallest angle, largest change of area within a cell. Long rectangles are harmless, as
+# those of thin walls and strips; small angles and folds are not, nor needles that are the section.
 LEAST_SINE = 0.04
 LEAST_AREA_RATIO = 0.02
-LONGEST = 1e6
+LONGEST = 1e6  # ratio of sides, in cells longer than half of the section
 
 
 def checked(mesh: CellMesh, where: str) -> tuple[CellMesh, Warnings]:
@@ -39,6 +40,12 @@ def checked(mesh: CellMesh, where: str) -> tuple[CellMesh, Warnings]:
     ------
     SectionError : folded cells, overlapping cells, or a section in several parts.
     """
+    wrong = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
+    if wrong.size:
+        raise SectionError(
+            f"{where}: node {wrong[0] + 1} at {mesh.points[wrong[0]].tolist()}: expected finite "
+            f"coordinates; wrong nodes: {wrong.size}"
+        )
     mesh = _counter_clockwise(mesh, where)
     neighbours = _neighbours(mesh, where)
     _one_part(mesh, neighbours, where)
@@ -200,8 +207,17 @@ def _boundary_nodes(mesh: CellMesh) -> IntArray:
 def _coincident(mesh: CellMesh, nodes: IntArray) -> IntArray:
     """Pairs of nodes at the same position, (p, 2)."""
     near = COINCIDENT * float(np.ptp(mesh.points, axis=0).max())
-    pairs = coincident(mesh.points[nodes], near)
-    return np.asarray(nodes[pairs])
+    pairs = np.asarray(nodes[coincident(mesh.points[nodes], near)])
+    if not pairs.size:
+        return pairs
+    _, first, second = mesh.edge_table
+    shortest = np.full(len(mesh.points), np.inf)
+    lengths = np.linalg.norm(mesh.points[second] - mesh.points[first], axis=1)
+    np.minimum.at(shortest, first, lengths)
+    np.minimum.at(shortest, second, lengths)
+    apart = np.linalg.norm(mesh.points[pairs[:, 0]] - mesh.points[pairs[:, 1]], axis=1)
+    shortest[np.isinf(shortest)] = 0.0  # nodes in the middle of an edge follow its ends
+    return pairs[apart <= TOUCHING * shortest[pairs].min(axis=1)]
 
 
 def _unmerged(mesh: CellMesh) -> Warnings:
@@ -221,10 +237,11 @@ def _unmerged(mesh: CellMesh) -> Warnings:
 
 def _slivers(mesh: CellMesh) -> Warnings:
     """Warning about cells of poor shape."""
-    sine, ratio, longest = np.empty((3, mesh.n_cell))
+    sine, ratio, least, side = np.empty((4, mesh.n_cell))
     for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
-        sine[rows], ratio[rows], longest[rows] = _quality(kind, shape)
-    bad = (sine < LEAST_SINE) | (ratio < LEAST_AREA_RATIO) | (longest > LONGEST)
+        sine[rows], ratio[rows], least[rows], side[rows] = _quality(kind, shape)
+    needle = (side > LONGEST * least) & (side > 0.5 * np.ptp(mesh.points, axis=0).max())
+    bad = (sine < LEAST_SINE) | (ratio < LEAST_AREA_RATIO) | needle
     if not bad.any():
         return []
     worst = int(np.argmin(np.where(bad, np.minimum(sine, ratio), np.inf)))
@@ -239,8 +256,8 @@ def _slivers(mesh: CellMesh) -> Warnings:
     ]
 
 
-def _quality(kind: int, shape: Array) -> tuple[Array, Array, Array]:
-    """Sine of the smallest angle, smallest to largest area scale, longest to shortest side."""
+def _quality(kind: int, shape: Array) -> tuple[Array, Array, Array, Array]:
+    """Sine of the smallest angle, smallest to largest area scale, shortest and longest side."""
     corners = fenicsx.NODES[KINDS[kind]][: CORNERS[kind]] / 2.0
     tangents, area = _slopes(kind, shape, corners)
     ends = shape[:, : CORNERS[kind]]
@@ -254,5 +271,4 @@ def _quality(kind: int, shape: Array) -> tuple[Array, Array, Array]:
         lengths = np.linalg.norm(tangents, axis=2)  # of both tangents at each corner
         product = lengths[..., 0] * lengths[..., 1]
         sine = np.min(area / np.maximum(product, np.finfo(float).tiny), axis=1)
-    least = np.maximum(sides[:, 0], np.finfo(float).tiny)
-    return sine, area.min(axis=1) / area.max(axis=1), sides[:, -1] / least
+    return sine, area.min(axis=1) / area.max(axis=1), sides[:, 0], sides[:, -1]

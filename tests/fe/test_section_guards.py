@@ -217,6 +217,42 @@ def test_slivers_are_warned_of(nodes: Any, cells: Any, kind: int, tmp_path: Path
     assert "in region 'body'" in sliver.warnings[0]["message"]
 
 
+@pytest.mark.parametrize("height", [1e-4, 1e-6])
+def test_thin_strips_are_no_slits_and_no_slivers(height: float) -> None:
+    """Rows of 6e-8 of the width: their nodes are near, but not at the same place."""
+    assert codes(section_mesh(expand("rectangle", {"width": 1.0, "height": height}), "strip")) == []
+
+
+def test_a_coordinate_that_is_no_number_is_named(tmp_path: Path) -> None:
+    nodes = [(0, 0), (1, 0), (1, 1), (float("nan"), 1)]
+    with pytest.raises(SectionError, match=r"node 4 at \[nan, 1.0.*expected finite coordinates"):
+        by_hand(tmp_path, nodes, [(0, 1, 2, 3)], 3)
+    path = tmp_path / "part.npz"
+    np.savez(
+        path, points=nodes, cells=[range(4)], cell_type="quad", region=[0], region_names=["body"]
+    )
+    with pytest.raises(SectionError, match=r"node 4 at \[nan, 1.0\]: expected finite"):
+        section_mesh({"arrays": str(path)}, "part.mesh")
+
+
+BOUNDED = """DefineConstant[ density = {1, Name "Parameters/density"} ];
+SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 1, 0.1};
+Mesh.MeshSizeMax = 0.05 / density;
+Physical Surface("all") = {1};
+"""
+
+
+@pytest.mark.parametrize("density", [1e3, 1e9])
+def test_a_script_that_asks_for_too_many_cells(tmp_path: Path, density: float) -> None:
+    path = tmp_path / "strip.geo"
+    path.write_text(BOUNDED)
+    made = section_mesh({"file": str(path), "parameters": {"density": 2.0}}, "x")
+    assert 200 < made.cells.n_cell < 1000
+    with pytest.raises(SectionError, match=r"strip.geo.*density = .*1000000"):
+        section_mesh({"file": str(path), "parameters": {"density": density}}, "x")
+
+
 THIN: dict[str, dict[str, Any]] = {
     "rectangle": {"width": 0.06, "height": 0.0005},
     "strip": {"width": 0.0005, "height": 0.06},

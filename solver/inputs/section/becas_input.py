@@ -96,7 +96,9 @@ def _table(file: Path) -> Array:
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: expected rows of numbers: {error}") from error
     for row in np.flatnonzero(~np.isfinite(table).all(axis=1)):
-        raise InputError(f"{file}: row {row + 1}: expected finite numbers")
+        raise InputError(
+            f"{file}: row {row + 1}: expected finite numbers, found {table[row].tolist()}"
+        )
     return table
 
 

@@ -117,6 +117,12 @@ def _plane_points(where: str, points: Array, *cells: IntArray) -> tuple[Array, l
     number = np.zeros(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
     points = points[used]
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if wrong.size:
+        raise InputError(
+            f"{where}: node {used[wrong[0]] + 1} of the file, in its order, at "
+            f"{points[wrong[0]].tolist()}: expected finite coordinates; wrong nodes: {wrong.size}"
+        )
     height = points[:, 2:]
     if height.size and np.ptp(height) > FLAT * np.ptp(points[:, :2], axis=0).max():
         raise InputError(

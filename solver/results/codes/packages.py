@@ -212,15 +212,16 @@ SECTION_CODES = (
     _code(
         "unmerged-nodes",
         "pairs of nodes lie at the same place: the section has a slit there",
-        "distance below {limit:g} of the size of the section",
+        "distance below {limit:g} of the size of the section, and below a hundredth of the "
+        "shortest edge there",
         "merge them if the slit is not meant (gmsh: Coherence)",
         1e-7,
     ),
     _code(
         "sliver-elements",
         "cells of the mesh are very flat or crooked: stresses there are poor",
-        "sine of the flattest angle below {limit:g}, or ratio of area scales below 0.02, or of "
-        "sides above 1e6",
+        "sine of the flattest angle below {limit:g}, or ratio of area scales below 0.02, or a "
+        "cell longer than half of the section with a ratio of sides above 1e6",
         "mesh more evenly there",
         0.04,
     ),
