@@ -7,6 +7,8 @@ from .errors import SingularError as SingularError
 from .factorisation import Cholesky as Cholesky
 from .factorisation import cholesky as cholesky
 from .gmsh_model import plain_from_model as plain_from_model
+from .gmsh_script import check_count as check_count
+from .gmsh_script import check_size as check_size
 from .gmsh_script import gmsh_session as gmsh_session
 from .gmsh_script import open_mesh as open_mesh
 from .gmsh_script import run_script as run_script

@@ -179,8 +179,8 @@ def analyse(
             points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
     if degree_of(spec) is not None:  # a file of another code may have other units
-        size = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))
-        doubts = [*described_doubts(spec), *section_doubts(size, M[0, 0])]
+        diagonal = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))
+        doubts = [*described_doubts(spec), *section_doubts(diagonal, float(M[0, 0]))]
         warnings += [doubt.warning for doubt in not_allowed(spec, doubts)]
     of_ends = problem.end_compliance(result, lay.stiffness)
     seconds = time.perf_counter() - start

@@ -141,7 +141,7 @@ def _wedges(angles: Array, cells: IntArray, stiffness: Array) -> tuple[Array, Ar
     if closed and not one:  # begin where the material changes
         change = np.abs(C - np.roll(C, 1, axis=0)).max(axis=(1, 2))
         begin = int(np.argmax(change))
-        order, C = np.roll(order, -begin), np.roll(C, -begin, axis=0)
+        order, C = [*order[begin:], *order[:begin]], np.roll(C, -begin, axis=0)
         ends = angles[order[0], 0] + np.concatenate([[0.0], np.cumsum(widths[order])])
     change = np.abs(np.diff(C, axis=0)).max(axis=(1, 2)) > ALIKE * np.abs(C).max()
     keep = np.concatenate([[True], change])
