@@ -33,8 +33,8 @@ TURNS_TOO_FAST = (
 )
 
 PATIENCE = 4  # looks at a run that goes on stalled, before the next
-# Part of the kinetic energy above a cutoff: from here on it is the motion that would be damped.
-MOTION = 0.1
+# Part of the kinetic energy above a cutoff: with more than half, the motion itself would be damped.
+MOTION = 0.5
 NOTHING = 1e-20  # part of it that is rounding: no vibration is above the cutoff
 
 
@@ -94,8 +94,8 @@ class Radau(ClosingLoop):
         """Answer a stall by a cutoff, as high as ends it; end a run that turns beyond all measure.
 
         Short steps of a body that turns fast are those of its rotation: no cutoff changes them.
-        Neither does one help rigid bodies, whose motion is no vibration; and a vibration with a
-        part of the kinetic energy that counts is the motion itself, which no cutoff may damp.
+        Neither does one help rigid bodies, whose motion is no vibration; and a vibration with
+        most of the kinetic energy is the motion itself, which no cutoff may damp.
         """
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is None:

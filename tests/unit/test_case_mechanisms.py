@@ -150,7 +150,8 @@ BAD = {
     "drive that ends early": (
         "smooth_step = { value = 0.2, duration = 1.0 }",
         "table = { times = [0.0, 0.5], values = [0.0, 0.1] }",
-        r"joints\.sleeve\.translation_drive\.table: ends at 0\.5 s; expected .*t_end = 1 s",
+        r"joints\.sleeve\.translation_drive\.table: ends at t = 0\.5 s with a speed of 0\.2, "
+        r".*; expected times up to solver\.t_end = 1 s",
     ),
     "two drives on one coordinate": (
         "[forces.coil]",

@@ -10,6 +10,7 @@ from modes_samples import write_case_text
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.package.common.replaceable import RECORD
 
 SWING = (
     "gravity = [0.0, -9.81, 0.0]\n[ground.pin]\nposition = [0.0, 0.0, 0.0]\n"
@@ -36,7 +37,8 @@ def test_files_are_beside_those_of_the_run(case, capsys):
     text = capsys.readouterr().out
     folder = case.parent.parent / "build/sample/modes/base-equilibrium"
     names = {file.name for file in folder.iterdir()}
-    assert names == {"modes.json", "modes.png", "mode-01.vtkhdf", "linear.npz", "linear.mat"}
+    made = {"modes.json", "modes.png", "mode-01.vtkhdf", "linear.npz", "linear.mat"}
+    assert names == {*made, RECORD}
     w = np.sqrt(2.0 * 9.81 * 0.5 / 0.6)
     assert f"{w / (2 * np.pi):.6g}" in text
     content = json.loads((folder / "modes.json").read_text())

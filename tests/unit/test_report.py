@@ -18,6 +18,7 @@ import pytest
 from result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.report import make_report, summary_table
 from plymotion.solver.report.comparison import draw_comparison
 from plymotion.solver.report.embed.histories import chosen_rows
@@ -124,9 +125,9 @@ class Page(HTMLParser):
 
 def test_report_leaves_figures_and_a_page_and_nothing_else(case_dir: Path) -> None:
     made = {str(p.relative_to(case_dir)) for p in case_dir.rglob("*") if p.is_file()}
-    expected = {"report.html", "angles.png", "figures.json"}
+    expected = {"report.html", "angles.png", "figures.json", RECORD}
     for run in RUNS:
-        files = ("summary.json", "result.vtkhdf", "motion.png", "balance.png")
+        files = ("summary.json", "result.vtkhdf", "motion.png", "balance.png", RECORD)
         expected |= {f"{run}/{file}" for file in files}
     assert made == expected
 

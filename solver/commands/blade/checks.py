@@ -1,7 +1,7 @@
 """Sizes and layers of a blade that cannot be, and those that are unlike any blade."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +14,6 @@ if TYPE_CHECKING:
 LONGEST, WIDEST = 300.0, 30.0  # [m] the longest blades are 150 m, with a chord of 8 m
 SLENDER, STOUT = 0.005, 0.5  # chord over length; blades have 0.03 to 0.25
 TWISTED = 45.0  # [deg] blades have up to 25
-SOFTEST = 1e5  # [Pa]; the softest foam has 5e6, placeholders of files 1e6
-LIGHT, HEAVY = 5.0, 25e3  # [kg/m3] aerogel, and above all metals
-FASTEST = 2e4  # [m/s] sqrt(E / rho); diamond has 1.8e4
 NO_ARC = 1e-9  # [-]
 NOTHING = 1e-9  # [m] thickness that is round-off
 
@@ -34,19 +31,6 @@ def doubts(shape: Shape) -> Iterator[str]:
         )
     if twist > TWISTED:
         yield f"outer_shape.twist.values: up to {twist:g}; expected degrees"
-
-
-def doubtful_materials(materials: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
-    """Yield materials that are possible, but unlike any: key and words."""
-    for name, material in materials.items():
-        moduli = [material[key] for key in ("E", "E1", "E2", "E3") if key in material]
-        E, rho = max(moduli), material["rho"]
-        if min(moduli) < SOFTEST:
-            yield f"materials.{name}.E: {min(moduli):g}; expected Pa"
-        if not LIGHT <= rho <= HEAVY:
-            yield f"materials.{name}.rho: {rho:g}; expected kg/m3"
-        elif rho * FASTEST**2 < E:
-            yield f"materials.{name}: E = {E:g} Pa with rho = {rho:g} kg/m3; no material has both"
 
 
 def check_layers(tables: Tables, shape: Shape, layers: Sequence["Layer"]) -> None:

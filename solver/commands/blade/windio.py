@@ -15,9 +15,10 @@ from typing import Any
 
 from ...errors import InputError, nearest
 from ...inputs.common.yaml_file import read_yaml
+from ...package.common.plausible import material_doubts
 from .along import STRAIGHT, WHOLE, Along
 from .anchors import HANDLES, RULES, Anchors
-from .checks import check_layers, doubtful_materials, doubts
+from .checks import check_layers, doubts
 from .contour import contour
 from .given import Given, read_given
 from .hub import NO_HUB, Hub, read_hub
@@ -133,7 +134,7 @@ def read_blade(file: Path) -> Blade:
         hub=read_hub(top),
         given=read_given(tables, structure),
         left_out=(*_left_out(tables, structure), *_unknown(tables, outer, structure)),
-        doubtful=(*doubts(shape), *doubtful_materials(materials)),
+        doubtful=(*doubts(shape), *(doubt.text for doubt in material_doubts(materials))),
         differences=tuple(anchors.differences),
     )
 

@@ -164,9 +164,6 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
             hint = did_you_mean(spec.path, found)
             text = f"missing; expected {spec.type} {shape_text(spec.shape)}{hint}"
             findings.append(Remark("error", where, text))
-        elif item.ndim != len(spec.shape):
-            text = f"expected shape {shape_text(spec.shape)}, found {item.shape}"
-            findings.append(Remark("error", where, text))
         elif is_text(item) != (spec.type == "text"):
             findings.append(Remark("error", where, f"expected {spec.type}, found {item.dtype}"))
         elif spec.type in ("int64", "uint8") and item.dtype.kind not in "iu":
@@ -174,6 +171,9 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
             findings.append(Remark("error", where, text))
         elif spec.type == "float64" and item.dtype.kind not in "fiu":
             findings.append(Remark("error", where, f"expected float64, found {item.dtype}"))
+        elif spec.shape and not item.ndim:
+            text = f"expected shape {shape_text(spec.shape)}, found a single value"
+            findings.append(Remark("error", where, text))
     return findings
 
 
@@ -182,14 +182,14 @@ def misshaped(
 ) -> list[Remark]:
     """Find datasets with shapes that differ from the sizes; unknown symbols are not checked.
 
-    `missing_or_mistyped` finds those of another number of axes.
+    `missing_or_mistyped` finds single values in place of arrays.
     """
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
     findings = []
     for spec in specs:
         item = group.get(spec.path)
         symbols = {axis for axis in spec.shape if isinstance(axis, str)}
-        if not isinstance(item, h5py.Dataset) or item.ndim != len(spec.shape):
+        if not isinstance(item, h5py.Dataset) or (spec.shape and not item.ndim):
             continue
         if not symbols <= known:
             continue

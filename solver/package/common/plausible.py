@@ -16,8 +16,9 @@ MATERIAL, SIZE = "material-units", "size-units"
 CODES = (MATERIAL, SIZE)
 
 # Speed of waves along the stiffest axis, sqrt(E / rho) [m/s]: silicone rubber 20 to 40, soft foam
-# 50, cork 500, steel 5000, diamond 18 000. With moduli in MPa, plies of carbon fibre have up to 15.
-SLOWEST, FASTEST = 20.0, 50_000.0
+# 50, cork 500, steel 5000, diamond 18 000, graphene 21 000. With moduli in MPa, plies of carbon
+# fibre have up to 15.
+SLOWEST, FASTEST = 20.0, 25_000.0
 # Density [kg/m3]: polystyrene foam from 10, aerogel 3 to 350 (Ashby, Materials Selection, charts of
 # modulus and density); tungsten 19 300, osmium 22 590.
 LIGHTEST, HEAVIEST = 3.0, 23_000.0

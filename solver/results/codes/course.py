@@ -120,7 +120,7 @@ VIBRATION_DAMPED = Code(
     "above a cutoff frequency, which the finding gives with the energy that they lost",
     "on average more than 100 steps for each `output_step` (or each thousandth of the run, if that "
     "is shorter), over 2000 attempts; limits of the cutoff: pi / `output_step` to ten times that, "
-    "and above it less than a tenth of the kinetic energy",
+    "and above it less than half of the kinetic energy",
     "`cutoff_frequency = 0` if the vibration matters; else damping of the body or element, or a "
     "cutoff of your own",
 )
