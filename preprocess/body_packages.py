@@ -47,7 +47,7 @@ class BodyPackages:
         """Build and write the package."""
         start = time.perf_counter()
         package = _built(spec)
-        write_valid(target, package, f"body {package.body}")
+        write_valid(target, package, f"body {package.body}", own=True)  # also a damaged one
         text = _summary(package, time.perf_counter() - start)
         return text, package.provenance["warnings"]
 

@@ -83,6 +83,7 @@ class Case:
     format = _Entry()
     title = _Entry()
     gravity = _Entry()
+    allow = _Entry()
     fidelity = _Entry()
     materials = _Group()
     sections = _Group()

@@ -101,12 +101,13 @@ def validate(path: str | Path) -> list[Remark]:
     return findings
 
 
-def write_valid(path: Path, package: ModalPackage, source: str) -> None:
+def write_valid(path: Path, package: ModalPackage, source: str, *, own: bool = False) -> None:
     """Write a modal package that `validate` accepts; else nothing is written.
 
     Parameters
     ----------
     source : file that the package is made from, for the message
+    own : whatever lies there is ours, as in build/CASE/bodies
 
     Raises
     ------
@@ -116,7 +117,7 @@ def write_valid(path: Path, package: ModalPackage, source: str) -> None:
     if path.suffix != ".vtkhdf":
         write_package(path, package)  # says so
     try:
-        with temporary_sibling(path) as temporary:
+        with temporary_sibling(path, own=own) as temporary:
             write_package(temporary, package)
             raise_first(temporary, validate(temporary))
     except PackageError as error:
