@@ -19,6 +19,8 @@ NUMBERS = [signal.SIGINT, signal.SIGTERM]
 if sys.platform != "win32":
     NUMBERS.append(signal.SIGHUP)
 
+SAME_S = 0.3  # a worker hears a signal to the group twice: by itself, and from its parent
+
 _received: list[int] = []  # since the command began
 _commands = 0  # that are under way in this process
 _written: list[str] = []  # the last file that this process has completed
@@ -125,17 +127,23 @@ def held(patience_s: float | None = None) -> Iterator[None]:
     """Complete a block that saves results before a signal counts; a second one counts at once.
 
     In a command the signal is noted, see `asked`; elsewhere it is raised after the block.
-    With `patience_s`, a block that is not complete so long after the signal ends with
-    KeyboardInterrupt. Without timers of POSIX it has no patience.
+    With `patience_s`, a block that is not complete so long after the signal, or after its begin
+    if the signal came before, ends with KeyboardInterrupt. Without timers of POSIX a signal
+    ends it at once.
     """
-    late: list[int] = []
+    late: list[float] = []  # when it came
 
     def delay(number: int, frame: FrameType | None) -> None:
         note(number)
-        if late:
+        now = time.monotonic()
+        if not late:
+            late.append(now)
+            limit()
+        elif now - late[0] > SAME_S:
             raise KeyboardInterrupt
-        late.append(number)
-        if patience_s is None:
+
+    def limit() -> None:
+        if patience_s is None or alarm:
             return
         if not hasattr(signal, "setitimer"):
             raise KeyboardInterrupt
@@ -147,8 +155,11 @@ def held(patience_s: float | None = None) -> Iterator[None]:
         raise KeyboardInterrupt
 
     alarm: list[Any] = []
+    main = threading.current_thread() is threading.main_thread()
     try:
         with _handled(delay):
+            if asked() and main and hasattr(signal, "setitimer"):
+                limit()
             yield
     finally:
         if alarm:

@@ -2,8 +2,6 @@
 
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 import numpy as np
 
@@ -42,6 +40,7 @@ from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
 from ..monitors.singularity import SingularityMonitor
 from ..signals.points import rotation_vectors
+from .executors.local import Local
 
 
 def compile_ahead(*, everything: bool = False) -> str:
@@ -60,11 +59,15 @@ def compile_ahead(*, everything: bool = False) -> str:
     if everything:
         rounds.append((_compile_alpha, _compile_planning))
     made, kept = 0, True
-    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+    workers, complete = Local(2), False
+    try:
         for parts in rounds:
-            for done in [pool.submit(_statistics_of, part) for part in parts]:
+            for done in [workers.submit(k, _statistics_of, part) for k, part in enumerate(parts)]:
                 count, can_be_kept = done.result()
                 made, kept = made + count, kept and can_be_kept
+        complete = True
+    finally:
+        workers.close(at_once=not complete)
     words = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
     if kept:
         store.write(_done(), {"name": "compiled ahead"}, b"")

@@ -61,7 +61,10 @@ def make_report(
     if is_up_to_date(case_dir, PAGE, key):
         return target
     titles = case.get("runs", {})
-    stories = [read_story(case_dir, run, str(titles.get(run) or run), digests[run]) for run in runs]
+    drawn = {figure["signal"] for figure in (case.get("figures") or {}).values()}
+    stories = [
+        read_story(case_dir, run, str(titles.get(run) or run), digests[run], drawn) for run in runs
+    ]
     stories = [with_ladder(case_dir, story) for story in stories]
     shown = comparisons(case, stories)
     by_name = {story.name: story for story in stories}

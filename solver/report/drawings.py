@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..interrupts import ignore, shielded
 from ..math.cores import cores
 from ..package.common.file_digests import files_sha256
 from ..package.common.temporary import write_text
@@ -45,9 +46,14 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
         with house_style():  # also tells that matplotlib is missing
             count = min(cores(), len(stale)) if len(stale) > FEW else 1
             if count > 1:
-                with ProcessPoolExecutor(count, _context()) as pool:
-                    for _ in pool.map(_draw, stale):
-                        pass
+                with ProcessPoolExecutor(count, _context(), ignore) as pool:
+                    try:
+                        with shielded():  # processes start in `map`
+                            drawn = pool.map(_draw, stale)
+                        for _ in drawn:
+                            pass
+                    finally:  # after a signal the others are not begun
+                        pool.shutdown(cancel_futures=True)
             else:
                 for drawing in stale:
                     _draw(drawing)

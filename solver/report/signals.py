@@ -39,7 +39,13 @@ def signals_section(stories: list[Story]) -> str:
             )
     if not rows:
         return ""
-    return section("signals", "Signals", table("Final values and extremes of signals", HEAD, rows))
+    found = table("Final values and extremes of signals", HEAD, rows)
+    if left_out := max(story.left_out for story in stories):
+        found += (
+            f"<p>{left_out} more signals are not shown; their values are in "
+            "<code>result.vtkhdf</code>, their extremes in <code>summary.json</code>.</p>"
+        )
+    return section("signals", "Signals", found)
 
 
 def _jump(story: Story, name: str, found: dict[str, Any], end: str) -> str | Cell:

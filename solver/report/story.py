@@ -2,13 +2,17 @@
 
 import hashlib
 import json
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
 from ..package.common.file_digests import file_sha256
 from ..results import ResultError, RunResult, Signal, read_result, read_summary
+
+MOST_SIGNALS = 700  # of a run: NUMBERS / FEWEST of embed/histories.py
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,7 @@ class Story:
     content: str = ""  # digest of all that figures show
     inputs: dict[str, Any] = field(default_factory=dict)  # mechanism of the run file
     sha256: str = ""  # of result.vtkhdf
+    left_out: int = 0  # signals beyond MOST_SIGNALS
 
     @property
     def stopped(self) -> bool:
@@ -30,11 +35,13 @@ class Story:
 
     def signal(self, name: str) -> Signal:
         """Return a signal by name. Raises InputError."""
-        for signal in self.result.signals:
-            if signal.name == name:
-                return signal
-        known = [signal.name for signal in self.result.signals]
-        raise InputError(f"run {self.name}: no signal {name!r}{nearest(name, known)}")
+        if name not in self._signals:
+            raise InputError(f"run {self.name}: no signal {name!r}{nearest(name, self._signals)}")
+        return self._signals[name]
+
+    @cached_property
+    def _signals(self) -> dict[str, Signal]:
+        return {signal.name: signal for signal in self.result.signals}
 
 
 class Comparison(NamedTuple):
@@ -47,10 +54,21 @@ class Comparison(NamedTuple):
     spectrum: bool = False  # amplitudes over frequency, not values over time
 
 
-def read_story(case_dir: Path, run: str, title: str, sha256: str | None = None) -> Story:
+def read_story(
+    case_dir: Path,
+    run: str,
+    title: str,
+    sha256: str | None = None,
+    drawn: Collection[str] = (),
+) -> Story:
     """Read summary and result of a run. Raises ResultError.
 
+    Of more than MOST_SIGNALS signals only the first are kept, and those of figures.
+
+    Parameters
+    ----------
     sha256 : digest of result.vtkhdf if it is known
+    drawn : signals of figures
     """
     summary = read_summary(case_dir / run / "summary.json")
     if summary["run"] != run:
@@ -60,10 +78,17 @@ def read_story(case_dir: Path, run: str, title: str, sha256: str | None = None) 
         )
     file = case_dir / run / "result.vtkhdf"
     result = read_result(file)
+    count = len(result.signals)
+    if count > MOST_SIGNALS:
+        kept = [s for i, s in enumerate(result.signals) if i < MOST_SIGNALS or s.name in drawn]
+        # Copies: a view would keep the values of all.
+        signals = tuple(replace(s, values=s.values.copy()) for s in kept)
+        result = replace(result, signals=signals)
     shown = repr((run, title, summary.get("completed"), summary.get("strength")))
     sha256 = sha256 or file_sha256(file)
     content = hashlib.sha256((shown + sha256).encode()).hexdigest()
-    return Story(run, title, summary, result, content, read_inputs(case_dir, run), sha256)
+    inputs, left_out = read_inputs(case_dir, run), count - len(result.signals)
+    return Story(run, title, summary, result, content, inputs, sha256, left_out)
 
 
 def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:

@@ -39,6 +39,16 @@ def blocks(shape: tuple[int, ...]) -> Iterator[tuple[int, int]]:
         yield first, min(first + rows, shape[0])
 
 
+def read_array(dataset: h5py.Dataset) -> np.ndarray:
+    """Return the content of a dataset, block by block: a signal counts between two of them."""
+    if dataset.nbytes <= LARGE or not dataset.ndim:
+        return np.asarray(dataset[()])
+    found = np.empty(dataset.shape, dataset.dtype)
+    for first, end in blocks(dataset.shape):
+        found[first:end] = dataset[first:end]
+    return found
+
+
 class Datasets:
     """Arrays with unit, frame and meaning; what is written is kept for the checksum.
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import nearest
 from ..package.common.container import get_text, kind_of_file, open_file
 from ..package.common.identity import check_file_checksum, version_of
+from .datasets import read_array
 from .nodes import drawn_by_views, positions_of_views
 from .records import Record, read_record, read_table, read_texts
 from .schema import (
@@ -59,14 +60,14 @@ def _load(path: Path, file: h5py.File) -> RunResult:
     group = _get(path, file, "results")
 
     def array(name: str) -> np.ndarray:
-        return np.asarray(_get(path, group, name)[()])
+        return read_array(_get(path, group, name))
 
     def members(name: str) -> list[h5py.HLObject]:
         items = list(group[name].values()) if name in group else []
         return sorted(items, key=lambda item: int(item.attrs.get("index", 0)))
 
     def series(name: str) -> dict[str, np.ndarray]:
-        return {item.name.rsplit("/", 1)[1]: item[()] for item in members(name)}
+        return {item.name.rsplit("/", 1)[1]: read_array(item) for item in members(name)}
 
     def records(name: str) -> Iterator[tuple[str, str, Record]]:
         """Yield place in the file, name and record of bodies or joints."""
@@ -84,14 +85,14 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         if "signals_table" in group:
             table = group["signals_table"]
             words = (read_texts(_get(path, table, n)) for n in ("name", "unit", "description"))
-            values = np.asarray(_get(path, table, "values")[()])
+            values = read_array(_get(path, table, "values"))
             return tuple(Signal(*each) for each in zip(*words, values, strict=True))
         return tuple(
             Signal(
                 item.name.rsplit("/", 1)[1],
                 get_text(item, "unit"),
                 get_text(item, "description"),
-                item[()],
+                read_array(item),
             )
             for item in members("signals")
         )

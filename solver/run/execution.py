@@ -29,7 +29,8 @@ from .timing import FIRST_LINE_S, Stopwatch, Told
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
-PATIENCE_S = 1.5  # to complete the files of a run after a signal
+# To complete the files of a run after a signal: wall time, or part of that of its integration.
+PATIENCE_S, PATIENCE = 1.5, 0.05
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
@@ -305,7 +306,7 @@ def run_file(
         return _written(out, spec, *planned(spec, digest), digest, clock, import_s, progress)
     solving = Stopwatch()
     solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
-    with held(PATIENCE_S):  # what is computed is kept
+    with held(max(PATIENCE_S, PATIENCE * solved[2])):  # what is computed is kept
         found = _collected(spec, *solved, solving, disk, progress)
         return _written(out, spec, *found, digest, clock, import_s, progress)
 
