@@ -1,22 +1,27 @@
 """Files that are edited, and signals that come, while a command is at work: real processes."""
 
+import contextlib
 import json
+import os
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 from fidelity_packages import CASE, build_bodies
 from forks import forks
-from hostile_profile import WAIT_S
+from hostile_profile import MISSED, WAIT_S, count, tries
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.results import read_summary
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
@@ -38,11 +43,11 @@ def watched(self, steps):
         tell()
     while where == "edit" and not os.path.exists(go):
         time.sleep(0.01)
-    if where == "step":
+    if where in ("step", "both"):
         time.sleep(0.05)
     return watch(self, steps)
 def slow(*words):
-    if where == "write":
+    if where in ("write", "both"):
         tell()
         for _ in range(3000):
             time.sleep(0.01)
@@ -161,15 +166,17 @@ def test_an_interrupted_planning_leaves_nothing_that_looks_finished(tmp_path, nu
     assert summary["fidelity"]["verdict"] == "met"
 
 
-def test_writing_stops_soon_after_a_signal(tmp_path):
+@pytest.mark.parametrize("where", ["write", "both"])
+def test_writing_stops_soon_after_a_signal(tmp_path, where):
+    """Also after one that has ended the integration."""
     file = tmp_path / "case.toml"
     file.write_text(
         HEAD
         + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
-        + SOLVER.format(t_end=0.1, step=0.1, more="")
+        + SOLVER.format(t_end=0.1, step=0.1, more="max_step = 1e-3")
     )
     write_case(load_case(file), tmp_path / "build")
-    process = paused("write", tmp_path, "run", tmp_path / "build/runs/base.json", "--quiet")
+    process = paused(where, tmp_path, "run", tmp_path / "build/runs/base.json", "--quiet")
     begin = time.monotonic()
     process.send_signal(signal.SIGTERM)
     _, errors = ended(process)
@@ -178,6 +185,67 @@ def test_writing_stops_soon_after_a_signal(tmp_path):
     assert errors.endswith("interrupted: nothing written\n")
     assert not list((tmp_path / "build").rglob(".*"))
     assert not list((tmp_path / "build/base").glob("*"))
+
+
+# Prints the signals that are blocked when each process is started.
+STARTS = """
+import signal
+from multiprocessing import util
+from plymotion.solver.commands.compile import compile_ahead
+start = util.spawnv_passfds
+def told(path, words, files):
+    blocked = sorted(map(int, signal.pthread_sigmask(signal.SIG_BLOCK, [])))
+    print("tracker" if "resource_tracker" in str(words) else "worker", *blocked, flush=True)
+    return start(path, words, files)
+util.spawnv_passfds = told
+compile_ahead()
+"""
+
+
+def test_what_compiles_ahead_starts_no_process_that_hears_signals():
+    """HUP ended the resource tracker, which a later worker of a sweep then missed."""
+    done = subprocess.run([sys.executable, "-c", STARTS], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    if not COMPILED:
+        pytest.skip("nothing is compiled")
+    numbers = " ".join(str(int(n)) for n in sorted([signal.SIGHUP, signal.SIGINT, signal.SIGTERM]))
+    assert sorted(done.stdout.splitlines()) == [f"tracker {numbers}", *[f"worker {numbers}"] * 2]
+
+
+STORM = """
+[sweeps.s]
+run = "base"
+vary = { end = { keys = ["solver.t_end"], values = [20.0, 30.0, 40.0, 50.0] } }
+"""
+COMMANDS = {"run": [], "sweep": ["--sweep", "s", "--jobs", "2"]}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_signal_at_any_time(tmp_path, command):
+    """To the process or to its group, as a terminal sends it."""
+    random = np.random.default_rng(len(command))
+    case = tmp_path / "case.toml"
+    more = SOLVER.format(t_end=20.0, step=0.01, more="max_step = 1e-3") + STORM
+    case.write_text(HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + more)
+    for k in range(tries(3, 25)):
+        number = random.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+        send = os.killpg if k % 2 else os.kill
+        out = tmp_path / str(k)
+        words = [sys.executable, "-m", "plymotion", str(case), "--out", str(out)]
+        process = subprocess.Popen(
+            [*words, *COMMANDS[command]], stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(random.uniform(0.5, 6.0))
+        with contextlib.suppress(ProcessLookupError):
+            send(process.pid, number)
+        _, errors = ended(process)
+        assert process.returncode in (0, 128 + number), errors
+        assert not any(word in errors for word in ("Traceback", "Exception", "leaked")), errors
+        if "nothing written" in errors:
+            assert not [file for file in out.rglob("*") if file.is_file()], errors
+        kind = f"{command}: {signal.Signals(number).name} at any time"
+        count(kind, "recovered" if process.returncode else MISSED)
 
 
 def test_workers_hear_no_signal_before_they_ignore_it(tmp_path):

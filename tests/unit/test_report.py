@@ -22,7 +22,7 @@ from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.report import make_report, summary_table
 from plymotion.solver.report.comparison import draw_comparison
 from plymotion.solver.report.embed.histories import chosen_rows
-from plymotion.solver.report.story import Comparison, comparisons, read_story
+from plymotion.solver.report.story import MOST_SIGNALS, Comparison, comparisons, read_story
 from plymotion.solver.report.style import house_style
 from plymotion.solver.results import (
     ResultError,
@@ -380,3 +380,24 @@ def test_every_run_has_its_own_colour_and_stops_are_red(case_dir: Path, tmp_path
 def test_summary_files_are_plain_json(case_dir: Path) -> None:
     for run in RUNS:
         assert json.loads((case_dir / run / "summary.json").read_text())["run"] == run
+
+
+def test_a_page_shows_the_first_of_many_signals_and_those_of_figures(tmp_path: Path) -> None:
+    """The time to look up the signals of all plots grew with the square of their number."""
+    run, count, last = "long", MOST_SIGNALS + 50, f"s{MOST_SIGNALS + 49}"
+    result = swinging_rod(run)
+    one = result.signals[0]
+    many = tuple(dataclasses.replace(one, name=f"s{i}") for i in range(count))
+    (tmp_path / run).mkdir()
+    write_result(tmp_path / run / "result.vtkhdf", dataclasses.replace(result, signals=many))
+    entry = {"unit": one.unit, "final": 1.0}
+    summary = summary_of(result) | {"signals": {s.name: entry for s in many}}
+    write_summary(tmp_path / run / "summary.json", summary)
+    text = make_report(tmp_path, [run], {}).read_text()
+    assert "50 more signals are not shown" in text
+    assert f"<code>s{MOST_SIGNALS - 1}</code>" in text
+    assert last not in text
+    figure = {"title": "one", "signal": last, "runs": [run]}
+    text = make_report(tmp_path, [run], {"figures": {"one": figure}}).read_text()
+    assert "49 more signals are not shown" in text
+    assert f"<code>{last}</code>" in text
