@@ -240,6 +240,8 @@ def test_a_signal_at_any_time(tmp_path, command):
         with contextlib.suppress(ProcessLookupError):
             send(process.pid, number)
         _, errors = ended(process)
+        if process.returncode == -number and not errors and not out.exists():
+            continue  # Python had not begun with the program
         assert process.returncode in (0, 128 + number), errors
         assert not any(word in errors for word in ("Traceback", "Exception", "leaked")), errors
         if "nothing written" in errors:
