@@ -42,6 +42,10 @@ def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None)
     """
     length, mass, time = sizes(table["units"])
     body = source.in_units(length, mass, time)
+    ratio = float(table.get("damping_ratio", 0.0))
+    if not 0.0 <= ratio < 1.0:
+        expected = "expected a fraction of critical, from 0 to below 1"
+        raise InputError(f"{body.where}: damping_ratio = {ratio:g}: {expected}")
     tell(f"checking {len(body.dof_node)} degrees of freedom")
     check_free_body(body, table.get("total_mass"))
     every = links(body, table["interfaces"], length)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hostile_changes import EXTREMES, SCALES, TEXTS, inner, places, toml_file
 from hostile_profile import LIMIT_S, Hang, count, limited, tries
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
@@ -32,11 +33,6 @@ BLOCKS = [
     for command, blocks in (("check", 9), ("section", 5), ("shell", 5))
     for block in range(tries(1, blocks))
 ]
-EXTREMES = [0, -1, 1e308, -1e308, 5e-324, 10**30, -(2**63), True, False]
-TEXTS = [
-    "", " ", "$(shell touch P)", "`touch P`", "a#b", "a:b", "a%b", "two words", "a\nb", "a\x00b",
-    "\u00e9", "../../../../etc/passwd", "/dev/zero", "/", "x" * 5000, "$\\foo{$", "1.0", "nan",
-]  # fmt: skip
 VALUES = st.sampled_from(EXTREMES) | st.sampled_from(TEXTS)
 VALUES |= st.sampled_from([[], {}, [[]], [1.0], {"a": 1}, [1.0] * 1000])
 ASKED_S = 1.0  # CPU time of a run after which it gets TERM: 1e12 steps are no hang
@@ -48,45 +44,17 @@ SETTINGS: dict[str, Any] = {
 }
 
 
-def _places(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    items = table.items() if isinstance(table, dict) else enumerate(table)
-    found = []
-    for key, value in items:
-        found.append((*path, key))
-        if isinstance(value, dict | list):
-            found += _places(value, (*path, key))
-    return found
-
-
-def _toml(value: Any) -> str:
-    """One value as TOML, tables inline."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_text(k)} = {_toml(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    return _text(value) if isinstance(value, str) else repr(value)
-
-
-def _text(word: str) -> str:
-    safe = (c if c.isprintable() and c not in '"\\' else f"\\u{ord(c):04x}" for c in word)
-    return '"' + "".join(safe) + '"'
-
-
 def _mutated(data: st.DataObject, table: dict[str, Any]) -> str:
     """Change one place: delete, rename, another value. Return what was done."""
-    *way, last = data.draw(st.sampled_from(_places(table)))
-    here: Any = table
-    for key in way:
-        here = here[key]
+    *way, last = data.draw(st.sampled_from(places(table)))
+    here = inner(table, way)
     kind = str(data.draw(st.sampled_from(["delete", "rename", "value", "number"])))
     if kind == "rename" and isinstance(here, dict):
         here[data.draw(st.sampled_from(TEXTS[1:]))] = here.pop(last)
     elif kind == "delete":
         del here[last]
     elif kind == "number" and isinstance(here[last], float):
-        here[last] *= data.draw(st.sampled_from([1e-3, 0.5, 0.9, 1.1, 2.0, 1e3, 1e9, 1e150]))
+        here[last] *= data.draw(st.sampled_from(SCALES))
     else:
         kind = "value"
         here[last] = data.draw(VALUES)
@@ -147,7 +115,7 @@ def test_changed_files(command, block, tmp_path, capfd, monkeypatch):
         source = data.draw(st.sampled_from(list(sources)))
         table = copy.deepcopy(sources[source])
         kind = _mutated(data, table)
-        text = "\n".join(f"{_text(k)} = {_toml(v)}" for k, v in table.items())
+        text = toml_file(table)
         file = tmp_path / source.relative_to(ROOT).with_name("attacked.toml")
         file.write_text(text, encoding="utf-8")
         before = _content(out)
@@ -243,21 +211,19 @@ def test_changed_sweep_files(tmp_path, capsys):
     """build/CASE/sweeps/NAME.json: one value deleted, repeated or replaced by another kind."""
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0]", 'histories = ["x"]')
     whole = json.loads(file.read_text("utf-8"))
-    places = [place for place in _places(whole) if place[0] not in ("mechanism", "other_runs")]
+    ways = [way for way in places(whole) if way[0] not in ("mechanism", "other_runs")]
     chance = random.Random(2)
     for _ in range(tries(15, 150)):
         table = copy.deepcopy(whole)
-        *outer, last = chance.choice(places)
-        inner: Any = table
-        for key in outer:
-            inner = inner[key]
-        way = chance.choice(["delete", "repeat", "value", "value"])
-        if way == "delete":
-            del inner[last]
-        elif way == "repeat" and isinstance(inner, list):
-            inner.append(inner[last])
+        *outer, last = chance.choice(ways)
+        here = inner(table, outer)
+        kind = chance.choice(["delete", "repeat", "value", "value"])
+        if kind == "delete":
+            del here[last]
+        elif kind == "repeat" and isinstance(here, list):
+            here.append(here[last])
         else:
-            inner[last] = chance.choice([None, [], {}, "", "x", -1, 10**400, 1e308, True, 99])
+            here[last] = chance.choice([None, [], {}, "", "x", -1, 10**400, 1e308, True, 99])
         file.write_text(json.dumps(table), "utf-8")
         code = main(["sweep", str(file), "--jobs", "1", "--no-figures", "--quiet", "--fresh"])
         told = capsys.readouterr().err

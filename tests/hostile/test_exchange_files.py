@@ -9,10 +9,12 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 
 import pytest
 from brick_model import brick
 from exchange_samples import exported, write_matrices
+from hostile_changes import changed, places, toml_file
 from hostile_profile import count, tries
 
 from plymotion.solver.__main__ import main
@@ -49,6 +51,7 @@ READING = """
 import contextlib, io, sys
 from pathlib import Path
 from plymotion.preprocess.exchange.__main__ import main
+from plymotion.solver.package.validation import validate
 for folder in sorted(Path(sys.argv[1]).iterdir()):
     told = io.StringIO()
     print(folder.name, flush=True)
@@ -57,6 +60,10 @@ for folder in sorted(Path(sys.argv[1]).iterdir()):
                      "--quiet", "--tables", str(folder / "tables")])
     assert code in (0, 2, 4), code
     assert code != 2 or str(folder) in told.getvalue(), told.getvalue()
+    if code == 0:
+        wrong = [f for f in validate(folder / "o.vtkhdf") if f.level == "error"]
+        assert not wrong, wrong
+    print("END", {0: "done", 2: "refused", 4: "done"}[code], flush=True)
 """
 
 
@@ -96,19 +103,48 @@ def _changed(content, chance):
 
 def test_changed_files_of_other_codes(sources, tmp_path):
     chance = random.Random(1)
-    number = tries(40, 400)
-    for k in range(number):
+    for k in range(tries(40, 400)):
         folder, names = chance.choice(list(sources.items()))
         copy = tmp_path / "copies" / f"{k:04d}"
         shutil.copytree(folder, copy)
         file = copy / chance.choice(names)
         file.write_bytes(_changed(file.read_bytes(), chance))
-    done = subprocess.run(
-        [sys.executable, "-c", READING, str(tmp_path / "copies")], capture_output=True, text=True
-    )
+    for end in _read(tmp_path / "copies"):
+        count("import: a changed file of another code", end)
+
+
+def test_changed_import_files(sources, tmp_path):
+    """One value of the import file itself: what is written is what `validate` accepts."""
+    chance = random.Random(2)
+    for k in range(tries(20, 300)):
+        folder = chance.choice(list(sources))
+        copy = tmp_path / "copies" / f"{k:04d}"
+        shutil.copytree(folder, copy)
+        whole = tomllib.loads((copy / "arm.toml").read_text("utf-8"))
+        table, _ = changed(chance, {"damping_ratio": 0.01, **whole}, places(whole))
+        (copy / "arm.toml").write_text(toml_file(table), "utf-8")
+    for end in _read(tmp_path / "copies"):
+        count("import: a changed import file", end)
+
+
+@pytest.mark.parametrize("ratio", ["1e300", "1.0", "-0.1"])
+def test_a_damping_ratio_is_a_fraction_of_critical(sources, tmp_path, capfd, ratio):
+    copy = tmp_path / "copy"
+    shutil.copytree(next(iter(sources)), copy)
+    file = copy / "arm.toml"
+    text = file.read_text("utf-8")
+    file.write_text(text.replace("damping_ratio = 0.01", f"damping_ratio = {ratio}"), "utf-8")
+    assert main(["import", str(file), "-o", str(copy / "o.vtkhdf"), "--quiet"]) == 2
+    assert f"arm.toml: damping_ratio = {float(ratio):g}: expected" in capfd.readouterr().err
+    assert not (copy / "o.vtkhdf").exists()
+
+
+def _read(copies):
+    """Import all; return how each ended."""
+    words = [sys.executable, "-c", READING, str(copies)]
+    done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, (done.returncode, done.stdout.split()[-1], done.stderr[-2000:])
-    for _ in range(number):
-        count("import: a changed file of another code", "refused")
+    return re.findall("^END (.*)$", done.stdout, re.MULTILINE)
 
 
 SIZE = "60 60 966\n"

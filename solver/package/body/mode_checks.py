@@ -11,6 +11,7 @@ from .schema import ModalPackage
 
 CONSISTENCY = 1e-6  # relative: two results of the same FE model
 LUMPED_T11 = 0.05  # relative: lumped invariants and a modal mass that may be consistent
+OVERDAMPED = 100.0  # least damping ratio of a body: modes would creep, 200 times the period long
 NEGATIVE = 1e-9  # eigenvalue of a stiffness of unit diagonal, damping ratio: above round-off
 
 
@@ -88,11 +89,14 @@ def _frequencies(package: ModalPackage) -> Iterator[Remark]:
 
 
 def _damping(package: ModalPackage) -> Iterator[Remark]:
-    """No negative damping ratio. A mode without stiffness is compared with the others."""
+    """Damping ratios that a body can have. A mode without stiffness is compared with the others."""
     critical = critical_damping(package)
     largest = critical.max()
     size = np.sqrt(np.maximum(critical, 1e-6 * largest)) if largest else np.ones(package.n_mode)
     ratios = eigenvalues(package.damping / np.outer(size, size))
     if ratios[0] < -NEGATIVE * max(np.abs(ratios).max(), 1.0 if largest else 0.0):
         text = f"feeds energy into the body (smallest damping ratio {ratios[0]:.3g})"
+        yield _finding("error", "modes/damping", text)
+    elif largest and ratios[0] > OVERDAMPED:
+        text = f"smallest damping ratio {ratios[0]:.3g}: expected less than {OVERDAMPED:g}"
         yield _finding("error", "modes/damping", text)
