@@ -1,12 +1,17 @@
 """The current folder names no program, and caches of others are not used."""
 
+import hashlib
 import os
+import pickle
+import random
 import subprocess
 import sys
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hostile_profile import count, tries
 from package_samples import cantilever
 
 from plymotion.solver.commands.fenicsx_side import interpreter
@@ -52,6 +57,7 @@ def test_a_cache_that_others_can_write_to_is_not_used(tmp_path, monkeypatch, pla
         assert cache.folder() is None
     assert len([w for w in told if "not used as a cache" in str(w.message)]) <= 1
     assert not (root / "some/key").exists()
+    count("a cache of another owner, or that others can write to", "refused")
 
 
 @posix
@@ -69,6 +75,7 @@ def test_a_cache_of_another_owner_is_not_used(tmp_path, monkeypatch, kind):
     with pytest.warns(UserWarning, match="not used as a cache") if _first() else _none():
         assert not DiskCache("some", 10).write("key", b"content")
     assert not any((tmp_path / "real").iterdir())
+    count("a cache of another owner, or that others can write to", "refused")
 
 
 def _first() -> bool:
@@ -125,6 +132,43 @@ def test_what_is_read_back_is_no_pickle(tmp_path, monkeypatch):
             assert "pickle.load" not in text, file
             assert "import pickle" not in text, file
             assert "allow_pickle=True" not in text, file
+
+
+class Strike:
+    """Leaves a file where it is unpickled."""
+
+    def __init__(self, file):
+        self.file = str(file)
+
+    def __reduce__(self):
+        return os.mkdir, (self.file,)
+
+
+def test_damaged_and_planted_entries_of_a_cache(tmp_path, monkeypatch):
+    """The file itself is read then; pickles are bytes like others."""
+    monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path / "cache"))
+    write_package(tmp_path / "p.vtkhdf", cantilever(n=5, m=2))
+    sound = read_package(tmp_path / "p.vtkhdf")
+    (entry,) = (tmp_path / "cache/packages").iterdir()
+    whole = entry.read_bytes()
+    planted = pickle.dumps(Strike(tmp_path / "STRUCK"))
+    signed = hashlib.sha256(planted).hexdigest().encode() + b"\n" + planted
+    chance = random.Random(6)
+    for k in range(tries(20, 150)):
+        place = chance.randrange(len(whole))
+        bits = bytearray(whole)
+        bits[place] ^= 1 << chance.randrange(8)
+        kinds = [bytes(bits), whole[:place], planted, signed, b"", whole + b"x", whole[place:]]
+        entry.write_bytes(kinds[k % len(kinds)])
+        if kinds[k % len(kinds)] == signed:  # only the user can write here
+            with pytest.raises((ValueError, LookupError, TypeError)):
+                read_package(tmp_path / "p.vtkhdf")
+            entry.unlink()
+        found = read_package(tmp_path / "p.vtkhdf")
+        assert np.array_equal(found.stiffness, sound.stiffness)
+        assert np.array_equal(found.shapes_B, sound.shapes_B)
+        assert not (tmp_path / "STRUCK").exists()
+        count("a damaged or planted entry of a cache", "done")
 
 
 def test_figures_do_not_read_the_current_folder(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import random
 import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -13,7 +14,7 @@ import pytest
 from case_samples import HEAD, SOLVER
 from exchange_samples import bar, request
 from fmu_samples import SLIDER
-from hostile_profile import count
+from hostile_profile import count, tries
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
@@ -37,7 +38,64 @@ NAMES = [
     "a{0}{body}%s",
     "x\r\nINCLUDE 'STRUCK'",
     "\u2028\x85\x07\x7f\U0001f600 -- ]]> --> <b>&amp;",
+    "*/ </script> ' #{x} $(touch STRUCK) `touch STRUCK`",
 ]
+PIECES = [
+    "'",
+    '"',
+    "\\",
+    "\n",
+    "\r",
+    "\u2028",
+    "\x0b",
+    "\x1b[2J",
+    "*/",
+    "/*",
+    "]]>",
+    "-->",
+    "</script>",
+]
+PIECES += [
+    "{",
+    "}",
+    "%s",
+    "${",
+    "$(",
+    ")",
+    "`",
+    "#",
+    "!",
+    ";",
+    "=",
+    "@",
+    ",",
+    "\t",
+    "&lt;",
+    "open('STRUCK','w')",
+]
+PIECES += [
+    "\U0001f600",
+    "\u202e",
+    "a",
+    "1",
+    " ",
+    "$",
+    "END",
+    "BEGIN BULK",
+    "-1",
+    "    -1",
+    '"""',
+    "f'",
+]
+
+
+def _names(number: int) -> list[str]:
+    """Names of such pieces in a row."""
+    chance = random.Random(5)
+    return ["".join(chance.choices(PIECES, k=chance.randrange(1, 12))) for _ in range(number)]
+
+
+NAMES += _names(tries(2, 25))
 ON_DISK = [name.replace("/", "-") for name in NAMES]
 # Files that are read line by line; what begins a line there is a card, a group or a number.
 DECKS = {"dmig": ".bdf", "mbdyn": ".fem", "sid": ".SID_FEM", "uff": ".uff"}
@@ -105,6 +163,7 @@ def test_a_name_is_one_group_of_a_med_file(
     with h5py.File(out) as med:
         (mesh,) = med["ENS_MAA"].values()
         assert mesh.attrs["DIM"] == 3
+    count("export: hostile names in generated files", "done")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -116,6 +175,7 @@ def test_titles_add_no_line_to_blade_files(name: str, tmp_path: Path) -> None:
             for title in ("arm", name)
         )
         assert [a for a, b in zip(plain, hostile, strict=True) if a != b and b"arm" not in a] == []
+    count("section: hostile titles in tables of blades", "done")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -131,6 +191,7 @@ def test_toml_that_we_write_is_what_it_was(name: str, tmp_path: Path) -> None:
     write_plan(tmp_path / "plan.toml", plan, [name])
     written = tomllib.loads((tmp_path / "plan.toml").read_text(encoding="utf-8"))
     assert written["bodies"]["arm"]["vibrations"] == [name]
+    count("plan, blade: hostile names in TOML that is written", "done")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -151,6 +212,7 @@ def test_the_description_of_an_fmu_is_xml(name: str, tmp_path: Path) -> None:
     root = ET.fromstring(xml)
     (signal,) = (v for v in root.iter("ScalarVariable") if v.get("name") == "signals.x")
     assert signal.get("description", "").startswith(name[:1].strip())
+    count("export: hostile words in the XML of an FMU", "done")
 
 
 @pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@SUM(1)", "\t=1"])

@@ -1,18 +1,21 @@
 """No command replaces a file that it has not written, or writes through a planted link."""
 
 import os
+import random
 import shutil
 from pathlib import Path
 
 import pytest
 from blade_samples import write_blade
 from case_samples import HEAD, SOLVER, rigid
-from hostile_profile import count
+from hostile_profile import count, tries
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 
 CASE = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + SOLVER.format(t_end=1, step=0.5, more="")
+FOREIGN = "a file of others where a command writes"
+LINKS = "a planted link where a command writes"
 WORDS = "the only copy of a thesis\n"
 
 
@@ -46,7 +49,7 @@ def refused(words, files, capsys):
         )
         assert file.read_text() == WORDS
         file.unlink()
-    count("a file of others where a command writes", "refused")
+        count(FOREIGN, "refused")
 
 
 FILES = ["base/result.vtkhdf", "base/summary.json", "report.html", "case.json", "runs/base.json"]
@@ -129,7 +132,7 @@ def test_no_planted_link_is_followed(case, tmp_path, capsys, planted):
     assert main(["run", str(case), *more, "--quiet"]) == 2
     assert f"{planted} is a link to {elsewhere}" in capsys.readouterr().err
     assert not any(elsewhere.iterdir())
-    count("a planted link where a command writes", "refused")
+    count(LINKS, "refused")
 
 
 def test_no_planted_link_of_a_run_file_is_followed(case, tmp_path, capsys):
@@ -165,3 +168,64 @@ def test_a_link_in_place_of_a_file_is_not_followed(case, tmp_path):
     assert main(["run", str(case), "--out", "out", "--quiet"]) == 2
     assert (tmp_path / "thesis").read_text() == WORDS
     assert Path("out/report.html").is_symlink()
+
+
+# Commands whose outputs are quick to make, with "OUT" for the folder or file that they write.
+COMMANDS = {
+    "check": "check mine/case.toml --out OUT",
+    "run": "run mine/case.toml --out OUT --quiet",
+    "report": "report OUT --glb --vtk",
+    "modes": "modes mine/case.toml --out OUT --shapes 0 --quiet",
+    "section": "section square.toml --check --out OUT",
+    "blade": "blade small.yaml --at 0.5 --check --out OUT",
+    "export": "export arm.vtkhdf --to uff -o OUT/arm.uff",
+    "exudyn": "export arm.vtkhdf --to exudyn -o OUT/arm.py",
+    "med": "export arm.vtkhdf --to med -o OUT/arm.med",
+    "new": "new robot-arm OUT",
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_output_in_turn(case, package, repository, tmp_path, capfd, name):
+    """Another file, or a link to one, or a link in place of the folder around it."""
+    shutil.copy(repository / "cases/sections/square.toml", tmp_path)
+    write_blade(tmp_path)
+
+    def ended(out):
+        before = "run mine/case.toml --out OUT --quiet" if name == "report" else ""
+        for line in filter(None, [before, COMMANDS[name]]):
+            code = main(line.replace("OUT", out).split())
+            if code:
+                return code
+        return 0
+
+    assert ended("first") == 0
+    first = Path("first")
+    written = sorted(p.relative_to(first) for p in first.rglob("*") if p.is_file())
+    written = [file for file in written if file.name != "plymotion-files.txt"]
+    thesis, elsewhere = tmp_path / "thesis", tmp_path / "elsewhere"
+    thesis.write_text(WORDS)
+    elsewhere.mkdir()
+    ways = [(file, way) for file in written for way in ("file", "link", "folder")]
+    chosen = random.Random(7).sample(ways, min(len(ways), tries(4, 30)))
+    for k, (file, way) in enumerate(chosen):
+        out = Path(f"out{k}")
+        place = out / file
+        if way == "folder":
+            if place.parent == out:  # the folder that the user has named
+                continue
+            place.parent.parent.mkdir(parents=True)
+            place.parent.symlink_to(elsewhere, target_is_directory=True)
+        else:
+            place.parent.mkdir(parents=True)
+            if way == "link":
+                place.symlink_to(thesis)
+            else:
+                place.write_text(WORDS)
+        code = ended(str(out))
+        told = capfd.readouterr()
+        kept = thesis.read_text() == WORDS and not any(elsewhere.iterdir())
+        kept = kept and (way == "folder" or place.read_text() == WORDS)
+        count(LINKS if way != "file" else FOREIGN, "refused" if kept else "file lost")
+        assert code == 2, (file, way, told)
+        assert kept, (file, way, told)

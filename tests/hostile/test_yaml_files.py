@@ -1,4 +1,4 @@
-"""Turbine files of windIO by chance: YAML of any nesting, aliases, tags, and blades of odd numbers."""
+"""Turbine files by chance: YAML of any nesting, aliases and tags, and blades of odd numbers."""
 
 import random
 from pathlib import Path
@@ -41,7 +41,9 @@ def _document(chance: random.Random, level: int) -> str:
             f"- {part}\n- {other}",
             f"a: {part}\nb: {other}",
             f"--- {part}\n--- {other}",
-            "[&a0 [x, x], " + ", ".join(f"&a{i + 1} [*a{i}, *a{i}]" for i in range(deep % 97)) + "]",
+            "[&a0 [x, x], "
+            + ", ".join(f"&a{i + 1} [*a{i}, *a{i}]" for i in range(deep % 97))
+            + "]",
         ]
     )
 

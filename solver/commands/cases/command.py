@@ -17,6 +17,7 @@ from .finished import (
     RECORD,
     finished_before,
     note_finished,
+    refuse_foreign_record,
     request_of,
     state_of,
     state_since,
@@ -68,6 +69,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         if not options.quiet:
             print(f"{out}: {text}", file=sys.stderr, flush=True)
 
+    refuse_foreign_record(out)  # before the work
     begin, inputs = time.time_ns(), {file: state_of(file)}
     case = load_case(file, coarse=options.coarse, sweeps=options.sweep or ())
     inputs |= {source: state_since(source, begin) for source in source_files(case)}

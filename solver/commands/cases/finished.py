@@ -37,6 +37,14 @@ def finished_before(out: Path, request: str) -> tuple[int, str] | None:
     return None
 
 
+def refuse_foreign_record(out: Path) -> None:
+    """Raise InputError if the place of the record has a file that is none."""
+    from ...package.common.replaceable import refuse_foreign
+
+    if not _commands(out):
+        refuse_foreign(out / RECORD)
+
+
 def note_finished(
     out: Path,
     request: str,
