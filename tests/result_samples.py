@@ -5,10 +5,15 @@ angle; theta'' = -(3 g / 2 L) sin(theta) is integrated by SciPy to 1e-11. A
 second body, a rigid block without cells, rides on the tip.
 """
 
+import dataclasses
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.results import BodyGeometry, RunResult, Signal
+from plymotion.solver.results.nodes import all_positions
+from plymotion.solver.results.rigid import rigid_surface
+from plymotion.solver.results.view import BodyView, Link, Side
 
 GRAVITY = 9.81
 
@@ -67,4 +72,52 @@ def swinging_rod(
         ),
         node_positions_G=np.concatenate([rod, tip[:, None, :]], axis=1),
         violations={"position": np.abs(np.linalg.norm(tip, axis=1) - length)},
+    )
+
+
+def crowd(count: int, k: int = 5) -> RunResult:
+    """Free rigid bodies in a row, a joint and a signal for each; sizes differ."""
+    t = np.linspace(0.0, 1.0, k)
+    q = np.zeros((k, 7 * count))
+    q[:, 0::7] = np.arange(count) + t[:, None]
+    q[:, 3::7] = 1.0
+    bodies, links, signals = [], [], []
+    none = np.zeros(0, dtype=np.int64)
+    for i in range(count):
+        nodes = np.zeros((1 + i % 3, 3))
+        nodes[1:, 0] = 0.5
+        view = BodyView(
+            first_position=7 * i,
+            shapes_B=np.zeros((0, len(nodes), 6)),
+            stiffness=np.zeros((0, 0)),
+            frequencies=np.zeros(0),
+            labels=(),
+            mass=1.0 + i,
+            centre_B=np.zeros(3),
+            draw=lambda nodes=nodes: rigid_surface(
+                nodes, np.zeros(3), np.ones(3), np.eye(3), 0.1, 1.0
+            ),
+        )
+        name = f"Körper-{i}"
+        bodies.append(BodyGeometry(name, nodes, none, np.zeros(1, dtype=np.int64), none, view))
+        side = Side(i, np.full(3, float(i)), np.eye(3), np.zeros((3, 0)), np.zeros((3, 0)))
+        links.append(Link(f"j{i}", "spherical", (side, side), ("about x",)))
+        signals.append(Signal(f"s{i}", "m", f"number {i}", np.sin(i + t)))
+    zero = np.zeros(k)
+    moved = [
+        (7 * i, body.nodes_B, np.zeros((0, len(body.nodes_B), 3))) for i, body in enumerate(bodies)
+    ]
+    return dataclasses.replace(
+        swinging_rod(k=k),
+        t=t,
+        q=q,
+        v=np.zeros((k, 6 * count)),
+        multipliers=np.zeros((k, 3)),
+        energies=dict.fromkeys(("kinetic", "strain", "potential", "drive_work"), zero),
+        violations={},
+        bodies=tuple(bodies),
+        links=tuple(links),
+        signals=tuple(signals),
+        node_positions_G=all_positions(q, moved),
+        provenance={"command": "x" * 100_000},  # longer than an attribute of HDF5
     )

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from package_samples import cantilever
-from result_samples import swinging_rod
+from result_samples import crowd, swinging_rod
 from vtk_samples import Player, grid_of
 
 from plymotion.solver.package import write_package
@@ -52,6 +52,18 @@ def test_result_plays(tmp_path: Path, k: int, max_frames: int, expected: int) ->
         moved = grid.points + grid.point_data["displacement"]
         np.testing.assert_allclose(moved, result.node_positions_G[at], atol=1e-12)
         np.testing.assert_array_equal(grid.cell_data["body_id"], np.zeros(8))
+
+
+def test_result_with_tables_of_many_bodies_plays(tmp_path: Path) -> None:
+    """Format 2.0."""
+    result = crowd(150)
+    write_result(tmp_path / "result.vtkhdf", result)
+    player = Player(tmp_path / "result.vtkhdf")
+    assert len(player.times) == len(result.t)
+    for step in (0, len(result.t) - 1):
+        grid = player.at(step)
+        moved = grid.points + grid.point_data["displacement"]
+        np.testing.assert_allclose(moved, result.node_positions_G[step], atol=1e-12)
 
 
 def test_result_with_two_meshed_bodies_keeps_them_apart(tmp_path: Path) -> None:

@@ -6,70 +6,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from result_samples import swinging_rod
+from result_samples import crowd
 
 from plymotion.solver.math.rows import StoredRows, temporary_file
 from plymotion.solver.results import (
-    BodyGeometry,
     ResultError,
-    RunResult,
-    Signal,
     read_result,
     write_result,
 )
 from plymotion.solver.results.nodes import all_positions, node_positions
-from plymotion.solver.results.rigid import rigid_surface
-from plymotion.solver.results.view import BodyView, Link, Side
-
-K = 5  # output times
-
-
-def crowd(count: int) -> RunResult:
-    """Free rigid bodies in a row, a joint and a signal for each; sizes differ."""
-    t = np.linspace(0.0, 1.0, K)
-    q = np.zeros((K, 7 * count))
-    q[:, 0::7] = np.arange(count) + t[:, None]
-    q[:, 3::7] = 1.0
-    bodies, links, signals = [], [], []
-    none = np.zeros(0, dtype=np.int64)
-    for i in range(count):
-        nodes = np.zeros((1 + i % 3, 3))
-        nodes[1:, 0] = 0.5
-        view = BodyView(
-            first_position=7 * i,
-            shapes_B=np.zeros((0, len(nodes), 6)),
-            stiffness=np.zeros((0, 0)),
-            frequencies=np.zeros(0),
-            labels=(),
-            mass=1.0 + i,
-            centre_B=np.zeros(3),
-            draw=lambda nodes=nodes: rigid_surface(
-                nodes, np.zeros(3), np.ones(3), np.eye(3), 0.1, 1.0
-            ),
-        )
-        name = f"Körper-{i}"
-        bodies.append(BodyGeometry(name, nodes, none, np.zeros(1, dtype=np.int64), none, view))
-        side = Side(i, np.full(3, float(i)), np.eye(3), np.zeros((3, 0)), np.zeros((3, 0)))
-        links.append(Link(f"j{i}", "spherical", (side, side), ("about x",)))
-        signals.append(Signal(f"s{i}", "m", f"number {i}", np.sin(i + t)))
-    zero = np.zeros(K)
-    moved = [
-        (7 * i, body.nodes_B, np.zeros((0, len(body.nodes_B), 3))) for i, body in enumerate(bodies)
-    ]
-    return dataclasses.replace(
-        swinging_rod(k=K),
-        t=t,
-        q=q,
-        v=np.zeros((K, 6 * count)),
-        multipliers=np.zeros((K, 3)),
-        energies=dict.fromkeys(("kinetic", "strain", "potential", "drive_work"), zero),
-        violations={},
-        bodies=tuple(bodies),
-        links=tuple(links),
-        signals=tuple(signals),
-        node_positions_G=all_positions(q, moved),
-        provenance={"command": "x" * 100_000},  # longer than an attribute of HDF5
-    )
+from plymotion.solver.results.view import BodyView
 
 
 def same(one: object, two: object) -> bool:
