@@ -52,7 +52,12 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
     """
     if run.mechanism.fidelity is not None:
         return
+    import os; DBG=os.environ.get('DBG')
+    from .missing import missing, look
+    rec = look(run)
     for i, name in enumerate(run.built.body_names):
+        if DBG and run.model.n_mode[i]:
+            print('MISS', name, missing(run, i, *rec))
         if run.model.n_mode[i] < 2:
             continue
         package = run.packages[name]

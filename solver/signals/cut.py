@@ -86,7 +86,7 @@ class Cut:
             model.marker_body[marker] == self.body and model.marker_x[marker, 0] > self._beyond
         )
 
-    def _motion_at(self, x: Array) -> Array:
+    def motion_at(self, x: Array) -> Array:
         """Return translation and rotation (p, 6, m) at places along the beam per unit mode."""
         columns = [
             [np.interp(x, self.along, shape[:, a]) for a in range(6)] for shape in self.shapes
@@ -111,7 +111,7 @@ class Cut:
         cross = np.array([skew(c) for c in centre_E]).reshape(-1, 3, 3)
         J_E = M[:, 3:, 3:] + m[:, None, None] * cross @ cross
         offset_B = centre_E @ self.A_BE.T
-        motion = self._motion_at(x)
+        motion = self.motion_at(x)
         turned = np.array([skew(c) for c in offset_B]).reshape(-1, 3, 3)
         self.mass = m * length
         self.place_B = self.nodes[0] + x[:, None] * np.array([1.0, 0.0, 0.0]) + offset_B
@@ -121,12 +121,12 @@ class Cut:
 
     def _section(self, q: Array) -> tuple[Array, Array]:
         """Return place (k, 3) and rotation vector (k, 3) of the section in the body."""
-        motion = self._motion_at(np.array([self.x]))[0]
+        motion = self.motion_at(np.array([self.x]))[0]
         start = self.nodes[0] + np.array([self.x, 0.0, 0.0])
         place = start + q @ motion[:3].T
         if stiffened(self.model, self.body):  # a bent line is shorter along x
             ends = np.append(self.along[self.along < self.x], self.x)
-            moved = np.einsum("pam,km->kpa", self._motion_at(ends)[:, 1:3], q)
+            moved = np.einsum("pam,km->kpa", self.motion_at(ends)[:, 1:3], q)
             if len(ends) > 1:
                 place[:, 0] -= 0.5 * (np.diff(moved, axis=1) ** 2 / np.diff(ends)[:, None]).sum(
                     axis=(1, 2)
@@ -137,10 +137,21 @@ class Cut:
         self, recording: Recording, r: Array, A: Array, q: Array, x: Array
     ) -> tuple[Array, Array]:
         """Return force and moment about x of weight and inertia of the slices, global, (k, 3)."""
-        model, j = self.model, self.model.n_pos + int(self.model.vel_start[self.body])
-        m = q.shape[1]
-        velocity = recording.y[:, j : j + 6 + m]
-        rate = recording.rates[:, j : j + 6 + m]
+        j = self.model.n_pos + int(self.model.vel_start[self.body])
+        own = slice(j, j + 6 + q.shape[1])
+        b, f_B, h_d = self.slice_loads(A, q, recording.y[:, own], recording.rates[:, own])
+        weight = np.einsum("kab,kpb->kpa", A, f_B)
+        arm = r[:, None] + np.einsum("kab,kpb->kpa", A, b) - x[:, None]
+        moment = np.cross(arm, weight).sum(axis=1) - np.einsum("kab,kpb->ka", A, h_d)
+        return weight.sum(axis=1), moment
+
+    def slice_loads(
+        self, A: Array, q: Array, velocity: Array, rate: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return place, weight less m a, and dh/dt of each slice, in body axes, (k, p, 3).
+
+        Of velocity and acceleration (k, 6 + m) of the frame and the modes.
+        """
         w, w_d = velocity[:, None, 3:6], rate[:, None, 3:6]
 
         def moved(shapes: Array, amounts: Array) -> Array:
@@ -149,16 +160,13 @@ class Cut:
         b = self.place_B + moved(self.phi, q)
         b_d, b_dd = moved(self.phi, velocity[:, 6:]), moved(self.phi, rate[:, 6:])
         a_B = b_dd + np.cross(w_d, b) + np.cross(w, np.cross(w, b)) + 2.0 * np.cross(w, b_d)
-        a_G = rate[:, None, :3] + np.einsum("kab,kpb->kpa", A, a_B)
-        weight = self.mass[:, None] * (model.gravity_G - a_G)
-        arm = r[:, None] + np.einsum("kab,kpb->kpa", A, b) - x[:, None]
+        fall_B = np.einsum("kba,kb->ka", A, self.model.gravity_G - rate[:, :3])
         own = moved(self.psi, velocity[:, 6:])
         W = w + own
         W_d = w_d + moved(self.psi, rate[:, 6:]) + np.cross(w, own)
         J = self.J_B
         h_d = np.einsum("pab,kpb->kpa", J, W_d) + np.cross(W, np.einsum("pab,kpb->kpa", J, W))
-        moment = np.cross(arm, weight).sum(axis=1) - np.einsum("kab,kpb->ka", A, h_d)
-        return weight.sum(axis=1), moment
+        return b, self.mass[:, None] * (fall_B[:, None] - a_B), h_d
 
 
 def equilibrium_resultants(
