@@ -1,15 +1,15 @@
 """What the modes of a beam miss of the static deformation under the loads of a run.
 
 The equilibrium of the part beyond a section gives the resultants F there (signals/cut.py). Those of
-the modes are R q. Their difference is the static response of all modes that the body does not have:
+the modes are R q. Their difference is the static response of all modes that the body lacks:
 
-    Delta F = F - R (q + K^-1 D q_d),         U_missing = 1/2 int Delta F' C Delta F dx,
+    Delta F = F - R q_s,                      q_s = q + K^-1 (D q_d + M q_dd),
+    U_missing = 1/2 int Delta F' C Delta F dx
 
-with the compliance C of the sections. F contains the inertia of the retained vibrations, R q too,
-so that their difference does not ring with them. It is orthogonal to the modes in the energy: the
-deformation under the same loads has the strain energy
-
-    U_missing + 1/2 q_s' K q_s,               q_s = q + K^-1 (D q_d + M q_dd).
+with the compliance C of the sections. Neither has the inertia of the vibrations, so that the
+difference does not ring with them: F is that of the loads and of the moving frame, and of what
+holds the frame without work on the modes. It is orthogonal to the modes: the static deformation
+under the same loads has the strain energy U_missing + 1/2 q_s' K q_s.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,9 +28,7 @@ from ..signals.cut import NEAR, Cut
 from ..signals.recording import Recording
 from .finished import FinishedRun
 
-import os; DBG=os.environ.get('DBG')
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each
-LIMIT = 0.1  # of the deflection
 OVERSHOOT = 1.5  # mean strain energy of a vibration that a sudden load starts, of the static one
 ROUNDING = 1e-6  # of the loads: resultants below it are not judged
 ASKEW = 0.3  # energy of Delta F along the modes, of its own: the data of the package do not agree
@@ -81,21 +79,18 @@ def missing(run: FinishedRun, body: int, recording: Recording, windows: int) -> 
     gap = F - np.einsum("eiam,km->keia", R, static)
 
     def energy(resultants: Array) -> Array:
-        strain = np.einsum("eab,keib->keia", C, resultants)
-        return 0.5 * _products(resultants, strain, dx)
+        return 0.5 * _products(resultants, resultants @ C, dx)
 
     parts, slow = _slow(gap, energy, windows)
     lost = float(parts.sum())
-    modes = np.moveaxis(np.einsum("eab,eibm->eiam", C, R), 3, 0)
+    modes = np.moveaxis(R, 3, 0) @ C
     along = np.array([_products(gap, mode, dx).sum(axis=1) for mode in modes]).T
     askew = 0.5 * float(np.mean(np.sum(along * np.linalg.solve(K, along.T).T, axis=1)))
     rounding = float(energy(np.broadcast_to(size, (1, *gap.shape[1:]))).sum())
-    if DBG: print(name,'lost',lost,'askew',askew/energy(gap).sum(axis=1).mean())
     if lost <= ROUNDING**2 * rounding or askew > ASKEW * energy(gap).sum(axis=1).mean():
         return None
-    longer = np.einsum("eb,keib,e->k", C[:, EXTENSION], slow, 0.5 * dx)
-    if np.abs(longer).max() < LIMIT * np.abs(package.shapes_B[:, :, :3].T @ q.T).max():
-        parts[EXTENSION] = 0.0
+    if not any("axial" in label or label.endswith(" x") for label in package.mode_labels):
+        parts[EXTENSION] = 0.0  # left out on purpose: a slender beam hardly stretches
     half = float(_slow(static, lambda v: 0.5 * (v @ K) * v, windows)[0].sum())
     moved = 0.5 * float(np.mean(np.sum((q @ K) * q, axis=1)))
     whole = lost + max(moved / OVERSHOOT, min(half, moved))
@@ -249,7 +244,9 @@ def _hold(
         beyond = np.flip(np.cumsum(np.flip(wrench, 1), axis=1), 1)
         ends += np.stack([beyond, beyond - wrench], axis=2)
         return
-    held = np.flatnonzero(still.all(axis=1) if package.reference_condition == "clamped" else still[:, 1:3].all(axis=1))
+    held = np.flatnonzero(
+        still.all(axis=1) if package.reference_condition == "clamped" else still[:, 1:3].all(axis=1)
+    )
     a, b = int(held[0]), int(held[-1])
     second = np.zeros_like(total)
     if b > a:
