@@ -247,15 +247,17 @@ def _hold(
     held = np.flatnonzero(
         still.all(axis=1) if package.reference_condition == "clamped" else still[:, 1:3].all(axis=1)
     )
-    a, b = int(held[0]), int(held[-1])
+    if not held.size:  # another frame than its condition says: not orthogonal, not judged
+        return
+    i, j = int(held[0]), int(held[-1])
     second = np.zeros_like(total)
-    if b > a:
-        F, M, arm = total[:, :3], total[:, 3:], section[:, b] - section[:, a]
-        M = M - np.cross(section[:, a], F)
+    if j > i:
+        F, M, arm = total[:, :3], total[:, 3:], section[:, j] - section[:, i]
+        M = M - np.cross(section[:, i], F)
         second[:, 1], second[:, 2] = M[:, 2] / arm[:, 0], -M[:, 1] / arm[:, 0]
-        second[:, 3:] = np.cross(section[:, b], second[:, :3])
-    _add(ends, beam, float(beam.along[b]), second)
-    _add(ends, beam, float(beam.along[a]), total - second)
+        second[:, 3:] = np.cross(section[:, j], second[:, :3])
+    _add(ends, beam, float(beam.along[j]), second)
+    _add(ends, beam, float(beam.along[i]), total - second)
 
 
 def _loads(beam: Cut, recording: Recording) -> Iterator[tuple[int, Array]]:

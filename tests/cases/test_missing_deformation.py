@@ -78,7 +78,8 @@ def test_the_share_of_a_moment_that_few_modes_miss(tmp_path, place, count):
             "M3 at x = 0.5 m is 0.747 N m by equilibrium and 0 N m by the modes"
             in (entry["message"])
         )
-    assert told(tmp_path, text, column(count, [static(place, "rz")])) == []
+    cleared = told(tmp_path, text, column(count, [static(place, "rz")]))
+    assert not any("static" in w["message"].split(":")[1] for w in cleared)
 
 
 @pytest.mark.parametrize(
@@ -94,16 +95,17 @@ def test_loads_of_families_without_a_mode(tmp_path, kind, direction, row, advise
 
 def test_weight_across_a_beam_with_modes_of_the_other_plane(tmp_path):
     """A load without a place: vibration modes carry it."""
-    (entry,) = told(tmp_path, "gravity = [0.0, 0.0, -9.81]\n" + FOOT, column(1))
+    other = reduced(CLAMPED, [{"kind": "bending-xz", "count": 1}], K=K, mass=MASS, length=LENGTH)
+    (entry,) = told(tmp_path, "gravity = [0.0, -9.81, 0.0]\n" + FOOT, other)
     assert entry["value"] == pytest.approx(1.0)
-    assert entry["message"].endswith("Take more vibration modes (bending-xz)")
+    assert entry["message"].endswith("Take more vibration modes (bending-xy)")
 
 
 @pytest.mark.parametrize("text", ["gravity = [0.0, -9.81, 0.0]\n" + FOOT, FOOT])
 def test_loads_that_one_mode_carries_and_no_loads(tmp_path, text):
     """Weight misses 1 %, a force at the tip 3 %, a beam without load nothing."""
     assert told(tmp_path, text, column(1)) == []
-    assert told(tmp_path, text + load("force", "tip", [0.0, 1.0, 0.0], 0.5), column(1)) == []
+    assert told(tmp_path, text + load("force", "tip", [0.0, -1.0, 0.0], 0.5), column(1)) == []
 
 
 @pytest.mark.parametrize("reference", [CHORD, MEAN])
