@@ -3,13 +3,8 @@
 import numpy as np
 import pytest
 from beam_samples import CLAMPED, Beam, reduced
-from case_samples import rigid
 from judged_samples import judged
 from stiffening_samples import rectangle
-
-from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.integration import integrated
-from plymotion.solver.run.preparation import prepare
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH, EI = 0.5, K[5, 5]
@@ -118,57 +113,3 @@ def test_frames_that_are_not_clamped_need_the_shape_of_the_load(tmp_path, refere
     bare = column(1, [{"kind": "bending-xz", "count": 1}], reference)
     (entry,) = [w for w in told(tmp_path, text, bare, start=start) if "miss" in w["message"]]
     assert "tip (rz)" in entry["message"]
-
-
-FOUR_BAR = (
-    """
-[bodies.column]
-kind = "package"
-package = "column.vtkhdf"
-position = [0.0, 0.2, 0.0]
-[ground.left]
-position = [0.0, 0.0, 0.0]
-[ground.right]
-position = [0.5, -0.2, 0.0]
-[joints.crank]
-kind = "revolute"
-between = ["ground.left", "crank.foot"]
-axis = [0.0, 0.0, 1.0]
-drive = { smooth_step = { value = 0.5, duration = 1.0 } }
-[joints.first]
-kind = "revolute"
-between = ["crank.pin", "column.root"]
-axis = [0.0, 0.0, 1.0]
-[joints.second]
-kind = "spherical"
-between = ["column.tip", "rocker.pin"]
-[joints.rocker]
-kind = "revolute"
-between = ["ground.right", "rocker.foot"]
-axis = [0.0, 0.0, 1.0]
-"""
-    + rigid("crank", 0.1, 0.01, {"foot": (0, -0.1, 0), "pin": (0, 0.1, 0)}, position=[0, 0.1, 0])
-    + rigid("rocker", 0.1, 0.01, {"foot": (0, -0.2, 0), "pin": (0, 0.2, 0)}, position=[0.5, 0, 0])
-    + load("torque", "mid", [0.0, 0.0, 1.0], 0.2 * EI / LENGTH)
-)
-
-
-def strain_energy(tmp_path):
-    """Mean strain energy of the coupler in the run of the folder."""
-    spec = read_run(tmp_path / "build/runs/base.json")
-    run = integrated(prepare(spec.mechanism, spec.packages))
-    i = run.built.body_names.index("column")
-    stiffness = run.packages["column"].stiffness
-    return np.mean([np.mean(((q @ stiffness) * q).sum(axis=1)) for _, q in run.modes(i)])
-
-
-def test_the_coupler_of_a_four_bar_linkage_with_a_moment_at_its_middle(tmp_path):
-    ends = [static("root", "rz"), static("tip", "rz")]
-    coarse = column(1, [], CHORD)
-    (entry,) = told(tmp_path, FOUR_BAR, coarse, start="quasi-static")
-    few = strain_energy(tmp_path)
-    assert "mid (rz)" in entry["message"]
-    full = column(6, [*ends, static("mid", "y", "rz")], CHORD)
-    assert told(tmp_path, FOUR_BAR, full, start="quasi-static") == []
-    true = 1.0 - few / strain_energy(tmp_path)
-    assert entry["value"] == pytest.approx(true, rel=0.2)
