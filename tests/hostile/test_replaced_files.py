@@ -53,6 +53,7 @@ def refused(words, files, capsys):
 
 
 FILES = ["base/result.vtkhdf", "base/summary.json", "report.html", "case.json", "runs/base.json"]
+FILES += ["finished.json"]
 
 
 @pytest.mark.parametrize("name", FILES)
