@@ -132,9 +132,9 @@ def interface_rows(body: Mesh, table: Any, length: float, where: str) -> IntArra
                 raise InputError(f"{where}.nodes: no node has the label {label}")
         rows = np.array([row_of[label] for label in table["nodes"]], dtype=np.int64)
     else:
-        box = np.array(table["box"], dtype=float)
-        if box.shape != (2, 3):
+        if [len(corner) for corner in table["box"]] != [3, 3]:
             raise InputError(f"{where}.box = {table['box']}: expected two corners [x, y, z]")
+        box = np.array(table["box"], dtype=float)
         inside = (body.nodes >= length * box.min(axis=0)) & (body.nodes <= length * box.max(axis=0))
         rows = np.flatnonzero(inside.all(axis=1))
     rows = np.unique(rows)[np.isin(np.unique(rows), body.dof_node)]
