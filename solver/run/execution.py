@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 # To complete the files of a run after a signal: wall time, or part of that of its integration.
-PATIENCE_S, PATIENCE = 1.5, 0.05
+PATIENCE_S, PATIENCE = 5.0, 0.05
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:

@@ -135,6 +135,8 @@ def prepare(
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
+    if not np.isfinite(y0).all():
+        raise FloatingPointError("the starting state is not finite")
     moved = moved_findings(mechanism, built.model, built.start, y0, built.body_names)
     found = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))

@@ -17,6 +17,7 @@ from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.generic import output
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import LongRows, StoredRows
+from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.results import RunResult, read_result, write_result, writer
 from plymotion.solver.results.datasets import blocks, chunk_shape
 from plymotion.solver.run.execution import execute, read_run, run_file
@@ -211,7 +212,7 @@ def test_memory_does_not_grow_with_output_times(tmp_path: Path) -> None:
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         peaks.append(float(done.stdout.split()[-1]) * 1024)
-        assert {path.name for path in out.iterdir()} == {"summary.json", "result.vtkhdf"}
+        assert {path.name for path in out.iterdir()} == {"summary.json", "result.vtkhdf", RECORD}
     few, many = (read_result(tmp_path / name / "result.vtkhdf") for name in ("few", "many"))
     assert (len(few.t), len(many.t)) == (50_001, 200_001)
     numbers = sum(

@@ -13,6 +13,7 @@ from case_samples import HEAD, SOLVER, case_runs, rigid
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.results import read_result
 
 
@@ -24,7 +25,7 @@ def _checked_result(out):
     assert all(
         np.isfinite(values).all() for values in (result.q, result.v, result.energies["kinetic"])
     )
-    assert {path.name for path in out.iterdir()} == {"summary.json", "result.vtkhdf"}
+    assert {path.name for path in out.iterdir()} == {"summary.json", "result.vtkhdf", RECORD}
     return summary, result
 
 

@@ -75,16 +75,6 @@ def test_what_a_run_has_written_is_replaced(case, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_folders_of_earlier_versions_are_replaced(case):
-    assert main(["run", str(case), "--out", "out", "--quiet"]) == 0
-    for record in Path("out").rglob("plymotion-files.txt"):
-        record.unlink()
-    from plymotion.solver.package.common import replaceable
-
-    replaceable._old.clear()
-    assert main(["run", str(case), "--out", "out", "--force", "--quiet"]) == 0
-
-
 def test_sweep_and_modes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     file = ball(tmp_path, f"{FORCE} = [0.0, 1.0]", 'histories = ["x"]')

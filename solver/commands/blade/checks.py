@@ -1,15 +1,11 @@
 """Sizes and layers of a blade that cannot be, and those that are unlike any blade."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .shape import Shape
+from .shape import Layer, Shape
 from .tables import Tables
-
-if TYPE_CHECKING:
-    from .windio import Layer
 
 LONGEST, WIDEST = 300.0, 30.0  # [m] the longest blades are 150 m, with a chord of 8 m
 SLENDER, STOUT = 0.005, 0.5  # chord over length; blades have 0.03 to 0.25
@@ -33,7 +29,7 @@ def doubts(shape: Shape) -> Iterator[str]:
         yield f"outer_shape.twist.values: up to {twist:g}; expected degrees"
 
 
-def check_layers(tables: Tables, shape: Shape, layers: Sequence["Layer"]) -> None:
+def check_layers(tables: Tables, shape: Shape, layers: Sequence[Layer]) -> None:
     """Refuse layers that cannot be.
 
     Raises

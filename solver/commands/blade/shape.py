@@ -19,6 +19,19 @@ TURNED = 90.0  # [deg] twist that no section of a rotor has
 
 
 @dataclass(frozen=True)
+class Layer:
+    """A layer on the shell, or of a web."""
+
+    name: str
+    material: str
+    thickness: Along  # [m]
+    angle: Along  # [deg]
+    start: Along  # [-] arc
+    end: Along  # [-] arc
+    web: str  # of which it is a layer; "": of the shell
+
+
+@dataclass(frozen=True)
 class Airfoil:
     """Coordinates over the chord, from the trailing edge over the suction side."""
 

@@ -11,8 +11,9 @@ from .cells import StationMesh
 from .contour import contour
 from .materials import GLUE
 from .mesh import station_mesh
+from .shape import Layer
 from .wall import Band, WebLayers
-from .windio import Blade, Layer, region_name
+from .windio import Blade, region_name
 
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
 EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge

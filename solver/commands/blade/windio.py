@@ -23,7 +23,7 @@ from .contour import contour
 from .given import Given, read_given
 from .hub import NO_HUB, Hub, read_hub
 from .materials import read_materials
-from .shape import Shape, read_shape
+from .shape import Layer, Shape, read_shape
 from .tables import Table, Tables
 
 HALF = 'if it prints "Blade component could not be converted", its file is not complete'
@@ -53,19 +53,6 @@ LISTS = {
     "structure.anchors": ("name", *HANDLES, *RULES),
 }
 RANGE = ("start_nd_grid", "end_nd_grid")  # of windIO 2.0: the ends of the grid of the thickness
-
-
-@dataclass(frozen=True)
-class Layer:
-    """A layer on the shell, or of a web."""
-
-    name: str
-    material: str
-    thickness: Along  # [m]
-    angle: Along  # [deg]
-    start: Along  # [-] arc
-    end: Along  # [-] arc
-    web: str  # of which it is a layer; "": of the shell
 
 
 @dataclass(frozen=True)

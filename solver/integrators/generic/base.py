@@ -25,7 +25,7 @@ Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
-ROUNDING = 1e-12  # of the end of a run: what breaks there does so after it
+ROUNDING = 1e-14  # of the end of a run: what breaks there does so after it
 NEAR = 1e-9  # of a run: so near to equations that are not finite, these are why a step fails
 # Of fixed steps, over the largest component in the first ones: no motion, the method.
 DIVERGED, FIRST_STEPS = 1e12, 10

@@ -189,7 +189,7 @@ def _numbers(material: Any) -> tuple[float, float, float] | None:
     else:
         keys = ("E", "E1", "E2", "E3", "G12", "G13", "G23")
         moduli = [float(material[key]) for key in keys if key in material]
-    if not moduli:
+    if not moduli or not min(moduli) > 0.0:  # which is an error elsewhere
         return None
     table = material.get("strength") or {}
     strengths = [float(v) for key, v in table.items() if key != "F12_star" and v is not None]

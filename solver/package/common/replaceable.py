@@ -6,7 +6,6 @@ lead out of it. docs/security.md has the rule in words.
 """
 
 import contextlib
-import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator
@@ -18,9 +17,7 @@ from .disk_file import LENGTH, SEAL
 RECORD = "plymotion-files.txt"
 HEAD, SIGNATURE = 1_000_000, b"\x89HDF\r\n\x1a\n"
 SEALED = (".vtkhdf", ".h5")
-_OLD = ("result.vtkhdf", "*/result.vtkhdf", "sweep.h5", "sweeps/*/sweep.h5")
 _named: tuple[Path, ...] = ()  # folders, absolute but not resolved
-_old: dict[Path, bool] = {}
 
 
 @contextlib.contextmanager
@@ -72,7 +69,6 @@ def is_ours(path: Path) -> bool:
         path.stat().st_size == 0
         or (path.suffix in SEALED and _is_sealed(path))
         or path.name in _names(path.parent)
-        or any([_is_old(folder) for folder in path.absolute().parents[:4]])  # all: kept from now
     )
 
 
@@ -90,21 +86,6 @@ def _is_sealed(path: Path) -> bool:
         head = file.read(HEAD)
         file.seek(-min(path.stat().st_size, LENGTH), os.SEEK_END)
         return SEAL in file.read() or (head.startswith(SIGNATURE) and b"plymotion" in head)
-
-
-def _is_old(folder: Path) -> bool:
-    """Tell whether an earlier version, which kept no record, has written this folder."""
-    folder = folder.absolute()
-    if folder not in _old:
-        every = [folder.glob(pattern) for pattern in _OLD]
-        every += [(f / f"{f.name}.vtkhdf" for f in (folder, *folder.glob("*")))]
-        every += [(f / f"{f.name}.vtkhdf" for f in folder.glob("sections/*"))]
-        files = itertools.islice(itertools.chain(*every), 100)
-        _old[folder] = any(
-            file.is_file() and not (file.parent / RECORD).exists() and _is_sealed(file)
-            for file in files
-        )
-    return _old[folder]
 
 
 def refuse_link(path: Path) -> None:
