@@ -11,8 +11,7 @@ from ..package import ModalPackage
 from ..package.section.schema import RESULTANTS
 from ..results.codes.motion import FEW_MODES
 from ..results.finding import Finding
-from .finished import FinishedRun
-from .missing import ROUNDING, Missing, look, missing
+from .finished import ROUNDING, FinishedRun, Missing
 
 VIBRATION = ("fixed_normal", "experimental")  # kinds of modes, of package.schema.MODE_KINDS
 # Directions of the loads that deform a beam as the vibrations of a family do.
@@ -63,7 +62,7 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
     are such shapes at all loaded places, only the kinetic energy counts.
 
     A beam whose modes miss more than MISSED of the deformation under its loads is told of that
-    instead: the series of its modes cannot show it (missing.py).
+    instead: the series of its modes cannot show it (run/missing.py).
 
     None of a run with `[fidelity]`: its estimated errors tell what other modes would change.
     """
@@ -71,10 +70,10 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
         return
     flexible = np.flatnonzero(run.model.n_mode[: len(run.built.body_names)])
     valid = all(finding.level != "error" for finding in run.noticed)
-    seen = look(run) if flexible.size and valid else None
+    missing = run.missing(run) if run.missing and flexible.size and valid else None
     for i in flexible.tolist():
         name = run.built.body_names[i]
-        lost = missing(run, i, *seen) if seen else None
+        lost = missing(i) if missing else None
         if lost and lost.share > MISSED:
             yield _missed(name, run.packages[name], lost)
             continue

@@ -30,6 +30,7 @@ from ..package import ModalPackage
 from ..results.codes.course import SINGULAR
 from ..results.finding import Finding
 from ..signals import Histories, Sensor, Turns, sensors
+from .missing import missing_of
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -101,6 +102,7 @@ class Prepared:
             independent=self.independent,
             in_play=passage.energy.in_play,
             sizes=self.sizes,
+            missing=missing_of,
         )
 
 

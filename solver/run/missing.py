@@ -13,10 +13,10 @@ under the same loads has the strain energy U_missing + 1/2 q_s' K q_s.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..checks.finished import ROUNDING, FinishedRun, Missing
 from ..dynamics import series
 from ..dynamics.model import Model
 from ..dynamics.recover import body_frames, stiffened
@@ -26,38 +26,11 @@ from ..math.rotations import skew, vectors_to_matrices
 from ..package import ModalPackage
 from ..signals.cut import NEAR, Cut
 from ..signals.recording import Recording
-from .finished import FinishedRun
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each
 OVERSHOOT = 1.5  # mean strain energy of a vibration that a sudden load starts, of the static one
-ROUNDING = 1e-6  # of the loads: resultants below it are not judged
 ASKEW = 0.3  # energy of Delta F along the modes, of its own: the data of the package do not agree
 EXTENSION = 0  # row of the resultants
-
-
-@dataclass(frozen=True)
-class Missing:
-    """What the modes miss.
-
-    Attributes
-    ----------
-    share : of the strain energy under the loads of the run, mean over time; of a load at one place
-        also the share of the deflection there
-    t : instant at which most is missing [s]
-    parts : (6,) shares by resultant, which add up to `share`
-    row, x : moment, or axial force, of which most is missing then, and where [m]
-    carried, whole : what the modes have of it, and what it is [N m, N]
-    loads_B : forces and moments at interfaces then, by name, (6,)
-    """
-
-    share: float
-    t: float
-    parts: Array
-    row: int
-    x: float
-    carried: float
-    whole: float
-    loads_B: dict[str, Array]
 
 
 def missing(run: FinishedRun, body: int, recording: Recording, windows: int) -> Missing | None:
@@ -110,6 +83,12 @@ def missing(run: FinishedRun, body: int, recording: Recording, windows: int) -> 
         whole=total,
         loads_B={key: _means(each, windows)[w] for key, each in loads_B.items()},
     )
+
+
+def missing_of(run: FinishedRun) -> Callable[[int], Missing | None]:
+    """Return `missing` of a run, by number of the body."""
+    recording, windows = look(run)
+    return lambda body: missing(run, body, recording, windows)
 
 
 def look(run: FinishedRun) -> tuple[Recording, int]:
