@@ -11,9 +11,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 import ufl
-from dolfinx_forms import assembled, cell_function, compile_forms
-from dolfinx_spaces import (
+from dolfinx_forms import assembled, compile_forms
+from numpy.typing import NDArray
+
+from plymotion.preprocess import fenicsx
+from plymotion.preprocess.fenicsx.spaces import (
     basix_ufl,
+    cell_function,
     cell_name,
     dof_coordinates,
     function_space,
@@ -21,9 +25,6 @@ from dolfinx_spaces import (
     original_cells,
     quiet,
 )
-from numpy.typing import NDArray
-
-from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.stack import dolfinx
 
 Array = NDArray[np.float64]

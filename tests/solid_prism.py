@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx_forms import assembled
-from dolfinx_spaces import dof_coordinates, vector_space
 from mpi4py import MPI
 
 from plymotion.preprocess import fenicsx
+from plymotion.preprocess.fenicsx.spaces import dof_coordinates, vector_space
 from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx_forms import assembled
-from dolfinx_spaces import dof_coordinates, vector_space
 from mpi4py import MPI
 from section_specs import rectangle_spec
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.beam.theory import section_stiffness
+from plymotion.preprocess.fenicsx.spaces import dof_coordinates, vector_space
 from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
 from plymotion.preprocess.materials import material_from_dict, ply_rotation, rotated
 from plymotion.preprocess.section import analyse

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from dolfinx_forms import mesh_from_geo
-from dolfinx_spaces import cell_dofs, cell_name, vector_space
 from shell_specs import plate
 
 from plymotion.preprocess import fenicsx
+from plymotion.preprocess.fenicsx.spaces import cell_dofs, cell_name, vector_space
 from plymotion.preprocess.section.mesh import script_path
 from plymotion.preprocess.shell.problem import ShellProblem
 

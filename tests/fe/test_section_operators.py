@@ -6,12 +6,18 @@ from typing import Any
 import numpy as np
 import pytest
 import ufl
-from dolfinx_forms import assembled, cell_function
-from dolfinx_spaces import dof_coordinates, labelled_mesh, original_cells, vector_space
+from dolfinx_forms import assembled
 from scipy.spatial import cKDTree
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
+from plymotion.preprocess.fenicsx.spaces import (
+    cell_function,
+    dof_coordinates,
+    labelled_mesh,
+    original_cells,
+    vector_space,
+)
 from plymotion.preprocess.materials import Orthotropic, ply_rotation, rotated
 from plymotion.preprocess.section.cells import cells_of_plain
 from plymotion.preprocess.section.operators import SectionOperators

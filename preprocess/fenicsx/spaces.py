@@ -1,6 +1,7 @@
-"""Meshes and function spaces of DOLFINx, for the second formulations of tests in UFL.
+"""Meshes and function spaces of DOLFINx on all supported versions.
 
-The differences between versions of DOLFINx, UFL and Basix are here and in dolfinx_forms.py.
+Importing this module loads DOLFINx and UFL. The differences between versions of DOLFINx, UFL and
+Basix, and the calls that end the process on wrong input, belong here.
 """
 
 import inspect
@@ -15,11 +16,9 @@ import numpy as np
 import ufl
 from numpy.typing import NDArray
 
-from plymotion.preprocess.fenicsx import PlainMesh
-from plymotion.preprocess.fenicsx.stack import MPI, dolfinx
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from ...solver.math.arrays import Array, IntArray
+from .plain import PlainMesh
+from .stack import MPI, dolfinx
 
 
 def _first(*names: str) -> Any:
@@ -126,3 +125,22 @@ def cell_dofs(space: Any) -> NDArray[np.int32]:
     if hasattr(table, "offsets"):  # AdjacencyList: all cells are of one kind
         table = np.asarray(table.array).reshape(len(table.offsets) - 1, -1)
     return np.array(table, dtype=np.int32)
+
+
+def cell_function(mesh: Any, values: Any) -> Any:
+    """A function with one constant value (or tensor) in each cell, values (n_cell, ...)."""
+    table = np.asarray(values, dtype=float)
+    shape, name = table.shape[1:], cell_name(mesh)
+    if basix_ufl is not None:
+        element = basix_ufl.element("DG", name, 0, shape=shape)
+    else:
+        family = "DQ" if name in ("quadrilateral", "hexahedron") else "DG"
+        if shape:
+            element = ufl.TensorElement(family, mesh.ufl_cell(), 0, shape=shape)
+        else:
+            element = ufl.FiniteElement(family, mesh.ufl_cell(), 0)
+    found = dolfinx.fem.Function(function_space(mesh, element))
+    rows = cell_dofs(found.function_space)[:, 0]
+    array = found.x.array.reshape(rows.size, -1)
+    array[rows] = table.reshape(rows.size, -1)
+    return found
