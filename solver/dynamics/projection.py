@@ -14,8 +14,21 @@ from .model import Model
 from .workspace import PHI, Work, spare_work
 
 MAX_ITERATIONS = 6
-CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
+# |Phi| that is rounding, for each metre of the largest position [m, rad]. What is left of Phi moves
+# bodies by |Phi| / s, with s the least singular value of Phi_q: 1e-12 left 1e-5 m per passage of a
+# singular position, where s is small, at any rtol.
+CLOSED = 1e-15
+SPARED = 100.0  # roundings that the next correction would move bodies by, too few to compute it
 TOLERABLE = 1e-9  # |Phi| that is accepted if round-off prevents a smaller value [m, rad]
+
+
+@lean
+def rounding(model: Model, y: Array) -> float:
+    """Return the |Phi| [m, rad] of a state y (n,) that needs no correction."""
+    largest_position = 1.0
+    for i in range(model.n_pos):
+        largest_position = max(largest_position, abs(y[i]))
+    return CLOSED * largest_position
 
 
 @lean
@@ -35,9 +48,9 @@ def project(model: Model, work: Work, t: float, y: Array, step: Array, before: A
     step[:] = 0.0
     move(model, y, step)
     evaluate(model, work, t, y)
-    violation = largest(work.rows[:, PHI])
+    violation, closed = largest(work.rows[:, PHI]), rounding(model, y)
     for _ in range(MAX_ITERATIONS):
-        if not violation > CLOSED:
+        if not violation > closed:
             break
         for k in range(n_c):
             work.gamma[k] = -work.rows[k, PHI]
@@ -52,7 +65,11 @@ def project(model: Model, work: Work, t: float, y: Array, step: Array, before: A
                 y[i] = before[i]
             evaluate(model, work, t, y)
             break
+        # Newton's next correction is to this one as the violation left is to the one before.
+        spared = left * largest(step) <= SPARED * closed * violation
         violation = left
+        if spared:
+            break
     evaluate_rates(model, work, y)
     for k in range(n_c):
         work.gamma[k] = -work.left[k]

@@ -13,7 +13,7 @@ from ...dynamics.coordinates import move
 from ...dynamics.elimination import solve
 from ...dynamics.evaluation import evaluate, evaluate_rates, largest_left
 from ...dynamics.model import Model
-from ...dynamics.projection import CLOSED, TOLERABLE
+from ...dynamics.projection import SPARED, TOLERABLE, rounding
 from ...dynamics.workspace import PHI, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
@@ -21,6 +21,7 @@ from .pencil import Frozen, Pencil, factorise_pencil, freeze
 from .step_control import EVALUATIONS, FACTORISATIONS, JACOBIANS
 
 MAX_ITERATIONS = 4
+SETTLED = 1e-12  # last change of velocities with softened rows [m/s, rad/s]
 SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 
 
@@ -42,10 +43,11 @@ def close(
     n_pos, n_vel = model.n_pos, model.n_vel
     evaluate(model, work, t, y)
     counts[EVALUATIONS] += 1
-    violation, moved = largest(work.rows[:, PHI]), 0.0
+    violation, closed, moved = largest(work.rows[:, PHI]), rounding(model, y), 0.0
     real.load[:] = 0.0
-    if not violation <= CLOSED:
+    if not violation <= closed:
         for _ in range(MAX_ITERATIONS):
+            before = violation
             freeze(model, work, t, y, frozen)
             factorise_pencil(model, frozen, real, s * s, s, 1.0)
             counts[JACOBIANS] += 1
@@ -56,12 +58,14 @@ def close(
             move(model, y, real.delta)
             if moved < SMALL:
                 violation = max(moved * moved, largest_left(model, work, frozen.J, real.x))
-                if violation <= CLOSED:
+                if violation <= closed:
                     break
             evaluate(model, work, t, y)
             counts[EVALUATIONS] += 1
             violation = largest(work.rows[:, PHI])
-            if violation <= CLOSED:
+            if violation <= closed or violation * moved <= SPARED * closed * before:
+                break
+            if before < TOLERABLE and not violation < 0.5 * before:  # rounding is larger than usual
                 break
     if moved == 0.0:
         freeze(model, work, t, y, frozen)
@@ -76,7 +80,7 @@ def close(
         for i in range(n_vel):
             y[n_pos + i] += real.delta[i]
         # Softened rows take a part of what they miss, all others all of it.
-        if frozen.softness[0] == 0.0 or changed < CLOSED:
+        if frozen.softness[0] == 0.0 or changed < SETTLED:
             break
     return violation < TOLERABLE
 
