@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..solver.commands.cases.packages import build_needed
 from ..solver.commands.cases.turn import turn
 from ..solver.errors import InputError
 from ..solver.fidelity.execution import answered, read_planned
@@ -21,7 +20,7 @@ from ..solver.run.execution import execute, read_run
 from .case import Case, as_case
 from .names import ByName
 from .plain import plain
-from .running import folder_of, run_named
+from .running import build_packages_of, folder_of, run_named
 from .signal import Signal
 
 CHECKED = 0.05  # of the designs, drawn at random
@@ -151,7 +150,7 @@ class Plan:
                 file = file.with_name(f"{self._run}.model.json")
                 write_text(file, json.dumps(table))
             if self._packages is None:
-                build_needed([file], quiet=True)
+                build_packages_of(file, quiet=True)
         return file
 
 

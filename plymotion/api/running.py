@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..solver.commands.cases.packages import build_needed
 from ..solver.commands.cases.turn import turn
+from ..solver.commands.fenicsx_side.task import keep_preprocessors
 from ..solver.commands.run.one import run_one
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
@@ -66,10 +67,19 @@ def run(
         write_case(checked, folder, None if packages is None else Path(packages))
         file, target = folder / "runs" / f"{run}.json", folder / run
         if packages is None:
-            build_needed([file], quiet=not progress)
+            build_packages_of(file, quiet=not progress)
         if force or not up_to_date(file, target):
             run_one(file, target, progress=progress, allow_python=allow_python)
         return Result(target)
+
+
+def build_packages_of(file: Path, *, quiet: bool) -> None:
+    """Build the packages of a run or sweep file that are missing or out of date.
+
+    FEniCSx stays loaded for the next call, for a minute. Raises InputError.
+    """
+    keep_preprocessors()
+    build_needed([file], quiet=quiet)
 
 
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:

@@ -8,6 +8,7 @@ from typing import Any
 from ..solver.commands.described.entries import Entry
 from ..solver.commands.described.make import Made, make_files, write_specs
 from ..solver.commands.executors.local import Local
+from ..solver.commands.fenicsx_side.task import keep_preprocessors
 from ..solver.commands.section.command import described_spec
 from ..solver.commands.section.results import SectionResults, read_results
 from ..solver.errors import InputError
@@ -87,6 +88,7 @@ class Section:
         folder = Path(out)
         requests, failed = write_specs([entry], folder, lambda one: described_spec(one, folder))
         made: list[Made] = list(failed)
+        keep_preprocessors()
         make_files(
             requests,
             "section",

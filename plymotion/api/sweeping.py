@@ -13,7 +13,6 @@ import numpy as np
 
 import plymotion
 
-from ..solver.commands.cases.packages import build_needed
 from ..solver.commands.cases.turn import turn
 from ..solver.commands.executors.local import Here
 from ..solver.commands.exit_codes import INCOMPLETE
@@ -32,7 +31,7 @@ from .frames import pandas
 from .html import table
 from .names import ByName
 from .plain import plain
-from .running import folder_of, only_run
+from .running import build_packages_of, folder_of, only_run
 from .signal import pyplot
 
 
@@ -277,7 +276,7 @@ def sweep(
         write_case(checked, folder, None if packages is None else Path(packages))
         file = folder / "sweeps" / f"{name}.json"
         if packages is None:
-            build_needed([file], quiet=not progress)
+            build_packages_of(file, quiet=not progress)
         if jobs == 1:
             _computed_here(file, fresh=fresh, progress=progress)
         else:

@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+import plymotion as pm
 from plymotion.solver.commands.fenicsx_side import task
 from plymotion.solver.errors import InputError
 
@@ -18,3 +19,29 @@ def test_a_preprocessor_that_does_not_start_is_named(tmp_path, monkeypatch):
     start = task.Start("", "body", ())
     with pytest.raises(InputError, match=f"^{python}: the preprocessor does not run: "):
         task.make(start, tmp_path / "body.json")
+
+
+def test_python_keeps_fenicsx_loaded_and_commands_end_it(
+    fenicsx, repository, tmp_path, monkeypatch
+):
+    """A program that changes a section again and again starts FEniCSx once."""
+    monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
+    square = repository / "cases/sections/square.toml"
+
+    def section(density):
+        pm.Section.from_file(square, {"materials.unit.rho": density}, out=tmp_path)
+        return task._idle[-1].process
+
+    first = section(1.0)
+    second = section(2.0)
+    assert second is first
+    assert first.runs()
+    first.interrupt()  # from outside: the next call starts another
+    assert first.exit_code() != 0
+    third = section(3.0)
+    assert third.runs()
+    monkeypatch.setattr(task, "_kept", False)  # as in a command
+    with task.preprocessors(lambda _: None):
+        pass
+    assert task._idle == []
+    assert not third.runs()

@@ -101,6 +101,10 @@ class Preprocessor:
             progress(line["progress"])
         return None
 
+    def runs(self) -> bool:
+        """Return whether the process has not ended."""
+        return self._process.poll() is None
+
     def interrupt(self) -> None:
         """Interrupt the process; it removes its unfinished file."""
         self._signal(signal.SIGINT)

@@ -2,11 +2,12 @@
 
 import atexit
 import contextlib
+import os
 import platform
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -30,28 +31,32 @@ class Start:
 
 
 @dataclass(eq=False)
-class _Own:
-    """The preprocessor of a thread."""
+class _Started:
+    """A preprocessor process; it ends when it has had no work for a time."""
 
-    lock: threading.Lock = field(default_factory=threading.Lock)
-    start: Start | None = None
-    python: str = ""  # of the process
-    process: Preprocessor | None = None
+    start: Start
+    python: str
+    folder: str  # the current one at its start: what specifications name may be relative to it
+    process: Preprocessor
+    owner: int  # process that started it; a fork of it must not use it
     timer: threading.Timer | None = None
 
-    def end(self, timeout: float) -> None:
-        """End the process, if there is one."""
-        if self.timer is not None:
-            self.timer.cancel()
-        with self.lock:
-            if self.process is not None:
-                self.process.end(timeout)
-            self.process = None
 
-
-_threads = threading.local()
-_all: set[_Own] = set()  # of this process
+_lock = threading.Lock()  # of the two lists
+_idle: list[_Started] = []
+_busy: list[_Started] = []
 _listeners: list[Callable[[str], None]] = []
+_kept = False
+
+
+def keep_preprocessors() -> None:
+    """Keep the preprocessors of this process for further files, `IDLE_S` long.
+
+    A command ends them with its files. A Python program that changes and builds bodies again and
+    again would load FEniCSx each time.
+    """
+    global _kept
+    _kept = True
 
 
 def make(start: Start, spec: Path) -> Line:
@@ -64,30 +69,52 @@ def make(start: Start, spec: Path) -> Line:
     InputError
         No Python with FEniCSx, or the preprocessor does not start.
     """
-    if not hasattr(_threads, "own"):
-        _threads.own = _Own()
-    own: _Own = _threads.own
-    _all.add(own)
-    if own.timer is not None:
-        own.timer.cancel()
-    if own.start != start:
-        own.end(END_S)
-    with own.lock:
-        if own.process is None:
-            own.python = start.python or _found()
-            own.process = Preprocessor(own.python, _home(), start.command, start.options)
-            own.start = start
-        line = own.process.make(spec, _tell(spec))
-        if line is None:
-            reason, code = own.process.end_reason(), own.process.exit_code()
-            own.process = None
-            if code == START_FAILED:
-                raise InputError(f"{own.python}: the preprocessor does not run: {reason}")
-            return crashed(reason)
-    own.timer = threading.Timer(IDLE_S, own.end, (END_S,))
-    own.timer.daemon = True
-    own.timer.start()
-    return line
+    own = _taken(start)
+    line = own.process.make(spec, _tell(spec))
+    with _lock:
+        ended = own not in _busy
+        if not ended:
+            _busy.remove(own)
+        if line is not None and not ended:
+            own.timer = threading.Timer(IDLE_S, _end_idle, (own,))
+            own.timer.daemon = True
+            own.timer.start()
+            _idle.append(own)
+    if line is not None:
+        return line
+    reason, code = own.process.end_reason(), own.process.exit_code()
+    if code == START_FAILED:
+        raise InputError(f"{own.python}: the preprocessor does not run: {reason}")
+    return crashed(reason)
+
+
+def _taken(start: Start) -> _Started:
+    """Return a preprocessor without work that was started in this way, or a new one."""
+    folder = os.getcwd()
+    with _lock:
+        for own in _idle:
+            same = (own.start, own.folder, own.owner) == (start, folder, os.getpid())
+            if same and own.process.runs():
+                _idle.remove(own)
+                _busy.append(own)
+                assert own.timer is not None
+                own.timer.cancel()
+                return own
+    python = start.python or _found()
+    process = Preprocessor(python, _home(), start.command, start.options)
+    own = _Started(start, python, folder, process, os.getpid())
+    with _lock:
+        _busy.append(own)
+    return own
+
+
+def _end_idle(own: _Started) -> None:
+    """End a preprocessor that has had no work."""
+    with _lock:
+        if own not in _idle:
+            return
+        _idle.remove(own)
+    own.process.end(END_S)
 
 
 def crashed(reason: str) -> Line:
@@ -112,21 +139,29 @@ def preprocessors(progress: Callable[[str], None]) -> Iterator[None]:
     progress : called with what they begin; those of other processes do not call it
     """
     _listeners.append(progress)
-    timeout = CLEANUP_S
+    finished = False
     try:
         yield
-        timeout = END_S
+        finished = True
     finally:
         _listeners.remove(progress)
-        found = [own.process for own in _all if own.process is not None]
-        if timeout == CLEANUP_S:
-            for process in found:
-                process.interrupt()
-        for process in found:
-            process.end(timeout)
-        for own in list(_all):  # threads that waited for a process have gone on by now
-            own.end(timeout)
-            _all.discard(own)
+        if not (finished and _kept):
+            _end_all(at_once=not finished)
+
+
+def _end_all(*, at_once: bool) -> None:
+    """End the preprocessors that this process has started."""
+    with _lock:
+        found = [own for own in (*_idle, *_busy) if own.owner == os.getpid()]
+        _idle.clear()
+        _busy.clear()
+    if at_once:
+        for own in found:
+            own.process.interrupt()
+    for own in found:
+        if own.timer is not None:
+            own.timer.cancel()
+        own.process.end(CLEANUP_S if at_once else END_S)
 
 
 def _tell(spec: Path) -> Callable[[str], None]:
