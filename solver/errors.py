@@ -6,6 +6,13 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any
 
+HOW_TO_INSTALL_FENICSX = (
+    "Run `make fenicsx` in a checkout to find or install FEniCSx, or install it: on Debian "
+    "and Ubuntu `apt-get install python3-dolfinx-real python3-slepc4py-real python3-gmsh "
+    "python3-h5py python3-scipy gcc python3-dev`; with conda `conda install -c conda-forge "
+    "fenics-dolfinx petsc=*=*real* slepc4py python-gmsh c-compiler`."
+)
+
 
 class InputError(Exception):
     """The input is wrong; the message names file, key, value and expectation."""

@@ -21,16 +21,12 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from ...solver.errors import HOW_TO_INSTALL_FENICSX as HELP
 from ..form_cache import use_own_folder
 
 Array = NDArray[np.float64]
 
 MODULES = ("mpi4py", "petsc4py", "slepc4py", "basix", "dolfinx", "ufl", "gmsh")
-HELP = (
-    "Run `make fenicsx` to find or install FEniCSx, or install it yourself: on Debian and Ubuntu "
-    "`apt-get install python3-dolfinx-real python3-slepc4py-real python3-gmsh python3-h5py "
-    "python3-scipy`; with conda `fenics-dolfinx petsc=*=*real* slepc4py python-gmsh`."
-)
 
 
 class MissingFenicsx(ImportError):

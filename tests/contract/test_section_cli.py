@@ -195,8 +195,18 @@ def test_without_fenicsx_the_message_says_what_to_do(
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(interpreter, "SYSTEM_PYTHON", str(tmp_path / "python3"))
     monkeypatch.setattr(interpreter, "checkouts", list)
-    with pytest.raises(InputError, match="run `make fenicsx`"):
+    with pytest.raises(InputError, match=r"(?s)`make fenicsx`.*`apt-get install .*`conda install "):
         find_interpreter()
+
+
+def test_a_missing_compiler_is_named_with_its_packages(
+    folder: Path, run: Run, fenicsx: str, tmp_path: Path
+) -> None:
+    nothing = {"CC": "/nowhere/cc", "XDG_CACHE_HOME": str(tmp_path)}
+    done = run("bar.toml", FENICSX_PYTHON=fenicsx, **nothing)
+    assert done.returncode == 2
+    assert "DOLFINx needs a C compiler (gcc) and Python's headers (python3-dev)" in done.stderr
+    assert not (folder / "build/sections/bar/bar.vtkhdf").exists()
 
 
 def test_installed_package_hides_nothing_of_the_other_python(

@@ -10,7 +10,7 @@ from typing import Any
 
 import plymotion
 
-from ...errors import InputError
+from ...errors import HOW_TO_INSTALL_FENICSX, InputError
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 PROBE = Path(__file__).with_name("fenicsx_probe.py")
@@ -43,6 +43,8 @@ def reasons(report: Report) -> str:
     problems: dict[str, str] = report["problems"]
     missing = [name for name, why in problems.items() if "ModuleNotFoundError" in why]
     others = [f"{name}: {why}" for name, why in problems.items() if name not in missing]
+    if "compiler" in problems:
+        others.append("DOLFINx needs a C compiler (gcc) and Python's headers (python3-dev)")
     return "; ".join([*([f"no {', '.join(missing)}"] if missing else []), *others])
 
 
@@ -95,7 +97,10 @@ def find_interpreter() -> str:
     if python := os.environ.get("FENICSX_PYTHON"):
         report = probe(python)
         if not usable(report):
-            raise InputError(f"FENICSX_PYTHON = {python}: cannot use FEniCSx: {reasons(report)}")
+            raise InputError(
+                f"FENICSX_PYTHON = {python}: cannot use FEniCSx: {reasons(report)}. "
+                f"{HOW_TO_INSTALL_FENICSX}"
+            )
         return python
     folders = checkouts()
     for folder in folders:
@@ -105,7 +110,7 @@ def find_interpreter() -> str:
     if found is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
         raise InputError(
-            "no Python with FEniCSx found; run `make fenicsx` in the checkout that you use, or set "
-            f"FENICSX_PYTHON to one with real-scalar DOLFINx, slepc4py and gmsh. Tried:{tried}"
+            "no Python with FEniCSx found; FENICSX_PYTHON names one with real-scalar DOLFINx, "
+            f"slepc4py and gmsh. Tried:{tried}\n{HOW_TO_INSTALL_FENICSX}"
         )
     return str(found["python"])
