@@ -9,9 +9,11 @@ gmsh has no limit of its own.
 """
 
 import json
+import os
 import resource
 import runpy
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 
 import gmsh
@@ -35,10 +37,20 @@ def define(parameters: Parameters) -> None:
     gmsh.onelab.set(json.dumps(numbers))
 
 
+def read(script: str) -> None:
+    """Run a script, and not SCRIPT.opt beside it, which gmsh runs with each file that it merges."""
+    quote = "'" if '"' in script else '"'  # gmsh has no escapes within quotes
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
+        outer = os.path.join(folder, "script.geo")
+        with open(outer, "wb") as file:
+            file.write(os.fsencode(f"Include {quote}{os.path.abspath(script)}{quote};\n"))
+        gmsh.merge(outer)
+
+
 def generate(script: str, parameters: Parameters) -> None:
     """Mesh a script with values for its "Parameters/<key>" in the current model."""
     define(parameters)
-    gmsh.merge(script)
+    read(script)
     gmsh.model.mesh.generate(2)
     gmsh.onelab.clear()
 
@@ -49,7 +61,7 @@ def cell_count(script: str, parameters: Parameters) -> float:
         runpy.run_path(script)["build"](gmsh, parameters)
     else:
         define(parameters)
-        gmsh.merge(script)
+        read(script)
     made = sum(len(tags) for tags in gmsh.model.mesh.getElements(2)[1])
     if made:
         return float(made)

@@ -67,6 +67,21 @@ def test_a_script_under_another_name_is_no_mesh(square: Path, name: str, head: s
     assert not (square.parent / "STRUCK").exists()
 
 
+@pytest.mark.parametrize("name", ["own.geo", 'o"wn.geo', "o'wn.geo"])
+def test_the_companion_of_an_allowed_script_is_not_read(square: Path, name: str) -> None:
+    """The script itself runs: it includes and names other files of its folder as before."""
+    folder = square.parent
+    (folder / name).write_text(f'SystemCall "touch {folder}/RAN";\nInclude "more/part.geo";\n')
+    (folder / "more").mkdir()
+    (folder / "more/part.geo").write_text(SQUARE)
+    for companion in (f"{name}.opt", "more/part.geo.opt"):
+        (folder / companion).write_text(strike(folder))
+    fenicsx.check_count(folder / name, {})
+    assert fenicsx.run_script(folder / name, {}).cells.size
+    assert (folder / "RAN").exists()
+    assert not (folder / "STRUCK").exists()
+
+
 def test_an_error_names_the_file_of_the_user(square: Path) -> None:
     square.write_text("$MeshFormat\n" + strike(square.parent))
     with pytest.raises(MeshError, match=r"square\.msh") as caught:
