@@ -1,6 +1,8 @@
 """Meshes that gmsh reads run no command: in them, beside them or in the current folder."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -115,3 +117,18 @@ def test_specifications_with_scripts_are_refused(
             with pytest.raises(SectionError, match="name of a script of the library"):
                 section_mesh({"script": name}, "mesh")
     assert not (folder / "STRUCK").exists()
+
+
+@pytest.mark.parametrize("guarded", [True, False])
+def test_petsc_does_not_read_the_current_folder(tmp_path: Path, guarded: bool) -> None:
+    """Its .petscrc can name a library to load; petsc4py alone reads it."""
+    (tmp_path / ".petscrc").write_text("-planted_by_others 1\n")
+    code = "from plymotion.preprocess.fenicsx.stack import PETSc\n"
+    if not guarded:
+        code = "from mpi4py import MPI\nfrom plymotion.preprocess.fenicsx import stack\n"
+        code += "stack._part('MPI')\nimport petsc4py\npetsc4py.init([''])\n"
+        code += "from petsc4py import PETSc\n"
+    code += "print(PETSc.Options().hasName('planted_by_others'))"
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path)
+    assert done.stdout == f"{not guarded}\n", done.stderr

@@ -7,6 +7,7 @@ import random
 import subprocess
 import sys
 import warnings
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,30 @@ def test_damaged_and_planted_entries_of_a_cache(tmp_path, monkeypatch):
         assert np.array_equal(found.shapes_B, sound.shapes_B)
         assert not (tmp_path / "STRUCK").exists()
         count("a damaged or planted entry of a cache", "done")
+
+
+@pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")
+@pytest.mark.parametrize("choice", ["1", "njit"])
+def test_numba_does_not_read_the_current_folder(tmp_path, choice):
+    """Its .numba_config.yaml could name a cache of pickles; without PyYAML Numba would warn."""
+    pytest.importorskip("yaml")
+    (tmp_path / "planted").mkdir()
+    planted = f"cache_dir: {tmp_path}/planted\nshow_help: 1\n"
+    (tmp_path / ".numba_config.yaml").write_text(planted)
+    code = "import numpy as np\nfrom plymotion.solver.math.rotations import rotation_into\n"
+    code += "A = np.empty((3, 3))\nrotation_into(np.array([0.0, 1.0, 0.0, 0.0]), A)\n"
+    code += "import numba, yaml\nprint(numba.config.CACHE_DIR or None, numba.config.SHOW_HELP, A[0])"
+    done = subprocess.run(
+        [sys.executable, "-P", "-W", "ignore:::plymotion", "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PLYMOTION_COMPILED": choice, "PLYMOTION_CACHE": os.devnull},
+    )
+    assert done.stdout == "None 0 [1. 0. 0.]\n", done.stderr
+    assert ".numba_config" not in done.stderr
+    assert "Numba config" not in done.stderr
+    assert not any((tmp_path / "planted").iterdir())
 
 
 def test_figures_do_not_read_the_current_folder(tmp_path, monkeypatch):

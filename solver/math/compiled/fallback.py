@@ -12,6 +12,7 @@ from typing import Any
 
 from .parts import FAST_MATH, Part
 from .store import folder
+from .versions import import_numba
 
 _KEPT_CACHES = 4
 _dispatchers: dict[str, Any] = {}
@@ -46,6 +47,7 @@ def _numba() -> Any:
     """
     # Loops are over few modes and rows: ready for vectors they are slower.
     os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
+    import_numba()
     import numba
 
     config: Any = numba.config

@@ -8,7 +8,7 @@ from typing import Any
 from . import content, doors, signatures, store
 from .parts import Part, Unit, part_named
 from .statistics import statistics
-from .versions import check_choice, check_versions
+from .versions import check_choice, check_versions, import_numba
 
 
 def unit(part: Part, text: str) -> Unit:
@@ -81,9 +81,10 @@ def _loaded(part: Part, text: str) -> Unit | None:
 
 
 def _compiled(part: Part, text: str) -> Unit:
+    check_versions()
+    import_numba()
     from . import building, machine
 
-    check_versions()
     symbol = _symbol(part, text)
     result, code, needs = building.compiled_unit(part, text, symbol)
     machine.load(code, symbol)
@@ -102,6 +103,7 @@ def _door_address(found: Unit) -> int:
     kept = store.read(key)
     if kept is not None:
         return machine.load(kept[1], symbol)
+    import_numba()
     from . import door_code
 
     code = door_code.compiled_door(found.arguments, found.result, found.symbol, symbol)

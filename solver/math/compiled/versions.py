@@ -1,7 +1,9 @@
-"""Which versions of Numba the machinery is written for and tested with."""
+"""Which versions of Numba the machinery is written for and tested with, and how it is imported."""
 
 import os
 import re
+import sys
+import warnings
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -47,3 +49,26 @@ def check_versions() -> None:
         raise UnsupportedError(f"Numba {version}: fast compilation knows {low} to {high}")
     if not usable():
         raise UnsupportedError("arrays of this NumPy are laid out in another way than expected")
+
+
+def import_numba() -> None:
+    """Import Numba without .numba_config.yaml of the current folder.
+
+    Numba reads it when it is imported and before each compilation. The file could name the
+    folder of Numba's cache, which holds pickles. Variables NUMBA_... of the user count. Nothing is
+    done where a script of the user has imported Numba before.
+    """
+    if "numba" in sys.modules:
+        return
+    absent = object()
+    yaml = sys.modules.get("yaml", absent)
+    sys.modules["yaml"] = None  # type: ignore[assignment]  # Numba then warns and does not read it
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            from numba.core import config
+    finally:
+        del sys.modules["yaml"]
+        if yaml is not absent:
+            sys.modules["yaml"] = yaml  # type: ignore[assignment]
+    config._config_fname = os.devnull  # type: ignore[attr-defined]
