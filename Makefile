@@ -125,10 +125,10 @@ sweeps: $(SWEEPS) ## Run all sweeps of all cases (make <case>-sweep-<name>: one 
 # of a sweep failed; their results up to there are kept and reported.
 case_of = $(firstword $(subst -sweep-, ,$(1)))
 words_of = $(if $(filter $(SWEEPS),$(1)),--sweep $(patsubst $(call case_of,$(1))-sweep-%,%,$(1)))
+# Without --out, which would say that a link build/CASE is meant (docs/security.md).
 $(CASES) $(SWEEPS): $(LIGHT) $(if $(PACKAGES),,$(FENICSX)) | $(COMPILED)
 	@$(PY) -m plymotion cases/$(call case_of,$@)/case.toml $(call words_of,$@) --jobs $(JOBS) \
-	    --out build/$(call case_of,$@)$(if $(COARSE),-coarse --coarse) \
-	    $(if $(PACKAGES),--packages tests/packages/$(call case_of,$@)) \
+	    $(if $(COARSE),--coarse) $(if $(PACKAGES),--packages tests/packages/$(call case_of,$@)) \
 	    $(if $(NO_SCRIPTS),--no-scripts) || [ $$? -eq 3 ]
 
 ##@ Cross-sections
@@ -140,7 +140,10 @@ SECTION_FOLDER := build/sections
 SECTION_FILES := $(foreach name,$(SECTIONS),$(SECTION_FOLDER)/$(name)/$(name).vtkhdf)
 SECTION_INPUTS := $(call plain,cases/sections/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) \
     $(SECTION_SOURCES)
-SECTION := $(PY) -m plymotion.solver section --out $(SECTION_FOLDER)
+SECTION := $(PY) -m plymotion.solver section
+# What a command prints, in a file: it comes first, as it refuses planted links (docs/security.md).
+printed = @text="$$($(1))" && mkdir -p $(@D) && rm -f $@.part && \
+    printf '%s\n' "$$text" > $@.part && mv $@.part $@
 
 .PHONY: sections $(addprefix section-,$(SECTIONS))
 sections: $(SECTION_FOLDER)/summary.csv ## Analyse all cross-sections in cases/sections
@@ -157,9 +160,7 @@ $(addprefix section-,$(SECTIONS)): section-%: $(SECTION_FOLDER)/%.txt
 	@cat $<
 
 $(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LIGHT)
-	@mkdir -p $(@D)
-	$(SECTION) $< > $@.part
-	@mv $@.part $@
+	$(call printed,$(SECTION) $<)
 
 ##@ Shells
 
@@ -169,7 +170,7 @@ SHELLS := $(patsubst cases/shells/%.toml,%,$(call plain,cases/shells/*.toml))
 SHELL_FOLDER := build/shells
 SHELL_FILES := $(foreach name,$(SHELLS),$(SHELL_FOLDER)/$(name)/$(name).vtkhdf)
 SHELL_INPUTS := $(call plain,cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) $(SHELL_SOURCES)
-SHELL_COMMAND := $(PY) -m plymotion.solver shell --out $(SHELL_FOLDER)
+SHELL_COMMAND := $(PY) -m plymotion.solver shell
 
 .PHONY: shells $(addprefix shell-,$(SHELLS))
 shells: $(SHELL_FOLDER)/shells.txt ## Analyse all plates and shells in cases/shells
@@ -180,9 +181,7 @@ ifneq ($(filter-out $(wildcard $(SHELL_FILES)),$(SHELL_FILES)),)
 $(SHELL_FOLDER)/shells.txt: FORCE
 endif
 $(SHELL_FOLDER)/shells.txt: $(SHELL_INPUTS) $(FENICSX) $(LIGHT)
-	@mkdir -p $(@D)
-	$(SHELL_COMMAND) $(SHELLS:%=cases/shells/%.toml) > $@.part
-	@mv $@.part $@
+	$(call printed,$(SHELL_COMMAND) $(SHELLS:%=cases/shells/%.toml))
 
 $(addprefix shell-,$(SHELLS)): shell-%: $(FENICSX) $(LIGHT)
 	$(SHELL_COMMAND) cases/shells/$*.toml

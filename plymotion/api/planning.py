@@ -20,7 +20,7 @@ from ..solver.run.execution import execute, read_run
 from .case import Case, as_case
 from .names import ByName
 from .plain import plain
-from .running import build_packages_of, folder_of, run_named
+from .running import build_packages_of, folder_of, named, run_named
 from .signal import Signal
 
 CHECKED = 0.05  # of the designs, drawn at random
@@ -52,9 +52,15 @@ class Plan:
     """
 
     def __init__(
-        self, case: Case, run: str, folder: Path, packages: Path | None, checked: float
+        self,
+        case: Case,
+        run: str,
+        out: str | Path | None,
+        packages: Path | None,
+        checked: float,
     ) -> None:
-        self._case, self._run, self._folder = case, run, folder
+        folder = folder_of(case, out)
+        self._case, self._run, self._out, self._folder = case, run, out, folder
         self._packages, self._checked = packages, checked
         file = self._written(case, folder, check=True)
         answer = answered(file)
@@ -141,7 +147,7 @@ class Plan:
     def _written(self, case: Case, folder: Path, *, check: bool = False) -> Path:
         """Write a design and build what it needs; return its run file."""
         checked = case.check(sweeps=())
-        with turn(folder, quiet=True):
+        with named(self._out), turn(folder, quiet=True):
             write_case(checked, folder, self._packages)
             file = folder / "runs" / f"{self._run}.json"
             if not check:  # packages of the check cost more than a run
@@ -189,8 +195,7 @@ signals
     run = run_named(case.name, run, runs)
     if runs[run].fidelity is None:
         raise InputError(f"{case.name}, run {run}: expected [fidelity] with accuracy and signals")
-    folder = folder_of(case, out)
-    return Plan(case, run, folder, None if packages is None else Path(packages).resolve(), checked)
+    return Plan(case, run, out, None if packages is None else Path(packages).resolve(), checked)
 
 
 def _drawn(changes: Mapping[str, Any], share: float) -> bool:

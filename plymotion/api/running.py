@@ -1,6 +1,7 @@
 """`plymotion.run`: a run of a case, computed as the command `plymotion CASE.toml` does."""
 
 from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..solver.commands.cases.packages import build_needed
@@ -9,6 +10,7 @@ from ..solver.commands.fenicsx_side.task import keep_preprocessors
 from ..solver.commands.run.one import run_one
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
+from ..solver.package.common.replaceable import named_by_user
 from ..solver.run.inputs_digest import up_to_date
 from .case import Case, as_case
 from .result import Result
@@ -63,7 +65,7 @@ def run(
     checked = case.check(coarse=coarse, sweeps=())
     run = run_named(case.name, run, checked.runs)
     folder = folder_of(case, out, coarse=coarse)
-    with turn(folder, quiet=not progress):
+    with named(out), turn(folder, quiet=not progress):
         write_case(checked, folder, None if packages is None else Path(packages))
         file, target = folder / "runs" / f"{run}.json", folder / run
         if packages is None:
@@ -85,6 +87,11 @@ def build_packages_of(file: Path, *, quiet: bool) -> None:
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
     """Return the folder of the results of a case."""
     return Path(out) if out is not None else Path("build") / (case.name + "-coarse" * coarse)
+
+
+def named(out: str | Path | None) -> AbstractContextManager[None]:
+    """Return a context in which a folder `out` of the user may be a link, as that of `--out`."""
+    return named_by_user([] if out is None else [Path(out)])
 
 
 def run_named(name: str, run: str | None, runs: Iterable[str]) -> str:

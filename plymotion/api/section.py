@@ -20,6 +20,7 @@ from ..solver.package.section.schema import RESULTANTS, SectionFile
 from .frames import pandas
 from .html import table
 from .plain import plain
+from .running import named
 from .section_picture import picture
 
 
@@ -86,17 +87,18 @@ class Section:
         name = f"{path.stem}-{data_sha256(own)[:8]}" if own else path.stem
         entry = Entry(name, path, own)
         folder = Path(out)
-        requests, failed = write_specs([entry], folder, lambda one: described_spec(one, folder))
-        made: list[Made] = list(failed)
-        keep_preprocessors()
-        make_files(
-            requests,
-            "section",
-            ["--force"] if force else [],
-            executor=lambda: Local(1, threads=True),
-            done=made.append,
-            progress=lambda text: None,
-        )
+        with named(None if folder == BUILD else folder):
+            requests, failed = write_specs([entry], folder, lambda one: described_spec(one, folder))
+            made: list[Made] = list(failed)
+            keep_preprocessors()
+            make_files(
+                requests,
+                "section",
+                ["--force"] if force else [],
+                executor=lambda: Local(1, threads=True),
+                done=made.append,
+                progress=lambda text: None,
+            )
         if made[0].status == "failed":
             raise InputError(made[0].error)
         return cls(made[0].file)

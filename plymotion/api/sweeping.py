@@ -31,7 +31,7 @@ from .frames import pandas
 from .html import table
 from .names import ByName
 from .plain import plain
-from .running import build_packages_of, folder_of, only_run
+from .running import build_packages_of, folder_of, named, only_run
 from .signal import pyplot
 
 
@@ -272,7 +272,7 @@ def sweep(
         hint = nearest(str(name), checked.top.sweeps)
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    with turn(folder, quiet=not progress):
+    with named(out), turn(folder, quiet=not progress):
         write_case(checked, folder, None if packages is None else Path(packages))
         file = folder / "sweeps" / f"{name}.json"
         if packages is None:

@@ -182,7 +182,8 @@ def test_numba_does_not_read_the_current_folder(tmp_path, choice):
     (tmp_path / ".numba_config.yaml").write_text(planted)
     code = "import numpy as np\nfrom plymotion.solver.math.rotations import rotation_into\n"
     code += "A = np.empty((3, 3))\nrotation_into(np.array([0.0, 1.0, 0.0, 0.0]), A)\n"
-    code += "import numba, yaml\nprint(numba.config.CACHE_DIR or None, numba.config.SHOW_HELP, A[0])"
+    code += "import yaml\nfrom numba import config\n"
+    code += "print(config.CACHE_DIR or None, config.SHOW_HELP, A[0])"
     done = subprocess.run(
         [sys.executable, "-P", "-W", "ignore:::plymotion", "-c", code],
         capture_output=True,

@@ -207,3 +207,24 @@ def test_a_case_of_the_name_of_a_target_is_told(project):
     assert "not seen by make: expected another name, make has a target" in told
     assert "plymotion cases/one/case.toml" in told
     assert (project.folder / "build").is_dir()
+
+
+@pytest.mark.parametrize("planted", ["one", "one-coarse", "sections", "shells"])
+def test_no_planted_link_is_followed_under_make(project, repository, tmp_path, planted):
+    """The folder is that of the command, not one that the user has named."""
+    project.case("one", _ball(""))
+    words = {"one-coarse": ["one COARSE=1"]}.get(planted, [planted])
+    if planted in ("sections", "shells"):
+        (project.folder / f"cases/{planted}").mkdir()
+        name = {"sections": "square", "shells": "plate-cantilever"}[planted]
+        source = repository / f"cases/{planted}/{name}.toml"
+        shutil.copy(source, project.folder / f"cases/{planted}")
+        words.append(f"{planted[:-1]}-{name}")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (project.folder / "build" / planted).symlink_to(elsewhere, target_is_directory=True)
+    for word in words:
+        done = project.make(*word.split())
+        assert done.returncode != 0
+        assert f"build/{planted} is a link to {elsewhere}" in done.stdout, done.stdout
+        assert not any(elsewhere.iterdir())

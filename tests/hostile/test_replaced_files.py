@@ -5,12 +5,14 @@ import random
 import shutil
 from pathlib import Path
 
+import fidelity_packages
 import pytest
 from blade_samples import write_blade
 from case_samples import HEAD, SOLVER, rigid
 from hostile_profile import count, tries
 from sweep_samples import FORCE, ball
 
+import plymotion as pm
 from plymotion.solver.__main__ import main
 
 CASE = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + SOLVER.format(t_end=1, step=0.5, more="")
@@ -113,6 +115,64 @@ def test_export(package, capfd, code):
         assert main([str(word) for word in words]) == 0
 
 
+def linked(words, file, capsys):
+    """A link in place of a file, or of a folder below the named one, is not followed."""
+    Path("thesis").write_text(WORDS)
+    Path(file).symlink_to(Path("thesis").absolute())
+    assert main([str(word) for word in words]) == 2
+    assert f"{file}: is there already" in capsys.readouterr().err
+    assert Path("thesis").read_text() == WORDS
+    assert Path(file).is_symlink()
+    Path(file).unlink()
+    count(LINKS, "refused")
+
+
+@pytest.mark.skipif(shutil.which(os.environ.get("CC") or "cc") is None, reason="no C compiler")
+def test_an_fmu(case, capsys):
+    out = Path("mine.fmu")
+    for words in (["export", case, "--to", "fmu"], ["export", case, "--to", "fmu", "-o", out]):
+        file = out if words[-1] == out else Path("build/mine/base.fmu")
+        refused(words, [file], capsys)
+        linked(words, file, capsys)
+        for _ in range(2):
+            assert main([str(word) for word in words]) == 0
+    Path("build/mine").rename("elsewhere")
+    Path("build/mine").symlink_to("../elsewhere", target_is_directory=True)
+    assert main(["export", str(case), "--to", "fmu"]) == 2
+    assert "build/mine is a link to" in capsys.readouterr().err
+
+
+def test_a_chart(tmp_path, monkeypatch, capsys):
+    """Refused before the work, which takes long."""
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(fidelity_packages.CASE)
+    assert main(["check", "case.toml", "--out", "out"]) == 0
+    Path("ready").mkdir()
+    fidelity_packages.build_bodies(Path("out/bodies"), Path("ready"))
+    words = ["chart", "case.toml", "--out", "out", "--packages", "ready", "--figure", "chart.png"]
+    files = [Path(name) for name in ("chart.png", "out/plans/base.ladder.json")]
+    refused(words, files, capsys)
+    linked(words, files[0], capsys)
+    assert not Path("out/plans").exists() or not any(Path("out/plans").iterdir())
+    refused(words[:-2], [Path("out/plans/base.png")], capsys)
+    assert main(words) == 0
+
+
+def test_merged_shards(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    file = ball(tmp_path, f"{FORCE} = [0.0, 1.0]", 'histories = ["x"]')
+    for shard in ("1/2", "2/2"):
+        words = ["sweep", file, "--shard", shard, "--quiet", "--no-figures", "--out", "s"]
+        refused(words, [Path(f"s/sweep-{shard[0]}-of-2.h5")], capsys)
+        assert main([str(word) for word in words]) == 0
+    words = ["merge", file, "--no-figures", "--out", "s"]
+    for name in ("sweep.h5", "sweep.csv"):
+        refused(words, [Path("s") / name], capsys)
+        linked(words, Path("s") / name, capsys)
+    for _ in range(2):
+        assert main([str(word) for word in words]) == 0
+
+
 @pytest.mark.parametrize("planted", ["out/base", "build/mine", "build/mine/base", "out/runs"])
 def test_no_planted_link_is_followed(case, tmp_path, capsys, planted):
     elsewhere = tmp_path / "elsewhere"
@@ -124,6 +184,42 @@ def test_no_planted_link_is_followed(case, tmp_path, capsys, planted):
     assert f"{planted} is a link to {elsewhere}" in capsys.readouterr().err
     assert not any(elsewhere.iterdir())
     count(LINKS, "refused")
+
+
+IN_PYTHON = {
+    "run": lambda case, more: pm.run(case, **more),
+    "sweep": lambda case, more: pm.sweep(case, vary={"bodies.ball.mass": [1.0, 2.0]}, **more),
+    "plan": lambda case, more: pm.plan(case, **more),
+}
+
+
+@pytest.mark.parametrize("name", IN_PYTHON)
+def test_the_same_rule_in_python(case, tmp_path, name):
+    """A link in build/ is refused, a link that the user has named is followed."""
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    Path("build").mkdir()
+    for link in ("build/mine", "named"):
+        Path(link).symlink_to(elsewhere, target_is_directory=True)
+    loaded = pm.load(case)
+    loaded.signals["x"] = {"kind": "position", "at": "ball.c", "component": "x"}
+    if name == "plan":
+        loaded.fidelity = {"accuracy": 1e-3, "signals": ["x"]}
+    with pytest.raises(pm.InputError, match=f"build/mine is a link to {elsewhere}"):
+        IN_PYTHON[name](loaded, {})
+    assert not any(elsewhere.iterdir())
+    IN_PYTHON[name](loaded, {"out": "named"})
+    assert any(elsewhere.iterdir())
+    count(LINKS, "refused")
+
+
+def test_a_section_in_python(repository, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("build").mkdir()
+    Path("build/sections").symlink_to(tmp_path, target_is_directory=True)
+    with pytest.raises(pm.InputError, match="build/sections is a link to"):
+        pm.Section.from_file(repository / "cases/sections/square.toml")
+    assert not (tmp_path / "square").exists()
 
 
 def test_no_planted_link_of_a_run_file_is_followed(case, tmp_path, capsys):

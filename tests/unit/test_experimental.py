@@ -253,3 +253,19 @@ def test_manual_names_every_key(repository: Path) -> None:
     tables = (MeasuredFile, MeasuredMode, MeasuredReference, MeasuredInterface)
     keys = [name for table in tables for name in table.model_fields]
     assert [key for key in [*keys, *INERTIAS] if f"`{key}`" not in text] == []
+
+
+def test_a_file_of_others_is_not_replaced(tmp_path, capsys) -> None:
+    file, out = write_test(tmp_path, beam_of("clamped")), tmp_path / "out.vtkhdf"
+    other = tmp_path / "thesis.txt"
+    for path in (out, other):
+        path.write_text("the only copy of a thesis\n")
+        assert main(["experimental", str(file), "--out", str(out)]) == 2
+        assert f"{out}: is there already and was not written by" in capsys.readouterr().err
+        assert path.read_text() == "the only copy of a thesis\n"
+        out.unlink()
+        out.symlink_to(other)
+    assert out.is_symlink()
+    out.unlink()
+    for _ in range(2):
+        assert main(["experimental", str(file), "--out", str(out)]) == 0

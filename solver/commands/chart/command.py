@@ -8,6 +8,7 @@ from typing import Any
 from ...errors import InputError
 from ...fidelity.execution import answered
 from ...fidelity.ladder import Ladder, Rung, ladder
+from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from ...report.fidelity import ladder_file
 from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
@@ -26,6 +27,9 @@ def run_chart(options: argparse.Namespace) -> int:
         The model of the plan or its check could not run.
     """
     file = run_file_of(options)
+    figure = options.figure or plan_file(file).with_suffix(".png")
+    for path in (figure, ladder_file(file.parent.parent, file.stem)):
+        refuse_foreign(path)  # before the work
     answer = answered(file)
     if answer.trial is None or answer.check is None or answer.estimate is None:
         raise InputError(f"{file}: no chart without a check: {answer.reason}")
@@ -36,7 +40,7 @@ def run_chart(options: argparse.Namespace) -> int:
     data = {**found.entry(), "plan": answer.plan.table()}
     write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
     path = draw_ladder(
-        options.figure or plan_file(file).with_suffix(".png"),
+        figure,
         found,
         f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}",
         delivered=answer.finest is None,

@@ -27,8 +27,8 @@ def add_shared(group: Any, *names: str, **more: Any) -> None:
 
 
 def add_out(group: Any, folder: Path) -> None:
-    """Add the option --out."""
-    add_shared(group, "out", default=folder, help=f"folder (default {folder})")
+    """Add the option --out; without it None, as a folder that the user has named may be a link."""
+    add_shared(group, "out", help=f"folder (default {folder})")
 
 
 def add_command(

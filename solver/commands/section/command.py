@@ -22,6 +22,7 @@ from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import USER_ERROR, drawn, file_lines, show_each, tell_failure
 from .batch_list import read_list
+from .options import FOLDER
 from .ply_peaks import judged_peaks
 from .results import read_results
 from .show import section_json, section_text
@@ -44,6 +45,7 @@ def run_section(options: argparse.Namespace) -> int:
                 print(line, file=sys.stderr if options.json else sys.stdout)
         return code
 
+    options.out = options.out or FOLDER
     words = [word for word in ("--no-estimate", "--force") if getattr(options, _name(word))]
     if options.accuracy is not None:
         words += ["--accuracy", repr(options.accuracy)]

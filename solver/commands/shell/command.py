@@ -16,6 +16,7 @@ from ..described.entries import entries_of
 from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import drawn, file_lines, show_each
+from .options import FOLDER
 from .show import shell_text
 from .show_json import shell_json
 
@@ -46,6 +47,7 @@ def run_shell(options: argparse.Namespace) -> int:
     def show(made: list[Made], _: list[Request]) -> int:
         return show_each(made, table_of, text_of, as_json=options.json)
 
+    options.out = options.out or FOLDER
     return run_described(
         "shell",
         entries_of(options.files),
