@@ -6,6 +6,7 @@ that was over, as long as no source has changed. The last thing that it prints i
 
 import hashlib
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -42,13 +43,16 @@ def main() -> int:
     words = ["tests/hostile", "-n", "2", "--dist", "worksteal", "-q", *sys.argv[1:]]
     begin = time.monotonic()
     with OUTPUT.open("w", encoding="utf-8") as output:
+        # A group of its own: all of it gets a signal that came to this process alone.
         process = subprocess.Popen(
             [sys.executable, "-m", "pytest", *words],
             cwd=ROOT,
             env=os.environ | {"PLYMOTION_ATTACK": str(COUNTS)},
             stdout=output,
             stderr=subprocess.STDOUT,
+            start_new_session=True,
         )
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             while True:
                 try:
@@ -56,7 +60,8 @@ def main() -> int:
                     break
                 except subprocess.TimeoutExpired:
                     _tell(time.monotonic() - begin)
-        except KeyboardInterrupt:  # pytest got it, too
+        except KeyboardInterrupt:
+            os.killpg(process.pid, signal.SIGINT)
             process.wait()
             print(f"interrupted: {_far()}; the same command goes on from there")
             return 130
