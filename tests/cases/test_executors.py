@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from dask_cluster import TESTS, Cluster, until
+from hostile_profile import WAIT_S
 from mpi_samples import ranks, with_mpi
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
@@ -253,6 +254,47 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
     assert survivor.keys() | set(by_worker[first.pid]) == set(range(20))
     assert by_worker[first.pid], "the other one had no part in it"
     assert_same_bits(out / "sweep.h5", expected)
+
+
+KILLED = """
+import sys
+import executor_samples
+from plymotion.solver.__main__ import main
+from plymotion.solver.commands.sweep import portions, work
+portions.compute_portion = executor_samples.noted_portion
+work.SAVE_S = 0.0  # each row at once
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_dask_scheduler_that_is_killed_is_a_message(tmp_path):
+    """No traceback of dask; finished members are kept, and the sweep goes on without it."""
+    pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    cluster = Cluster(tmp_path)
+    try:
+        cluster.worker()
+        file = ball(tmp_path, f"{FORCE} = {[float(k) for k in range(60)]}")
+        path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
+        words = ["sweep", str(file), "--quiet", "--no-figures", "--scheduler", str(cluster.file)]
+        process = subprocess.Popen(
+            [sys.executable, "-c", KILLED, *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": path},
+        )
+        results = file.with_suffix("") / "sweep.h5"
+        until(lambda: results.exists() and read_sweep(results).count("finished"))
+        cluster.processes[0].kill()
+        told, errors = process.communicate(timeout=WAIT_S)
+    finally:
+        cluster.close()
+    assert process.returncode == 2
+    expected = f"error: --scheduler {cluster.file}: lost the connection to the workers\n"
+    assert (told, errors) == ("", expected)
+    assert 0 < read_sweep(results).count("finished") < 60
+    assert sweep(file) == 0
+    assert read_sweep(results).count("finished") == 60
 
 
 def test_dask_workers_may_come_later(tmp_path, cluster):

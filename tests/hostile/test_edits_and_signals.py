@@ -22,6 +22,7 @@ from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.math.compiled import COMPILED
+from plymotion.solver.package.section.io import read_section
 from plymotion.solver.results import read_summary
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
@@ -220,34 +221,57 @@ vary = { end = { keys = ["solver.t_end"], values = [20.0, 30.0, 40.0, 50.0] } }
 COMMANDS = {"run": [], "sweep": ["--sweep", "s", "--jobs", "2"]}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_signal_at_any_time(tmp_path, command):
-    """To the process or to its group, as a terminal sends it."""
+def storm(command, tmp_path, words, longest, count_of_tries):
+    """Strike a command at any time, once in each of many tries; yield its folder after each.
+
+    To the process or to its group, as a terminal sends it. Before the program has begun, in the
+    first 0.2 s, a signal ends Python by itself: then nothing is written or said.
+    """
     random = np.random.default_rng(len(command))
-    case = tmp_path / "case.toml"
-    more = SOLVER.format(t_end=20.0, step=0.01, more="max_step = 1e-3") + STORM
-    case.write_text(HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + more)
-    for k in range(tries(3, 25)):
+    for k in range(count_of_tries):
         number = random.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
         send = os.killpg if k % 2 else os.kill
         out = tmp_path / str(k)
-        words = [sys.executable, "-m", "plymotion", str(case), "--out", str(out)]
         process = subprocess.Popen(
-            [*words, *COMMANDS[command]], stderr=subprocess.PIPE, text=True, start_new_session=True
+            [sys.executable, "-m", "plymotion", *map(str, words), "--out", str(out)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
         )
         with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(random.uniform(0.5, 6.0))
+            process.wait(random.uniform(0.0, longest))
         with contextlib.suppress(ProcessLookupError):
             send(process.pid, number)
         _, errors = ended(process)
         if process.returncode == -number and not errors and not out.exists():
-            continue  # Python had not begun with the program
+            continue
         assert process.returncode in (0, 128 + number), errors
         assert not any(word in errors for word in ("Traceback", "Exception", "leaked")), errors
         if "nothing written" in errors:
             assert not [file for file in out.rglob("*") if file.is_file()], errors
+        yield out
         kind = f"{command}: {signal.Signals(number).name} at any time"
         count(kind, "recovered" if process.returncode else MISSED)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_signal_at_any_time(tmp_path, command):
+    case = tmp_path / "case.toml"
+    more = SOLVER.format(t_end=20.0, step=0.01, more="max_step = 1e-3") + STORM
+    case.write_text(HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + more)
+    for _ in storm(command, tmp_path, [case, *COMMANDS[command]], 6.0, tries(3, 25)):
+        pass
+
+
+def test_a_signal_at_any_time_of_a_batch_of_sections(repository, tmp_path, fenicsx):
+    """Each section file is whole, and what is missing is made by the same command."""
+    names = ["square", "pendulum-arm", "box-layup-1", "channel", "two-cell", "i-beam"]
+    files = [repository / f"cases/sections/{name}.toml" for name in names]
+    words = ["section", *files, "--jobs", "2", "--no-figures"]
+    for out in storm("section", tmp_path, words, 8.0, tries(3, 66)):
+        for file in out.glob("*/*.vtkhdf"):
+            assert read_section(file).K.shape == (6, 6)
 
 
 def test_workers_hear_no_signal_before_they_ignore_it(tmp_path):

@@ -1,5 +1,6 @@
 """Executor of a dask cluster: workers on any number of machines, which may come and go."""
 
+import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -35,6 +36,9 @@ class Dask:
                 f"--scheduler {scheduler}: needs dask.distributed ({error}): "
                 "pip install 'plymotion[dask]'"
             ) from error
+        for name in ("distributed", "distributed.client", "tornado.application", "asyncio"):
+            # The end of a scheduler is a traceback there, and an InputError of `distribute`.
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         self.name = f"--scheduler {scheduler}"
         file = Path(scheduler).suffix == ".json"
         if file and not Path(scheduler).is_file():
