@@ -10,6 +10,7 @@ import pytest
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
 from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.guards import coarse_warnings
 from plymotion.preprocess.section.mesh import SectionError, SectionMesh, section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand
 
@@ -430,3 +431,27 @@ def test_no_mesh_in_the_file(tmp_path: Path) -> None:
     path.write_text("this is no mesh\n")
     with pytest.raises(SectionError, match=r"part\.msh"):
         section_mesh({"file": str(path)}, "part.mesh")
+
+
+@pytest.mark.one_end
+@pytest.mark.parametrize(
+    ("mesh", "advice"),
+    [
+        ({"script": "box", "parameters": {"density": 1.0}}, "a larger density or a higher"),
+        ({"script": "box", "degree": "mesh"}, "a larger density"),
+        ({"file": "own.msh"}, "a finer mesh in the file or a higher mesh.degree"),
+        ({"file": "own.geo", "degree": "mesh"}, "a finer mesh in the file"),
+        ({"arrays": "own.npz", "degree": "mesh"}, "a finer mesh in the file"),
+    ],
+)
+def test_words_of_a_coarse_mesh(mesh: dict[str, Any], advice: str) -> None:
+    """They name --accuracy, and the density of those meshes only that have one."""
+    error = 0.06 * np.diag([0.0, 1.0, 2.0, 0.0, 0.0, 0.0])
+    (warning,) = coarse_warnings(error, np.eye(6), mesh)
+    assert warning["code"] == "coarse-mesh"
+    first = "the estimated error of K33 is 0.12 of sqrt(K_ii K_jj): use --accuracy, "
+    assert warning["message"].startswith(first + advice)
+    assert ("density" in warning["message"]) == ("script" in mesh)
+    assert ("mesh.degree" in warning["message"]) == ("degree" not in mesh)
+    assert coarse_warnings(error / 3.0, np.eye(6), mesh) == []
+    assert coarse_warnings(None, np.eye(6), mesh) == []
