@@ -79,6 +79,52 @@ def test_a_cache_of_another_owner_is_not_used(tmp_path, monkeypatch, kind):
     count("a cache of another owner, or that others can write to", "refused")
 
 
+COMPILES = """
+import numpy as np
+from plymotion.solver.math.compiled import statistics
+from plymotion.solver.math.rotations import rotation_into
+A = np.empty((3, 3))
+rotation_into(np.array([0.0, 1.0, 0.0, 0.0]), A)
+print(len(statistics.compiled), len(statistics.loaded), A.ravel().tolist())
+"""
+HALF_TURN = "[1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0]"
+OTHERS = ["root 777", "code 777", "code 1777", "root owner", "code owner", "code link"]
+
+
+@posix
+@pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")
+@pytest.mark.parametrize("way", OTHERS[:: tries(3, 1)])
+def test_compiled_code_of_others_is_not_loaded(tmp_path, way):
+    """It is compiled again instead; code in a folder of one's own is loaded."""
+    root = tmp_path / "cache"
+    place, kind = way.split()
+    if kind != "777" and kind != "1777" and os.geteuid() != 0:
+        pytest.skip("needs another owner")
+
+    def found():
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", COMPILES],
+            capture_output=True,
+            text=True,
+            env=os.environ | {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(root)},
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    assert found() == f"1 0 {HALF_TURN}"
+    assert found() == f"0 1 {HALF_TURN}"
+    folder = root if place == "root" else root / "code"
+    if kind == "link":
+        folder.rename(tmp_path / "theirs")
+        folder.symlink_to(tmp_path / "theirs")
+    if kind in ("owner", "link"):
+        os.chown(folder, 12345, -1, follow_symlinks=False)
+    else:
+        folder.chmod(int(kind, 8))
+    assert found() == f"1 0 {HALF_TURN}"
+    count("a cache of another owner, or that others can write to", "refused")
+
+
 def _first() -> bool:
     """Tell whether this process has not warned yet."""
     from plymotion.solver.math import disk_cache

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from case_samples import HEAD, SOLVER
 from hostile_profile import count, tries
 
 NAMES = ["a.msh", "a.MSH", "a.txt", "a.step", "a.stl", "a.unv", "a.med", "a.msh2", "a", "a.geo.msh"]
@@ -55,17 +56,23 @@ def _write(folder: Path, name: str, chance: random.Random, strike: str, text: st
     return file
 
 
-def test_meshes_and_what_lies_beside_them(tmp_path, fenicsx):
-    """With and without --no-scripts; each description is done, or refused by its name."""
-    chance = random.Random(4)
+def _planted(tmp_path: Path, fenicsx: str) -> tuple[str, Path, dict[str, str]]:
+    """A script that leaves a file, a current folder and an environment with it at each door."""
+    strike = f'SystemCall "touch {tmp_path}/STRUCK";\n'
     home, here = tmp_path / "home", tmp_path / "here"
     for folder, names in ((home, HOME), (here, [*HOME, "mesh.msh.opt"])):
         folder.mkdir()
         for name in names:
-            (folder / name).write_text(f'SystemCall "touch {tmp_path}/STRUCK";\n')
-    strike = f'SystemCall "touch {tmp_path}/STRUCK";\n'
+            (folder / name).write_text(strike)
     environment = os.environ | {"FENICSX_PYTHON": fenicsx, "HOME": str(home)}
     environment.setdefault("PLYMOTION_CACHE", str(Path.home() / ".cache/plymotion"))
+    return strike, here, environment
+
+
+def test_meshes_and_what_lies_beside_them(tmp_path, fenicsx):
+    """With and without --no-scripts; each description is done, or refused by its name."""
+    chance = random.Random(4)
+    strike, here, environment = _planted(tmp_path, fenicsx)
     ends: set[str] = set()
     for command, text in (("section", SECTION), ("shell", SHELL)):
         # One name that is no mesh's, and `section` stops before it starts the preprocessor.
@@ -96,3 +103,49 @@ def test_meshes_and_what_lies_beside_them(tmp_path, fenicsx):
                 ends.add(end)
                 assert end == "done" or (end == "refused" and file.stem in shown), (end, shown)
     assert ends == {"done", "refused"}
+
+
+CASE = (
+    HEAD
+    + """
+[sections.s]
+file = "{folder}.toml"
+[bodies.arm]
+kind = "beam"
+length = 9.0
+section = "s"
+modes = [{{ kind = "bending-xy", count = 1 }}]
+interfaces = {{ root = {{ at = "start" }} }}
+"""
+    + SOLVER.format(t_end=0.02, step=0.01, more="")
+)
+
+
+def test_meshes_of_a_case(tmp_path, fenicsx):
+    """The section of a body names one, and the case is run."""
+    chance = random.Random(5)
+    strike, here, environment = _planted(tmp_path, fenicsx)
+    ends: set[str] = set()
+    for k in range(tries(3, 24)):
+        name = NAMES[0] if k % 3 == 0 else chance.choice(NAMES)
+        folder = tmp_path / f"case{k:02d}"
+        _write(folder, name, chance, "" if k == 0 else strike, SECTION)
+        (folder / "case.toml").write_text(CASE.format(folder=folder.name))
+        out = tmp_path / f"out{k:02d}"
+        words = [str(folder / "case.toml"), "--out", str(out), "--quiet"]
+        done = subprocess.run(
+            [sys.executable, "-m", "plymotion", *words, *["--no-scripts"] * (k % 2)],
+            env=environment,
+            cwd=here,
+            capture_output=True,
+            text=True,
+        )
+        shown = done.stdout + done.stderr
+        end = {0: "done", 2: "refused"}.get(done.returncode, "other")
+        end = "traceback" if "Traceback" in shown else end
+        end = "command run" if (tmp_path / "STRUCK").exists() else end
+        count("run: a mesh with scripts in it and beside it", end)
+        ends.add(end)
+        assert end == "done" or (end == "refused" and name in shown), (end, shown)
+    assert ends <= {"done", "refused"}
+    assert "done" in ends

@@ -1,0 +1,58 @@
+"""FE tests with every coordinate of a mesh changed by one unit of the last digit.
+
+    PYTHONPATH=.:tools python3 -m pytest -p last_digit tests/fe/test_section_twist.py
+
+A test that passes without this plugin of pytest and fails with it compares rounding errors, as it
+would on another processor: the comparison needs a floor from the scale of the data.
+LAST_DIGIT=NUMBER draws other changes. Meshes are changed where sections and shells read them, a
+node as the lines of curves through it. Commands that tests start in other processes are not.
+"""
+
+import os
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from plymotion.preprocess.section import mesh as sections
+from plymotion.preprocess.shell import mesh as shells
+
+DRAW = np.uint64(2 * int(os.environ.get("LAST_DIGIT", "0")) + 1)
+MIXERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)
+
+
+def changed(points: Any) -> Any:
+    """Return points (..., 2 or 3), each coordinate up or down by what the whole point decides."""
+    points = np.ascontiguousarray(points, dtype=float)
+    with np.errstate(over="ignore"):
+        drawn = DRAW * np.uint64(MIXERS[0])
+        for column, mixer in zip(np.moveaxis(points + 0.0, -1, 0), MIXERS, strict=False):
+            drawn = (drawn ^ np.ascontiguousarray(column).view(np.uint64)) * np.uint64(mixer)
+            drawn = drawn ^ (drawn >> np.uint64(29))
+    up = (drawn[..., None] >> np.arange(40, 40 + points.shape[-1], dtype=np.uint64)) & np.uint64(1)
+    moved = np.nextafter(points, np.where(up == 1, np.inf, -np.inf))
+    return np.where(points == 0.0, points, moved)
+
+
+def _changed(mesh: Any) -> Any:
+    curves = {name: changed(lines) for name, lines in getattr(mesh, "curves", {}).items()}
+    more = {"curves": curves} if curves else {}
+    return replace(mesh, points=changed(mesh.points), **more)
+
+
+_section, _mixed, _shell = sections._read, sections._mixed_arrays, shells._read
+
+
+def _of_shell(*arguments: Any) -> Any:
+    mesh, refine = _shell(*arguments)
+    return _changed(mesh), refine
+
+
+def _of_mixed(path: Any) -> Any:
+    mesh = _mixed(path)
+    return None if mesh is None else _changed(mesh)
+
+
+sections._read = lambda *arguments: _changed(_section(*arguments))
+sections._mixed_arrays = _of_mixed
+shells._read = _of_shell
