@@ -204,7 +204,7 @@ def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:
     parent = os.getpid()
 
     def forward(number: int, frame: FrameType | None) -> None:
-        _received.append(number)
+        note(number)
         stop.set()
         for child in processes() if os.getpid() == parent else []:
             with contextlib.suppress(ProcessLookupError):

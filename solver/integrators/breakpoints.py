@@ -7,6 +7,7 @@ sees what comes next (docs/adr/0053).
 
 from collections.abc import Callable
 from functools import partial
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ VARIES, SHORTEST, MOST_CELLS, FIRST_CELLS, SPLIT = 0.2, 1e-9, 50_000, 16, 4
 REMEMBERED = 64  # lengths of a cell in which a shorter one keeps steps short enough
 GAP = 2.0**-46  # of the run: an instant of a jump is known to that
 JUMPING = frozenset((op.LESS, op.LESS_EQUAL, op.SIGN, op.FLOOR))
+Ranges = Callable[[Array, Array], list[Range]]  # bounds of every part of a law over intervals
 
 
 class Breaks(NamedTuple):
@@ -57,8 +59,8 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         bends, leaps = _of_pieces(times, coefficients, drive=law in driven)
         if bends.size + leaps.size > MOST_BREAKS:
-            cells = _Cells(partial(_of_curve, times, coefficients[:, : _degree(coefficients) + 1]))
-            narrow.append(cells.narrowing(np.array([0.0, t_end])))
+            ranges = partial(_of_curve, times, coefficients[:, : _degree(coefficients) + 1])
+            narrow.append(_narrowing(ranges, np.array([0.0, t_end])))
             bends, leaps = np.zeros(0), np.zeros(0)
             longest = min(longest, t_end / MOST_BREAKS)
         kinks.append(bends)
@@ -114,10 +116,9 @@ def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array
     off, leap, power = np.zeros(len(length)), np.zeros(len(length), dtype=bool), 1.0
     for d in range(degree + 1):
         # the Taylor coefficient d of the piece before, at its end
-        before, factor = np.zeros(len(length)), 1.0
+        before = np.zeros(len(length))
         for i in range(degree, d - 1, -1):
-            factor = float(np.prod([(d + k) / k for k in range(1, i - d + 1)]))
-            before += factor * coefficients[:-1, i] * length ** (i - d)
+            before += comb(i, d) * coefficients[:-1, i] * length ** (i - d)
         change = np.abs(coefficients[1:, d] - before)
         off = np.maximum(off, change * power)
         if d <= (2 if drive else 0):
@@ -157,8 +158,10 @@ def _of_program(
         kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
         bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
         edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
-        cells = _Cells(lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)])
-        return _first_of(bends, GAP * t_end), cells.narrowing(edges), leaps
+        narrow = _narrowing(
+            lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)], edges
+        )
+        return _first_of(bends, GAP * t_end), narrow, leaps
     return np.zeros(0), np.zeros(0), np.zeros((0, 2))
 
 
@@ -186,54 +189,45 @@ def _apart(jumps: Array) -> Array:
     return np.array(found).reshape(-1, 2)
 
 
-class _Cells:
-    """Cells of a run in which laws vary little, however short: none is taken for quiet by chance.
+def _narrowing(ranges: Ranges, edges: Array) -> Array:
+    """Return where a law begins to vary fast between edges (k,), and the first bit of it."""
+    low, high = _quiet(ranges, edges)
+    length = high - low
+    found = [np.zeros(0)]
+    for i in np.flatnonzero(length[1:] < length[:-1] / 1.5) + 1:
+        begin = int(np.searchsorted(high, low[i] - REMEMBERED * length[i]))
+        if not (length[begin:i] <= 1.5 * length[i]).any():
+            found.append(np.array([low[i], high[i]]))
+    return np.concatenate(found)
 
-    Parameters
-    ----------
-    ranges : bounds of every part of a law over intervals (k,), (k,) [s]
+
+def _quiet(ranges: Ranges, edges: Array) -> tuple[Array, Array]:
+    """Return cells between edges (k,), in ascending order, in which a law varies little.
+
+    However short: no part of it is taken for quiet by chance.
     """
-
-    def __init__(self, ranges: Callable[[Array, Array], list[Range]]) -> None:
-        self._ranges = ranges
-
-    def narrowing(self, edges: Array) -> Array:
-        """Return where a law begins to vary fast between edges (k,), and the first bit of it."""
-        low, high = self._quiet(edges)
-        length = high - low
-        found = [np.zeros(0)]
-        for i in np.flatnonzero(length[1:] < length[:-1] / 1.5) + 1:
-            begin = int(np.searchsorted(high, low[i] - REMEMBERED * length[i]))
-            if not (length[begin:i] <= 1.5 * length[i]).any():
-                found.append(np.array([low[i], high[i]]))
-        return np.concatenate(found)
-
-    def _quiet(self, edges: Array) -> tuple[Array, Array]:
-        """Return cells between edges (k,), in ascending order."""
-        shortest, done, span = SHORTEST * (edges[-1] - edges[0]), [], None
-        wide = np.diff(edges) > shortest  # not those of a jump
-        low, high = _split(edges[:-1][wide], edges[1:][wide], FIRST_CELLS)
-        while low.size:
-            bounds, middle = self._ranges(low, high), 0.5 * (low + high)
-            values = [each[0] for each in self._ranges(middle, middle)]
-            if span is None:
-                span = np.tile([np.inf, -np.inf], (len(bounds), 1))
-            loud = np.zeros(low.size, dtype=bool)
-            for own, (least, most), value in zip(span, bounds, values, strict=True):
-                known = value[np.isfinite(value)]
-                own[0], own[1] = (
-                    min(own[0], known.min(initial=np.inf)),
-                    max(own[1], known.max(initial=-np.inf)),
-                )
-                outer = most - least > VARIES * max(own[1] - own[0], 0.0)  # of the whole at last
-                loud |= outer
-            loud &= high - low > shortest
-            if np.count_nonzero(loud) * SPLIT > MOST_CELLS:
-                # a part varies fast everywhere, and the steps are short for it where it counts
-                loud &= outer
-                loud[:] &= np.count_nonzero(loud) * SPLIT <= MOST_CELLS
-            done.append(np.column_stack([low[~loud], high[~loud]]))
-            low, high = _split(low[loud], high[loud], SPLIT)
-        cells = np.concatenate(done)
-        cells = cells[np.argsort(cells[:, 0])]
-        return cells[:, 0], cells[:, 1]
+    shortest, done, span = SHORTEST * (edges[-1] - edges[0]), [], None
+    wide = np.diff(edges) > shortest  # not those of a jump
+    low, high = _split(edges[:-1][wide], edges[1:][wide], FIRST_CELLS)
+    while low.size:
+        bounds, middle = ranges(low, high), 0.5 * (low + high)
+        values = [each[0] for each in ranges(middle, middle)]
+        if span is None:
+            span = np.tile([np.inf, -np.inf], (len(bounds), 1))
+        loud = np.zeros(low.size, dtype=bool)
+        for own, (least, most), value in zip(span, bounds, values, strict=True):
+            known = value[np.isfinite(value)]
+            own[0] = min(own[0], known.min(initial=np.inf))
+            own[1] = max(own[1], known.max(initial=-np.inf))
+            outer = most - least > VARIES * max(own[1] - own[0], 0.0)  # of the whole at last
+            loud |= outer
+        loud &= high - low > shortest
+        if np.count_nonzero(loud) * SPLIT > MOST_CELLS:
+            # a part varies fast everywhere, and the steps are short for it where it counts
+            loud &= outer
+            loud[:] &= np.count_nonzero(loud) * SPLIT <= MOST_CELLS
+        done.append(np.column_stack([low[~loud], high[~loud]]))
+        low, high = _split(low[loud], high[loud], SPLIT)
+    cells = np.concatenate(done)
+    cells = cells[np.argsort(cells[:, 0])]
+    return cells[:, 0], cells[:, 1]

@@ -199,15 +199,14 @@ def _power(u: Array, v: Array, w: Array, x: Array) -> Range:
     n = float(w[0])
     if not (np.all(w == n) and np.all(x == n) and n.is_integer()):
         return _corners(np.power, [(u, v), (w, x)])  # nan of a negative number
-    if n % 2.0 == 0.0:
+    even = n % 2.0 == 0.0
+    if even:
         u, v = _size(u, v)
     a, b = u ** abs(n), v ** abs(n)
     if n >= 0.0:
         return a, b
     pole = (a <= 0.0) & (b >= 0.0)
-    top = np.where((a == 0.0) & (n % 2.0 == 0.0), np.inf, 1.0 / a)
-    even = n % 2.0 == 0.0
-    return np.where(pole, 1.0 / b if even else -np.inf, 1.0 / b), np.where(pole, np.inf, top)
+    return np.where(pole & (not even), -np.inf, 1.0 / b), np.where(pole, np.inf, 1.0 / a)
 
 
 def _logical(code: int, given: list[Range]) -> Range:
