@@ -260,7 +260,8 @@ def test_a_signal_at_any_time(tmp_path, command):
     case = tmp_path / "case.toml"
     more = SOLVER.format(t_end=20.0, step=0.01, more="max_step = 1e-3") + STORM
     case.write_text(HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + more)
-    for _ in storm(command, tmp_path, [case, *COMMANDS[command]], 6.0, tries(3, 25)):
+    longest = {"run": 3.0, "sweep": 6.0}[command]
+    for _ in storm(command, tmp_path, [case, *COMMANDS[command]], longest, tries(3, 25)):
         pass
 
 
