@@ -25,7 +25,7 @@ def changed(points: Any) -> Any:
     """Return points (..., 2 or 3), each coordinate up or down by what the whole point decides."""
     points = np.ascontiguousarray(points, dtype=float)
     with np.errstate(over="ignore"):
-        drawn = DRAW * np.uint64(MIXERS[0])
+        drawn: Any = DRAW * np.uint64(MIXERS[0])
         for column, mixer in zip(np.moveaxis(points + 0.0, -1, 0), MIXERS, strict=False):
             drawn = (drawn ^ np.ascontiguousarray(column).view(np.uint64)) * np.uint64(mixer)
             drawn = drawn ^ (drawn >> np.uint64(29))
@@ -40,7 +40,8 @@ def _changed(mesh: Any) -> Any:
     return replace(mesh, points=changed(mesh.points), **more)
 
 
-_section, _mixed, _shell = sections._read, sections._mixed_arrays, shells._read
+_sections, _shells = (module.__dict__ for module in (sections, shells))
+_section, _mixed, _shell = _sections["_read"], _sections["_mixed_arrays"], _shells["_read"]
 
 
 def _of_shell(*arguments: Any) -> Any:
@@ -53,6 +54,5 @@ def _of_mixed(path: Any) -> Any:
     return None if mesh is None else _changed(mesh)
 
 
-sections._read = lambda *arguments: _changed(_section(*arguments))
-sections._mixed_arrays = _of_mixed
-shells._read = _of_shell
+_sections |= {"_read": lambda *words: _changed(_section(*words)), "_mixed_arrays": _of_mixed}
+_shells["_read"] = _of_shell
