@@ -270,7 +270,7 @@ test-light: $(TESTS) | $(COMPILED) ## Tests without FEniCSx, on two cores
 # of what became of the tries into docs/security.md.
 ATTACK_OPTIONS ?=
 .PHONY: attack
-attack: $(TESTS) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (four minutes)
+attack: $(TESTS) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (seven minutes)
 	. ./$(FENICSX) && export FENICSX_PYTHON && $(PY) tools/attack.py $(ATTACK_OPTIONS)
 
 # Folders and files of the cache that cannot be read or written: no matter of Numba's version.
