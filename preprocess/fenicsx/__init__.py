@@ -22,7 +22,8 @@ _PUBLIC = {
     "gmsh_model": ("plain_from_model",),
     "gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "inertia": ("negative_pivots",),
-    "reference_cell": ("quadrature", "reference_nodes"),
+    "reference_cell": ("lagrange", "quadrature", "reference_nodes"),
+    "spaces": ("constant", "evaluated", "scalar_argument", "separate_cells"),
     "stack": ("HAS_MUMPS", "MPI", "gmsh"),
 }
 _MODULE = {name: module for module, names in _PUBLIC.items() for name in names}

@@ -19,8 +19,13 @@ from .plain import NamedNodes as NamedNodes
 from .plain import PlainMesh as PlainMesh
 from .plain import used_nodes as used_nodes
 from .plain import with_centre_nodes as with_centre_nodes
+from .reference_cell import lagrange as lagrange
 from .reference_cell import quadrature as quadrature
 from .reference_cell import reference_nodes as reference_nodes
+from .spaces import constant as constant
+from .spaces import evaluated as evaluated
+from .spaces import scalar_argument as scalar_argument
+from .spaces import separate_cells as separate_cells
 from .stack import HAS_MUMPS as HAS_MUMPS
 from .stack import MPI as MPI
 from .stack import MissingFenicsx as MissingFenicsx

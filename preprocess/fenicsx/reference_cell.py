@@ -1,4 +1,4 @@
-"""Quadrature and nodes of reference cells, by Basix alone."""
+"""Quadrature, nodes and functions of reference cells, by Basix alone."""
 
 from typing import Any
 
@@ -17,6 +17,15 @@ def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
 def reference_nodes(cell: str, degree: int) -> Array:
     """Positions of the nodes of Lagrange functions on the reference cell, (k, 2)."""
     return np.array(_lagrange(cell, degree).points)
+
+
+def lagrange(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
+    """Lagrange functions of the nodes `reference_nodes` at points (q, 2) of the reference cell.
+
+    Values (q, k) and derivatives (q, k, 2) of the k functions.
+    """
+    table = _lagrange(cell, degree).tabulate(1, points).reshape(3, len(points), -1)
+    return np.array(table[0]), np.moveaxis(table[1:], 0, -1).copy()
 
 
 def _lagrange(cell: str, degree: int) -> Any:

@@ -1,7 +1,8 @@
 """Cells of a section: triangles and quadrilaterals of 3 to 9 nodes, mixed in one mesh."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import EDGES, NODES, PlainMesh
-from .lagrange import basis
 
 IntArray = NDArray[np.int64]
 KINDS = ("triangle", "quadrilateral")  # kind 0 and 1
@@ -80,6 +80,14 @@ class CellMesh:
                 )
             shapes.append(places)
         return shapes
+
+    @cached_property
+    def domains(self) -> list[Any]:
+        """The DOLFINx mesh of the cells of each kind in `of_kinds`."""
+        return [
+            fenicsx.separate_cells(KINDS[kind], shape)
+            for (kind, _), shape in zip(self.of_kinds, self.shapes, strict=True)
+        ]
 
     @cached_property
     def edge_table(self) -> tuple[IntArray, IntArray, IntArray]:
@@ -165,8 +173,13 @@ def full_basis(kind: int, points: Array) -> tuple[Array, Array]:
 
     Values (q, 6 or 9) and slopes (q, 6 or 9, 2).
     """
-    cell = KINDS[kind]
-    values, slopes = basis(cell, 2, points)
-    places = np.rint(2.0 * fenicsx.reference_nodes(cell, 2)).astype(int).tolist()
-    order = [places.index(place) for place in NODES[cell].tolist()]
+    values, slopes = fenicsx.lagrange(KINDS[kind], 2, points)
+    order = order_of_nodes(kind)
     return values[:, order], slopes[:, order]
+
+
+@lru_cache
+def order_of_nodes(kind: int) -> list[int]:
+    """Row in `fenicsx.reference_nodes` of each of the 6 or 9 nodes."""
+    places = np.rint(2.0 * fenicsx.reference_nodes(KINDS[kind], 2)).astype(int).tolist()
+    return [places.index(place) for place in NODES[KINDS[kind]].tolist()]

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from .pattern import EVERY
-from .space import IN_SECTION, SectionSpace
+from .space import SectionSpace
 
 AT_A_TIME = 64  # cells per block, so that intermediate arrays stay in the cache
 
@@ -37,7 +37,8 @@ class SectionOperators:
             if self._products is None:
                 products = slope_products(self.space, self._cells)
                 self._products = pattern.summed(products, self._cells)
-            data = pattern.ordered(self._products @ _by_slopes(own[:, 0]).reshape(-1, 9))
+            by_slopes = self._by_slopes(own[:, 0])
+            data = pattern.ordered(self._products @ by_slopes.reshape(-1, 9))
         return pattern.matrix(self.team.total(data))
 
     def _blocks(self, C: Array) -> Array:
@@ -49,16 +50,15 @@ class SectionOperators:
         for first in range(0, c, AT_A_TIME):
             some = slice(first, first + AT_A_TIME)
             # stress in direction alpha at a point from the displacement of each node
-            stress = np.swapaxes(gradients[some], 2, 3)[:, :, None] @ _by_slopes(C[some])
+            stress = np.swapaxes(gradients[some], 2, 3)[:, :, None] @ self._by_slopes(C[some])
             blocks[some] = weighted[some] @ stress.reshape(-1, 2 * q, 9 * k)
         return blocks.reshape(c, k * k, 9)
 
-
-def _by_slopes(C: Array) -> Array:
-    """Stiffness of a and b for each pair of slopes alpha, beta, (..., 2, 2, 3 a + b)."""
-    shape = C.shape[:-2]
-    in_plane = C[..., IN_SECTION, :][..., IN_SECTION].reshape(*shape, 3, 2, 3, 2)
-    return np.moveaxis(in_plane, (-3, -1), (-4, -3)).reshape(*shape, 2, 2, 9)
+    def _by_slopes(self, C: Array) -> Array:
+        """S' C S: stiffness of a and b for pairs of slopes alpha, beta, (..., 2, 2, 3 a + b)."""
+        S = self.space.S_h.reshape(6, 2, 3)
+        both = np.einsum("rxa,syb->rsxyab", S, S).reshape(36, 36)
+        return np.asarray(C.reshape(*C.shape[:-2], 36) @ both).reshape(*C.shape[:-2], 2, 2, 9)
 
 
 def slope_products(space: SectionSpace, cells: slice) -> Array:

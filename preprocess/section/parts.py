@@ -1,14 +1,25 @@
 """Cells with the same functions: the parts from which a space is put together."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from ufl import as_vector
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
-from .cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
-from .lagrange import basis
+from .cells import (
+    CORNERS,
+    FULL,
+    KINDS,
+    CellMesh,
+    IntArray,
+    filling,
+    full_basis,
+    order_of_nodes,
+    patterns,
+)
 from .numbering import Numbering
 
 
@@ -18,6 +29,8 @@ class Part:
 
     kind: int
     rows: IntArray  # (c,) of the mesh
+    domain: Any  # DOLFINx mesh of all cells of the kind
+    own: IntArray  # (c,) of this mesh
     shape: Array  # (c, 6 or 9, 2) positions of the nodes of the map [m]
     nodes: IntArray  # (c, k) nodes of the functions
     degree: int | None  # of Lagrange functions, None: those of `filling`
@@ -28,13 +41,22 @@ class Part:
         """True if the functions are those of corners only."""
         return self.nodes.shape[1] == CORNERS[self.kind]
 
-    def functions(self, points: Array) -> tuple[Array, Array]:
-        """Values (q, k) and slopes (q, k, 2) at points of the reference cell."""
-        if self.degree is not None:
-            return basis(KINDS[self.kind], self.degree, points)
-        assert self.filling is not None
-        values, slopes = full_basis(self.kind, points)
-        return values @ self.filling, np.einsum("qig,ik->qkg", slopes, self.filling)
+    def functions(self, points: Array) -> Array:
+        """The functions u with u,2 and u,3 at points of the reference cell, (c, q, 3, k)."""
+        u = fenicsx.scalar_argument(self.domain, self.degree or 2)
+        found = self.evaluated(as_vector([u, u.dx(0), u.dx(1)]), points)
+        return found if self.filling is None else found[..., order_of_nodes(self.kind)] @ self.filling
+
+    def values(self, points: Array) -> Array:
+        """The functions at points of the reference cell, (q, k)."""
+        if self.filling is not None:
+            return np.asarray(full_basis(self.kind, points)[0] @ self.filling)
+        assert self.degree is not None
+        return fenicsx.lagrange(KINDS[self.kind], self.degree, points)[0]
+
+    def evaluated(self, expression: Any, points: Array) -> Array:
+        """A UFL expression on `domain` at points of the reference cell, (c, q, ...)."""
+        return fenicsx.evaluated(self.domain, expression, points, self.own)
 
     def places(self) -> Array:
         """Positions of the nodes of the functions, (c, k, 2) [m]."""
@@ -50,9 +72,9 @@ def lagrange_parts(mesh: CellMesh, degree: int) -> tuple[list[Part], int, sp.csr
     """Lagrange functions: the parts, the number of nodes, and `Numbering.expansion`."""
     numbering = Numbering(mesh, degree)
     parts = [
-        Part(kind, rows, shape, nodes, degree, None)
-        for (kind, rows), shape, nodes in zip(
-            mesh.of_kinds, mesh.shapes, numbering.of_cells, strict=True
+        Part(kind, rows, domain, np.arange(len(rows)), shape, nodes, degree, None)
+        for (kind, rows), domain, shape, nodes in zip(
+            mesh.of_kinds, mesh.domains, mesh.shapes, numbering.of_cells, strict=True
         )
     ]
     return parts, numbering.n_node, numbering.expansion()
@@ -64,11 +86,10 @@ def own_parts(mesh: CellMesh) -> tuple[list[Part], int]:
     absent = int(used[0] < 0)
     table = compact.reshape(mesh.nodes.shape) - absent
     parts = []
-    for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
+    for (kind, rows), domain, shape in zip(mesh.of_kinds, mesh.domains, mesh.shapes, strict=True):
         nodes = table[rows, : FULL[kind]]
-        for pattern, members in patterns(nodes):
+        for pattern, some in patterns(nodes):
+            own = nodes[some][:, pattern]
             fill = filling(kind, pattern)
-            parts.append(
-                Part(kind, rows[members], shape[members], nodes[members][:, pattern], None, fill)
-            )
+            parts.append(Part(kind, rows[some], domain, some, shape[some], own, None, fill))
     return parts, len(used) - absent

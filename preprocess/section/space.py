@@ -1,8 +1,7 @@
 """Warping of a section on its mesh: nodes, integration points, strain operators.
 
-A displacement w(x1, x2, x3) of the section's points has the three-dimensional
-strain G_h w + G_l w', with ' for d/dx1. G_h has the derivatives within the
-section, G_l those along the beam.
+DOLFINx evaluates the functions and their derivatives in the section; strains.py has the strains
+G_h w and G_l w of a displacement w of the section's points.
 """
 
 import copy
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from ufl import JacobianDeterminant, SpatialCoordinate, as_vector
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
@@ -18,14 +18,8 @@ from ..fenicsx import EDGES, NODES
 from .cells import CORNERS, KINDS, CellMesh, full_basis
 from .parts import lagrange_parts, own_parts
 from .pattern import Pattern
+from .strains import fixed, strain_along_beam, strain_in_section
 from .unknowns import Unknowns, hanging_unknowns
-
-# Row of the strain (11, 22, 33, 23, 13, 12) to which each derivative d w_a / d x_alpha contributes,
-# in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and the same for each w_a'.
-IN_SECTION = [5, 4, 1, 3, 3, 2]
-ALONG_BEAM = [0, 5, 4]
-BY_SLOPE = [5, 1, 3, 4, 3, 2]  # IN_SECTION in the order 3 alpha + a
-SLOPE = [0, 1, 5, 4, 3, 0]  # inverse map: row 11 has no entry, row 23 has two
 
 
 class SectionSpace:
@@ -51,6 +45,7 @@ class SectionSpace:
     weights : (c, q) their areas [m2]
     values : (q, k) or (c, q, k) functions at the points
     gradients : (c, q, 2, k) their derivatives in the section [1/m]
+    S_h, S_l : (6, 6) and (6, 3) strains G_h w of the slopes of w and G_l w of its values
     """
 
     def __init__(
@@ -67,44 +62,43 @@ class SectionSpace:
             parts, n_node = own_parts(mesh)
         else:
             parts, n_node, P = lagrange_parts(mesh, degree)
-        self._parts = parts
-        self._rules = [
-            fenicsx.quadrature(
-                KINDS[part.kind],
-                2
-                if degree is None and quadrature_degree is None and part.is_linear
-                else self.quadrature_degree,
+        self.rules = [  # the parts, with points and weights of integration on the reference cell
+            (
+                part,
+                fenicsx.quadrature(
+                    KINDS[part.kind],
+                    2
+                    if degree is None and quadrature_degree is None and part.is_linear
+                    else self.quadrature_degree,
+                ),
             )
             for part in parts
         ]
-        c, q = mesh.n_cell, max(len(weights) for _, weights in self._rules)
+        c, q = mesh.n_cell, max(len(weights) for _, (_, weights) in self.rules)
         k = max(part.nodes.shape[1] for part in parts)
         self.dofs = np.empty((c, k), dtype=np.int32)
         self.points, self.weights = np.empty((c, q, 2)), np.zeros((c, q))
         self.values: Array = np.zeros((q, k) if len(parts) == 1 else (c, q, k))
         self.gradients = np.zeros((c, q, 2, k))
         places = np.empty((n_node, 2))
-        for part, (reference, weights) in zip(parts, self._rules, strict=True):
+        for part, (reference, weights) in self.rules:
             rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
-            geometry, slopes = full_basis(part.kind, reference)
-            x = geometry @ part.shape
-            inverse, determinant = _inverse(
-                np.einsum("cka,qkg->cqag", part.shape, slopes, optimize=True)
+            domain = part.domain
+            x = part.evaluated(
+                as_vector([*SpatialCoordinate(domain), JacobianDeterminant(domain)]), reference
             )
-            self.points[rows, :p], self.points[rows, p:] = x, x[:, :1]
-            self.weights[rows, :p] = weights * np.abs(determinant)
+            self.points[rows, :p], self.points[rows, p:] = x[..., :2], x[:, :1, :2]
+            self.weights[rows, :p] = weights * np.abs(x[..., 2])
             self.dofs[rows, :n], self.dofs[rows, n:] = part.nodes, part.nodes[:, :1]
-            values, slopes = part.functions(reference)
+            functions = part.functions(reference)
             if len(parts) == 1:
-                self.values[:] = values
+                self.values[:] = functions[0, :, 0]
             else:
-                self.values[rows, :p, :n] = values
-            by_slope = np.moveaxis(slopes, -1, 0)[:, :, None]  # (2, q, 1, k)
-            gradients = inverse[:, :, 0, :, None] * by_slope[0]
-            gradients += inverse[:, :, 1, :, None] * by_slope[1]
-            self.gradients[rows, :p, :, :n] = gradients
+                self.values[rows, :p, :n] = functions[:, :, 0]
+            self.gradients[rows, :p, :, :n] = functions[:, :, 1:]
             places[part.nodes] = part.places()
         self.x2, self.x3 = places.T.copy()
+        self.S_h, self.S_l = fixed(strain_in_section)[:, 3:], fixed(strain_along_beam)[:, :3]
         self.unknowns: Unknowns | None = None
         self.over: Unknowns | None = None  # the last change of `expressed`
         self._finish()
@@ -183,7 +177,7 @@ class SectionSpace:
         out = np.zeros(self.weights.shape)
         out[:] = angles[:, :1]
         if angles.shape[1] > 1:
-            for part, (reference, _) in zip(self._parts, self._rules, strict=True):
+            for part, (reference, _) in self.rules:
                 values = full_basis(part.kind, reference)[0]
                 out[part.rows, : len(values)] = angles[part.rows, : values.shape[1]] @ values.T
         return out
@@ -195,44 +189,30 @@ class SectionSpace:
 
     def strain_in_section(self, W: Array) -> Array:
         """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
-        c, q = self.weights.shape
-        slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
-        slope = slope.reshape(c, q, 6, -1)  # rows 3 alpha + a
-        strain = np.take(slope, SLOPE, axis=2)
-        strain[:, :, 0] = 0.0
-        strain[:, :, 3] += slope[:, :, 2]  # d w3 / d x2
-        return strain
+        return _product(self.S_h, self.slopes(W))
 
     def strain_along_beam(self, W: Array) -> Array:
         """G_l W at the points, (c, q, 6, m): the strain due to a change W per x1."""
-        strain = np.zeros((*self.weights.shape, 6, W.shape[1]))
-        strain[:, :, ALONG_BEAM] = self.at_points(W)
-        return strain
+        return _product(self.S_l, self.at_points(W))
 
     def slopes(self, W: Array) -> Array:
-        """Derivatives d w_a / d x_alpha at the points, (c, q, 2, 3, m) as [..., alpha, a, m]."""
+        """Derivatives d w_a / d x_alpha at the points, (c, q, 6, m), rows 3 alpha + a."""
         c, q = self.weights.shape
         slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
-        return slope.reshape(c, q, 2, 3, -1)
+        return slope.reshape(c, q, 6, -1)
 
     def load_of_slopes(self, partner: Array) -> Array:
-        """Integral of partner d w_a / d x_alpha for each unknown of w, (n_dof, m).
-
-        `partner` (c, q, 2, 3, m) as [..., alpha, a, m].
-        """
+        """Integral of partner . slopes of w for each unknown of w, (n_dof, m), partner as slopes."""
         c, q, m = *self.weights.shape, partner.shape[-1]
         return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
 
     def load_in_section(self, stress: Array) -> Array:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        c, q, _, m = stress.shape
-        # rows (q, alpha), columns (a, m): the stress that works on d w_a / d x_alpha
-        partner = np.take(stress, BY_SLOPE, axis=2).reshape(c, 2 * q, 3 * m)
-        return self._sum(self.weighted_gradients @ partner)
+        return self.load_of_slopes(_product(self.S_h.T, stress))
 
     def load_along_beam(self, stress: Array) -> Array:
         """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load(np.take(stress, ALONG_BEAM, axis=2))
+        return self.load(_product(self.S_l.T, stress))
 
     def load(self, traction: Array) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
@@ -269,23 +249,19 @@ class SectionSpace:
         for kind, rows in self.mesh.of_kinds:
             reference = NODES[KINDS[kind]] / 2.0
             values = np.empty((self.n_cell, len(reference), 3 * m))
-            for part in self._parts:
+            for part, _ in self.rules:
                 if part.kind == kind:
-                    values[part.rows] = part.functions(reference)[0] @ nodal[part.nodes]
+                    values[part.rows] = part.values(reference) @ nodal[part.nodes]
             out.append(values[rows].reshape(len(rows), len(reference), 3, m))
         return out
 
 
-def _inverse(jacobian: Array) -> tuple[Array, Array]:
-    """d xi_g / d x_a as [..., g, a] and the determinant, of d x_a / d xi_g as [..., a, g]."""
-    determinant = (
-        jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
-    )
-    inverse = np.empty_like(jacobian)
-    inverse[..., 0, 0], inverse[..., 1, 1] = jacobian[..., 1, 1], jacobian[..., 0, 0]
-    inverse[..., 0, 1], inverse[..., 1, 0] = -jacobian[..., 0, 1], -jacobian[..., 1, 0]
-    inverse /= determinant[..., None, None]
-    return inverse, determinant
+def _product(S: Array, fields: Array) -> Array:
+    """S fields at the points, (c, q, rows, m); S (rows, columns) has few entries that are not 0."""
+    out = np.zeros((*fields.shape[:2], len(S), fields.shape[3]))
+    for row, column in np.argwhere(S):
+        out[:, :, row] += S[row, column] * fields[:, :, column]
+    return out
 
 
 def is_curved(mesh: CellMesh) -> bool:

@@ -15,7 +15,6 @@ from plymotion.preprocess.section.cells import turned
 from plymotion.preprocess.section.errors import SectionError
 from plymotion.preprocess.section.estimate import scaled
 from plymotion.preprocess.section.guards import bulk_over_shear
-from plymotion.preprocess.section.lagrange import basis
 from plymotion.preprocess.section.mesh import section_mesh
 from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.space import SectionSpace
@@ -337,32 +336,3 @@ def test_estimate_contains_the_distance_from_circles() -> None:
         estimate = np.diag(scaled(np.asarray(found.error_estimate), found.K))
         assert (error <= 1.01 * estimate).all()
         assert (estimate < 4.0 * error.max()).all()
-
-
-@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
-def test_tables_are_right_to_the_last_digit(cell: str) -> None:
-    """Functions of degree 2 by their closed forms; errors of a table are the same in all cells."""
-    points = fenicsx.quadrature(cell, 4)[0]
-    values, slopes = basis(cell, 2, points)
-    eps = np.finfo(float).eps
-    assert np.abs(slopes.sum(axis=1)).max() < 4.0 * eps
-    for k, (a, b) in enumerate(fenicsx.reference_nodes(cell, 2)):
-        x, y = points[:, 0], points[:, 1]
-        if cell == "quadrilateral":
-            one = np.prod([(x - n) / (a - n) for n in (0, 0.5, 1) if n != a], 0)
-            two = np.prod([(y - n) / (b - n) for n in (0, 0.5, 1) if n != b], 0)
-            across = {0.0: 4 * x - 3, 0.5: 4 - 8 * x, 1.0: 4 * x - 1}[a]
-            value, slope = one * two, across * two
-        else:
-            at = {"z": 1 - x - y, "x": x, "y": y}
-            d = {"z": -1.0, "x": 1.0, "y": 0.0}
-            near = [n for n, w in zip("zxy", (1 - a - b, a, b), strict=True) if w > 0.25]
-            if len(near) == 1:
-                L = at[near[0]]
-                value, slope = L * (2 * L - 1), d[near[0]] * (4 * L - 1)
-            else:
-                p, q = near
-                value = 4 * at[p] * at[q]
-                slope = 4 * (d[p] * at[q] + at[p] * d[q])
-        assert np.abs(values[:, k] - value).max() < 4.0 * eps
-        assert np.abs(slopes[:, k, 0] - slope).max() < 4.0 * eps
