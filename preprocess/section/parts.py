@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ufl import as_vector
+from ufl import JacobianDeterminant, SpatialCoordinate, as_vector
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
@@ -45,7 +45,14 @@ class Part:
         """The functions u with u,2 and u,3 at points of the reference cell, (c, q, 3, k)."""
         u = fenicsx.scalar_argument(self.domain, self.degree or 2)
         found = self.evaluated(as_vector([u, u.dx(0), u.dx(1)]), points)
-        return found if self.filling is None else found[..., order_of_nodes(self.kind)] @ self.filling
+        if self.filling is None:
+            return found
+        return np.asarray(found[..., order_of_nodes(self.kind)] @ self.filling)
+
+    def map(self, points: Array) -> Array:
+        """Positions x2, x3 and determinant of the map at points of the cell, (c, q, 3)."""
+        x = SpatialCoordinate(self.domain)
+        return self.evaluated(as_vector([x[0], x[1], JacobianDeterminant(self.domain)]), points)
 
     def values(self, points: Array) -> Array:
         """The functions at points of the reference cell, (q, k)."""

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ufl import JacobianDeterminant, SpatialCoordinate, as_vector
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
@@ -83,10 +82,7 @@ class SectionSpace:
         places = np.empty((n_node, 2))
         for part, (reference, weights) in self.rules:
             rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
-            domain = part.domain
-            x = part.evaluated(
-                as_vector([*SpatialCoordinate(domain), JacobianDeterminant(domain)]), reference
-            )
+            x = part.map(reference)
             self.points[rows, :p], self.points[rows, p:] = x[..., :2], x[:, :1, :2]
             self.weights[rows, :p] = weights * np.abs(x[..., 2])
             self.dofs[rows, :n], self.dofs[rows, n:] = part.nodes, part.nodes[:, :1]
@@ -202,7 +198,7 @@ class SectionSpace:
         return slope.reshape(c, q, 6, -1)
 
     def load_of_slopes(self, partner: Array) -> Array:
-        """Integral of partner . slopes of w for each unknown of w, (n_dof, m), partner as slopes."""
+        """Integral of partner . slopes of w for each unknown of w, (n_dof, m)."""
         c, q, m = *self.weights.shape, partner.shape[-1]
         return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
 
@@ -257,10 +253,16 @@ class SectionSpace:
 
 
 def _product(S: Array, fields: Array) -> Array:
-    """S fields at the points, (c, q, rows, m); S (rows, columns) has few entries that are not 0."""
-    out = np.zeros((*fields.shape[:2], len(S), fields.shape[3]))
-    for row, column in np.argwhere(S):
-        out[:, :, row] += S[row, column] * fields[:, :, column]
+    """S fields at the points, (c, q, rows, m), for S (rows, columns) with few entries."""
+    first = np.abs(S).argmax(axis=1)  # the largest entry of each row; most rows have no other one
+    out = np.take(fields, first, axis=2)
+    left = S.copy()
+    for row, column in enumerate(first):
+        if S[row, column] != 1.0:
+            out[:, :, row] *= S[row, column]
+        left[row, column] = 0.0
+    for row, column in np.argwhere(left):
+        out[:, :, row] += left[row, column] * fields[:, :, column]
     return out
 
 

@@ -4,7 +4,7 @@ Of a displacement w of the section and a beam strain e they are G_k w + G_l (w' 
 strains.py. DOLFINx evaluates G_k at the points, as the 6x9 matrix S of (w, w,2, w,3).
 """
 
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -40,7 +40,7 @@ class TwistedStrains:
         out = np.zeros((*self.g.shape, 6, 9))
         for part, (reference, _) in self.space.rules:
             k, x = fenicsx.constant(part.domain, self.k), SpatialCoordinate(part.domain)
-            S = coefficients(lambda w, d, k=k, x=x: twisted_strain_in_section(w, d, k, x))
+            S = coefficients(partial(twisted_strain_in_section, k=k, x=x))
             out[part.rows, : len(reference)] = part.evaluated(S, reference)
         return out
 

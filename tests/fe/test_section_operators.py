@@ -1,4 +1,4 @@
-"""E, H, L of the section against the same integrals written in UFL and assembled by DOLFINx."""
+"""E, H, L of the section against the same integrals by NumPy alone (tests/section_judge.py)."""
 
 from pathlib import Path
 from typing import Any
@@ -6,23 +6,19 @@ from typing import Any
 import numpy as np
 import pytest
 import ufl
-from dolfinx_forms import assembled
-from scipy.spatial import cKDTree
+from section_judge import matrices
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
-from plymotion.preprocess.fenicsx.spaces import (
-    cell_function,
-    dof_coordinates,
-    labelled_mesh,
-    original_cells,
-    vector_space,
-)
-from plymotion.preprocess.materials import Orthotropic, ply_rotation, rotated
+from plymotion.preprocess.fenicsx.stack import dolfinx
+from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
 from plymotion.preprocess.section.cells import cells_of_plain
+from plymotion.preprocess.section.mesh import SectionMesh
 from plymotion.preprocess.section.operators import SectionOperators
 from plymotion.preprocess.section.pattern import Pattern
+from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.space import SectionSpace, is_curved
+from plymotion.preprocess.section.twist import TwistedStrains
 
 MESHES = Path(__file__).resolve().parents[2] / "meshes"
 PLY = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
@@ -58,52 +54,70 @@ CASES = {
 }
 
 
-def assembled_by_dolfinx(plain: PlainMesh, space: SectionSpace, C: Any) -> list[Any]:
-    """E, H, L with an independent implementation of the strain operators, in our numbering."""
-    mesh = labelled_mesh(plain).mesh
-    V = vector_space(mesh, space.degree, 3)
-    stiffness = cell_function(mesh, C[original_cells(mesh)])
-
-    def in_section(w: Any) -> Any:
-        dw = ufl.grad(w)
-        return ufl.as_vector([0.0, dw[1, 0], dw[2, 1], dw[1, 1] + dw[2, 0], dw[0, 1], dw[0, 0]])
-
-    def along_beam(w: Any) -> Any:
-        return ufl.as_vector([w[0], 0.0, 0.0, 0.0, w[2], w[1]])
-
-    dx = ufl.dx(domain=mesh, metadata={"quadrature_degree": space.quadrature_degree})
-    v, u = ufl.TestFunction(V), ufl.TrialFunction(V)
-    pairs = [(in_section, in_section), (in_section, along_beam), (along_beam, along_beam)]
-    matrices = assembled([ufl.inner(left(v), stiffness * right(u)) * dx for left, right in pairs])
-    theirs = dof_coordinates(V)[:, :2]
-    far, node = cKDTree(theirs).query(np.stack([space.x2, space.x3], axis=1))
-    assert far.max() < 1e-12
-    order = (3 * node[:, None] + np.arange(3)).ravel()
-    return [matrix[order][:, order] for matrix in matrices]
+def agree(space: SectionSpace, operators: Any, C: Any, E: Any, H: Any, L: Any) -> None:
+    """E is assembled; H and L never are: their products with random columns."""
+    assert abs(operators.E(C[:, None]) - E).max() < 1e-12 * abs(E).max()
+    X = np.random.default_rng(3).standard_normal((space.n_dof, 3))
+    strains_of = space if isinstance(operators, SectionOperators) else operators
+    stress_h = C[:, None] @ strains_of.strain_in_section(X)
+    stress_l = C[:, None] @ strains_of.strain_along_beam(X)
+    for product, theirs in (
+        (strains_of.load_in_section(stress_l), H @ X),
+        (strains_of.load_along_beam(stress_h), H.T @ X),
+        (strains_of.load_along_beam(stress_l), L @ X),
+        (strains_of.load_in_section(stress_h), E @ X),
+    ):
+        assert np.abs(product - theirs).max() < 1e-12 * np.abs(theirs).max()
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_matrices_are_those_of_dolfinx(name: str) -> None:
+def test_matrices_are_those_of_the_judge(name: str) -> None:
     make, degree = CASES[name]
-    plain = make()
-    space = SectionSpace(cells_of_plain(plain), degree)
+    space = SectionSpace(cells_of_plain(make()), degree)
     # another material in every cell, so that symmetry does not hide errors
     factor = 1.0 + np.random.default_rng(1).random(space.n_cell)
     C = factor[:, None, None] * C_30
-    E, H, L = assembled_by_dolfinx(plain, space, C)
-    ours = SectionOperators(space).E(C[:, None])
-    assert abs(ours - E).max() < 1e-12 * abs(E).max()
-    # H and L are never assembled: their products with random columns
-    X = np.random.default_rng(3).standard_normal((space.n_dof, 3))
-    stress_h = C[:, None] @ space.strain_in_section(X)
-    stress_l = C[:, None] @ space.strain_along_beam(X)
-    for product, theirs in (
-        (space.load_in_section(stress_l), H @ X),
-        (space.load_along_beam(stress_h), H.T @ X),
-        (space.load_along_beam(stress_l), L @ X),
-        (space.load_in_section(stress_h), E @ X),
-    ):
-        assert np.abs(product - theirs).max() < 1e-12 * np.abs(theirs).max()
+    agree(space, SectionOperators(space), C, *matrices(space, C))
+
+
+def test_twisted_strains_are_those_of_the_judge() -> None:
+    space = SectionSpace(cells_of_plain(triangles(2)))
+    C = (1.0 + np.random.default_rng(1).random(space.n_cell))[:, None, None] * C_30
+    k = np.array([0.5, 0.3, -0.4])
+    agree(space, TwistedStrains(space, k), C, *matrices(space, C, k))
+
+
+def torsion_of_a_square() -> float:
+    """GJ of a square of side 1 and shear modulus 1, on a new space: exactly 0.140577."""
+    halves = {"columns": [0.5, 1.0], "rows": [0.5, 1.0]}
+    sizes = {"width": 1.0, "height": 1.0, **halves}
+    cells = cells_of_plain(fenicsx.run_script(MESHES / "rectangle.geo", sizes))
+    problem = SectionProblem(SectionMesh(cells, {}), 4)
+    C = isotropic(2.0, 0.0, 1.0).stiffness_M
+    return float(problem.solve(np.broadcast_to(C, (cells.n_cell, 1, 6, 6))).K[3, 3])
+
+
+def test_stiffness_comes_from_the_text_of_the_strains(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert torsion_of_a_square() == pytest.approx(0.140577, rel=2e-3)
+
+    def half(w: Any, _d: Any = None) -> Any:
+        return ufl.as_vector([w[0], 0, 0, 0, w[2], w[1] / 2])
+
+    monkeypatch.setattr("plymotion.preprocess.section.space.strain_along_beam", half)
+    assert torsion_of_a_square() < 0.95 * 0.140577
+
+
+def test_stiffness_comes_from_what_dolfinx_compiles(monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled = dolfinx.fem.Expression
+
+    def damaged(expression: Any, *others: Any, **options: Any) -> Any:
+        """The slope u,3 half as large, everything else as it is."""
+        if ufl.algorithms.extract_arguments(expression):
+            expression = ufl.as_vector([expression[0], expression[1], expression[2] / 2])
+        return compiled(expression, *others, **options)
+
+    monkeypatch.setattr(dolfinx.fem, "Expression", damaged)
+    assert torsion_of_a_square() < 0.95 * 0.140577
 
 
 def test_point_by_point_and_cell_by_cell_agree() -> None:

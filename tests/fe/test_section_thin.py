@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess import fenicsx
 from plymotion.preprocess.laminate.stack import Lamina, Laminate
 from plymotion.preprocess.laminate.stiffness import laminate_stiffness
 from plymotion.preprocess.materials import isotropic, material_from_dict

@@ -45,7 +45,7 @@ def loaded(command: str, spec: Path) -> set[str]:
 @pytest.mark.parametrize(
     ("command", "table", "used", "unused"),
     [
-        ("section", SECTION, {"gmsh", "basix"}, DOLFINX | {"slepc4py.SLEPc", "scipy.spatial"}),
+        ("section", SECTION, {"gmsh", "dolfinx", "ufl"}, {"slepc4py.SLEPc", "scipy.spatial"}),
         ("shell", SHELL, {"gmsh"}, DOLFINX | {"slepc4py.SLEPc", "basix"}),
     ],
     ids=["section", "shell"],
