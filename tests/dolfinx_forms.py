@@ -7,7 +7,6 @@ from typing import Any
 import scipy.sparse as sp
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.gmsh_model import plain_from_model
 from plymotion.preprocess.fenicsx.spaces import LabelledMesh, labelled_mesh, quiet
 from plymotion.preprocess.fenicsx.stack import dolfinx
 
@@ -15,11 +14,6 @@ from plymotion.preprocess.fenicsx.stack import dolfinx
 def mesh_from_geo(path: Path, parameters: dict[str, Any]) -> LabelledMesh:
     """Mesh a gmsh script with values for its parameters."""
     return labelled_mesh(fenicsx.run_script(path, parameters, gdim=2))
-
-
-def mesh_from_model() -> LabelledMesh:
-    """Convert the current plane gmsh model; every surface needs one physical group."""
-    return labelled_mesh(plain_from_model("gmsh model", 2))
 
 
 def compile_forms(forms: Sequence[Any]) -> list[Any]:

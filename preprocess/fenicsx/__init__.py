@@ -1,8 +1,8 @@
 """The only package that imports PETSc, SLEPc, Basix, gmsh and MPI.
 
 gmsh makes the meshes, Basix gives points of integration and nodes of reference cells, PETSc
-factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. No analysis
-loads DOLFINx or UFL: tests assemble second formulations with them (tests/dolfinx_forms.py).
+factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. DOLFINx compiles
+and evaluates what sections state in UFL (spaces.py).
 
 If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it. Each name below loads its part of the stack

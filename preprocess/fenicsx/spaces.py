@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 import ufl
+from cffi import VerificationError
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
 from .plain import NODES, PlainMesh
-from .stack import MPI, dolfinx
+from .stack import MPI, dolfinx, refused
 
 
 def _first(*names: str) -> Any:
@@ -41,11 +42,13 @@ MOST_COORDINATES = 1000
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Remove the compiler calls of form compilation from the log."""
+    """Compile without the calls of the compiler in the log; raises MissingFenicsx without one."""
     previous = logging.root.manager.disable
     logging.disable(max(previous, logging.INFO))
     try:
         yield
+    except VerificationError as error:
+        raise refused(f"DOLFINx needs a C compiler and Python's headers: {error}") from error
     finally:
         logging.disable(previous)
 

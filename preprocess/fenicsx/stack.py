@@ -7,7 +7,7 @@ importing this module raises `MissingFenicsx` (an ImportError), which states wha
 is missing and how to install it. So does a part that is there but does not load.
 
 Most analyses need a few of the parts only: loading all of them takes 0.6 s of processor time,
-DOLFINx with UFL half of it. No analysis needs these two; tests take DOLFINx from here.
+DOLFINx with UFL half of it.
 """
 
 import sys
@@ -33,13 +33,14 @@ class MissingFenicsx(ImportError):
     """A part of the FEniCSx stack is missing or cannot be used."""
 
 
-def _refused(reason: object) -> MissingFenicsx:
+def refused(reason: object) -> MissingFenicsx:
+    """The error that states why FEniCSx cannot be used, and the remedy."""
     return MissingFenicsx(f"{sys.executable} cannot use FEniCSx: {reason}. {HELP}")
 
 
 for _name in MODULES:
     if find_spec(_name) is None:
-        raise _refused(f"No module named {_name!r}")
+        raise refused(f"No module named {_name!r}")
 
 
 def _mpi() -> Any:
@@ -105,7 +106,7 @@ def _part(name: str) -> Any:
     except MissingFenicsx:
         raise
     except ImportError as error:
-        raise _refused(error) from error
+        raise refused(error) from error
     globals()[name] = found
     return found
 

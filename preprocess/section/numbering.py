@@ -20,7 +20,7 @@ class Numbering:
     Attributes
     ----------
     n_node : number of nodes
-    of_cells : for each kind in mesh.of_kinds, (c, k) nodes in the order of lagrange.py
+    of_cells : for each kind in mesh.of_kinds, (c, k) nodes in the order of Basix
     """
 
     def __init__(self, mesh: CellMesh, degree: int) -> None:

@@ -2,8 +2,8 @@
 
 With the stiffness C of each point, the paper's matrices are C_hh = E = <G_h, C G_h>,
 C_hl = H = <G_h, C G_l> and C_ll = L = <G_l, C G_l>. Only E has to be factorised, so only E is
-assembled. H and L are used as loads of stresses: H X = <G_h, C G_l X>. docs/adr/0007 explains why
-no form compiler is used here.
+assembled. H and L are used as loads of stresses: H X = <G_h, C G_l X>. docs/adr/0057 explains why
+E is not a compiled form.
 """
 
 import numpy as np

@@ -1,9 +1,13 @@
 """DOLFINx compiles into our own folder, and goes on after a process that was killed there."""
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+from section_specs import rectangle_spec
+from shell_specs import METAL
 
 FORM = """
 from plymotion.preprocess.fenicsx import stack
@@ -39,3 +43,22 @@ def test_a_killed_compilation_is_done_again(tmp_path: Path) -> None:
     again = _compiled(tmp_path)
     assert again.returncode == 0, again.stdout
     assert sorted(folder.glob("*.c.cached")) == sorted(marks)
+
+
+def test_a_compiler_that_fails_is_told(tmp_path: Path) -> None:
+    spec = tmp_path / "bar.json"
+    spec.write_text(json.dumps(rectangle_spec(2.0, 1.0, METAL)))
+    cache = tmp_path / "cache"
+    cache.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-m", "plymotion.preprocess", "section", str(spec)],
+        env={**os.environ, "PLYMOTION_CACHE": str(cache), "CC": str(tmp_path / "no-cc")},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 2
+    assert "DOLFINx needs a C compiler and Python's headers" in done.stderr
+    assert "no-cc" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not spec.with_suffix(".vtkhdf").exists()

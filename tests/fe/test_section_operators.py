@@ -72,6 +72,7 @@ def agree(space: SectionSpace, operators: Any, C: Any, E: Any, H: Any, L: Any) -
 
 @pytest.mark.parametrize("name", CASES)
 def test_matrices_are_those_of_the_judge(name: str) -> None:
+    """Paper: Eq. (37), Eq. (38)."""
     make, degree = CASES[name]
     space = SectionSpace(cells_of_plain(make()), degree)
     # another material in every cell, so that symmetry does not hide errors
