@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+from section_cases import section
 from section_specs import rectangle_spec
 from shell_specs import METAL
 
@@ -43,6 +45,23 @@ def test_a_killed_compilation_is_done_again(tmp_path: Path) -> None:
     again = _compiled(tmp_path)
     assert again.returncode == 0, again.stdout
     assert sorted(folder.glob("*.c.cached")) == sorted(marks)
+
+
+@pytest.mark.one_end
+def test_sections_of_the_library_find_what_make_compiled(tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    cache.mkdir()
+    environment = {**os.environ, "PLYMOTION_CACHE": str(cache)}
+    ahead = [sys.executable, "-m", "plymotion.preprocess.section.ahead"]
+    subprocess.run(ahead, env=environment, check=True, timeout=120)
+    compiled = sorted(cache.rglob("*.so"))
+    assert compiled
+    specs = [tmp_path / f"{name}.json" for name in ("box", "tube")]
+    for path, number in zip(specs, ("21", "06"), strict=True):
+        path.write_text(json.dumps(section(number)))
+    command = [sys.executable, "-m", "plymotion.preprocess", "section", *map(str, specs)]
+    subprocess.run(command, env=environment, check=True, timeout=120)
+    assert sorted(cache.rglob("*.so")) == compiled
 
 
 def test_a_compiler_that_fails_is_told(tmp_path: Path) -> None:
