@@ -15,16 +15,17 @@ def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
 
 
 def reference_nodes(cell: str, degree: int) -> Array:
-    """Positions of the nodes of Lagrange functions on the reference cell, (k, 2)."""
+    """Positions of the nodes of Lagrange functions on the reference cell, (k, dim)."""
     return np.array(_lagrange(cell, degree).points)
 
 
 def lagrange(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
-    """Lagrange functions of the nodes `reference_nodes` at points (q, 2) of the reference cell.
+    """Lagrange functions of the nodes `reference_nodes` at points (q, dim) of the reference cell.
 
-    Values (q, k) and derivatives (q, k, 2) of the k functions.
+    Values (q, k) and derivatives (q, k, dim) of the k functions.
     """
-    table = _lagrange(cell, degree).tabulate(1, points).reshape(3, len(points), -1)
+    table = _lagrange(cell, degree).tabulate(1, points)
+    table = table.reshape(len(table), len(points), -1)  # some versions have a fourth axis
     return np.array(table[0]), np.moveaxis(table[1:], 0, -1).copy()
 
 

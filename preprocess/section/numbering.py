@@ -76,7 +76,7 @@ class Numbering:
             return None
         p = self.degree
         inner = _inner(p)
-        positions = np.concatenate([[0.0], inner, [1.0]])
+        along = np.argsort(fenicsx.reference_nodes("interval", p)[:, 0])  # Basix: ends first
         matrix = sp.identity(self.n_node, format="lil")
         for a, b, m in self._hanging:
             lo, hi = min(a, b), max(a, b)
@@ -88,7 +88,7 @@ class Numbering:
                 local = at + (0.5 - at) * inner if end < m else 0.5 + (at - 0.5) * inner
                 rows += nodes
                 places += list(local)
-            weights = _lagrange(positions, np.array(places))
+            weights = fenicsx.lagrange("interval", p, np.array(places)[:, None])[0][:, along]
             for row, values in zip(rows, weights, strict=True):
                 matrix.rows[row], matrix.data[row] = [], []
                 for column, value in sorted(zip(masters, values, strict=True)):
@@ -127,20 +127,8 @@ def _where(kind: int, place: Array) -> tuple[int, int, float]:
 
 def _inner(degree: int) -> Array:
     """Positions of the nodes inside an edge of length 1, ascending."""
-    places = fenicsx.reference_nodes("quadrilateral", degree)
-    on_edge = places[np.abs(places[:, 1]) < NEAR, 0]
-    return np.asarray(np.sort(on_edge)[1:-1])
+    return np.asarray(np.sort(fenicsx.reference_nodes("interval", degree)[:, 0])[1:-1])
 
 
 def _row(t: float, degree: int) -> int:
     return int(np.argmin(np.abs(_inner(degree) - t)))
-
-
-def _lagrange(nodes: Array, at: Array) -> Array:
-    """Lagrange polynomials of some nodes at positions, (positions, nodes)."""
-    out = np.ones((len(at), len(nodes)))
-    for i, node in enumerate(nodes):
-        for j, other in enumerate(nodes):
-            if i != j:
-                out[:, i] *= (at - other) / (node - other)
-    return out
