@@ -7,9 +7,12 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from plymotion.preprocess.shell.choice import Choice
+from plymotion.preprocess.shell.pairs import kernel_of, mass_kernel, stiffness_kernel
+from plymotion.preprocess.shell.plates import shear_ratio
 from plymotion.preprocess.shell.quadrilaterals import Quadrilaterals, quadrilaterals
 from plymotion.preprocess.shell.side_widths import width_ratios
-from plymotion.preprocess.shell.stiffness import element_stiffness
+from plymotion.preprocess.shell.single_cells import cell_matrices
+from plymotion.preprocess.shell.table import cell_table, write
 from plymotion.preprocess.shell.triangles import Triangles, triangles
 from plymotion.solver.package.shell import elements
 
@@ -44,6 +47,37 @@ def coupled(thickness: float) -> Plain:
         (lower + upper) * h**3 / 3,
         (X @ X.T + np.eye(2)) * thickness,
     )
+
+
+def element_stiffness(t: Triangles | Quadrilaterals, laminate: Plain, choice: Choice) -> np.ndarray:
+    """Stiffness of single cells in G, (c, 18, 18) or (c, 24, 24)."""
+    kernel = stiffness_kernel(t.xy_E.shape[1], choice)
+    return cell_matrices(t, kernel, cell_table(t, laminate, choice))
+
+
+def part_stiffness(
+    t: Triangles, laminate: Plain, kind: str, name: str, beta0: float | str = 0.5
+) -> np.ndarray:
+    """Stiffness of a membrane or plate alone in E, (c, 18, 18)."""
+    table = cell_table(t, laminate, Choice(beta0=beta0))
+    K = cell_matrices(t, kernel_of(3, (kind, name)), table)
+    blocks = K.reshape(-1, 6, 3, 6, 3)
+    return np.einsum("cki,cakbl,clj->caibj", t.A_GE, blocks, t.A_GE).reshape(-1, 18, 18)
+
+
+def element_mass(
+    t: Triangles | Quadrilaterals, mass: np.ndarray, form: str = "consistent"
+) -> np.ndarray:
+    """Mass of single cells in G, (c, 18, 18) or (c, 24, 24)."""
+    kernel = mass_kernel(t.xy_E.shape[1], form)
+    table = cell_table(t, isotropic(1.0), Choice())
+    write(table, mass=mass)
+    return cell_matrices(t, kernel, table)
+
+
+def ratios(t: Triangles, laminate: Plain) -> np.ndarray:
+    """`shear_ratio` of the sides, (c, 3)."""
+    return shear_ratio(laminate.D, laminate.Ds, np.moveaxis(t.tangent, 2, 0), t.length)
 
 
 def turn(seed: int) -> np.ndarray:
@@ -151,8 +185,9 @@ def quad_patch_error(
     A_GE: np.ndarray = SOMEHOW,
     cut: int = 0,
     backwards: bool = False,
+    beside: Choice | None = None,
 ) -> float:
-    """`patch_error` of quadrilaterals, the last `cut` of them cut into triangles."""
+    """`patch_error` of quadrilaterals, the last `cut` of them cut into triangles (`beside`)."""
     xy, cells = quad_patch()
     points = in_space(xy, A_GE)
     whole, parts = cells[: len(cells) - cut], cells[len(cells) - cut :]
@@ -165,7 +200,7 @@ def quad_patch_error(
     K = assembled(element_stiffness(q, laminate, choice), whole, len(xy))
     if cut:
         t = triangles(points, halves, A_GE[:, 0])
-        K = K + assembled(element_stiffness(t, laminate, choice), halves, len(xy))
+        K = K + assembled(element_stiffness(t, laminate, beside or choice), halves, len(xy))
     return _patch_error(K, xy, e, k, A_GE)
 
 

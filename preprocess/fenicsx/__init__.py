@@ -2,7 +2,7 @@
 
 gmsh makes the meshes, Basix gives points of integration and nodes of reference cells, PETSc
 factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. DOLFINx compiles
-and evaluates what sections state in UFL (spaces.py).
+what sections and shells state in UFL, evaluates it (spaces.py) and assembles it (surface.py).
 
 If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it. Each name below loads its part of the stack
@@ -22,9 +22,11 @@ _PUBLIC = {
     "gmsh_model": ("plain_from_model",),
     "gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "inertia": ("negative_pivots",),
+    "kernels": ("Kernel", "Rows", "Symbols", "compiled", "kernel", "matrices", "rows", "symbols"),
     "reference_cell": ("lagrange", "quadrature", "reference_nodes"),
     "spaces": ("constant", "evaluated", "scalar_argument", "separate_cells"),
     "stack": ("HAS_MUMPS", "MPI", "gmsh"),
+    "surface": ("Pattern", "Surface"),
 }
 _MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
 

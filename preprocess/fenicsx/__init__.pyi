@@ -13,6 +13,14 @@ from .gmsh_script import gmsh_session as gmsh_session
 from .gmsh_script import open_mesh as open_mesh
 from .gmsh_script import run_script as run_script
 from .inertia import negative_pivots as negative_pivots
+from .kernels import Kernel as Kernel
+from .kernels import Rows as Rows
+from .kernels import Symbols as Symbols
+from .kernels import compiled as compiled
+from .kernels import kernel as kernel
+from .kernels import matrices as matrices
+from .kernels import rows as rows
+from .kernels import symbols as symbols
 from .plain import EDGES as EDGES
 from .plain import NODES as NODES
 from .plain import NamedNodes as NamedNodes
@@ -31,6 +39,8 @@ from .stack import MPI as MPI
 from .stack import MissingFenicsx as MissingFenicsx
 from .stack import gmsh as gmsh
 from .stack import versions as versions
+from .surface import Pattern as Pattern
+from .surface import Surface as Surface
 from .team import ALONE as ALONE
 from .team import Team as Team
 from .team import world as world

@@ -128,10 +128,23 @@ def dof_coordinates(space: Any) -> Array:
 
 def cell_dofs(space: Any) -> NDArray[np.int32]:
     """Nodes of each cell, (n_cell, nodes per cell), in DOLFINx's order."""
-    table = space.dofmap.list
-    if hasattr(table, "offsets"):  # AdjacencyList: all cells are of one kind
-        table = np.asarray(table.array).reshape(len(table.offsets) - 1, -1)
-    return np.array(table, dtype=np.int32)
+    return _table(space.dofmap.list)
+
+
+def nodes_of_cells(mesh: Any) -> IntArray:
+    """Points that the mesh was made of, (n_cell, nodes per cell), in DOLFINx's order."""
+    geometry = mesh.geometry
+    table = getattr(geometry, "dofmaps", None)  # of each kind of cell, in newer versions
+    if table is None:
+        table = [geometry.dofmap]
+    table = table(0) if callable(table) else table[0]
+    return np.asarray(geometry.input_global_indices)[_table(table)]
+
+
+def _table(rows: Any) -> NDArray[np.int32]:
+    if hasattr(rows, "offsets"):  # AdjacencyList: all cells are of one kind
+        rows = np.asarray(rows.array).reshape(len(rows.offsets) - 1, -1)
+    return np.array(rows, dtype=np.int32)
 
 
 def cell_function(mesh: Any, values: Any) -> Any:

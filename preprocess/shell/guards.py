@@ -181,7 +181,8 @@ def _sides_too_short(
     for region in regions:
         if not isinstance(region.geometry, Triangles):
             continue
-        ratio = shear_ratio(region.geometry, region.stiffness.D[None], region.stiffness.Ds[None])
+        t, laminate = region.geometry, region.stiffness
+        ratio = shear_ratio(laminate.D, laminate.Ds, np.moveaxis(t.tangent, 2, 0), t.length)
         cell = int(np.argmax(ratio.max(axis=1)))
         if ratio[cell].max() > worst:
             worst = float(ratio[cell].max())

@@ -1,6 +1,6 @@
 """A shell as a finite-element model: mesh, lay-ups, stiffness, mass and supports."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -10,23 +10,21 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
-from .assembly import NO_LINES, NO_MATRICES, Assembly
+from .assembly import Assembly
 from .errors import ShellError
 from .flat_nodes import flat_nodes
 from .freedom import Freedom
-from .geometric import element_geometric, element_pressure
 from .guards import drilling_motions, model_warnings
 from .links import Link, read_links
 from .loads import Loads
-from .mass import element_mass
 from .membranes import MEMBRANES
 from .mesh import ShellMesh, shell_mesh
-from .regions import Region, read_regions
+from .pairs import geometric_kernel, mass_kernel, pressure_kernel, stiffness_kernel
+from .regions import read_regions
 from .resultants import element_resultants
 from .section_link import section_rows
 from .spec import check_spec, elements
 from .stiffeners import read_stiffeners
-from .stiffness import element_stiffness
 from .straight_edges import with_straight_edges
 from .supports import read_supports
 
@@ -105,41 +103,32 @@ class ShellProblem:
     @cached_property
     def K(self) -> sp.csr_matrix:
         """Stiffness of all degrees of freedom, (n_dof, n_dof) [N/m, N, N m]."""
-        return self._assembled(
-            lambda region, some: element_stiffness(
-                region.geometry[some], region.stiffness, self.choice
-            ),
+        return self._with_lines(
+            self._assembly.matrix(lambda k: stiffness_kernel(k, self.choice)),
             [stiffener.stiffness() for stiffener in self.stiffeners],
         )
 
     @cached_property
     def M(self) -> sp.csr_matrix:
         """Mass of all degrees of freedom, (n_dof, n_dof) [kg, kg m, kg m2]."""
-        return self._assembled(
-            lambda region, some: element_mass(
-                region.geometry[some], region.stiffness.mass, self.mass_form
-            ),
+        return self._with_lines(
+            self._assembly.matrix(lambda k: mass_kernel(k, self.mass_form)),
             [stiffener.mass(self.mass_form) for stiffener in self.stiffeners],
         )
 
     def geometric_stiffness(self, u: Array, in_plane: bool = True) -> sp.csr_matrix:
         """Geometric stiffness (n_dof, n_dof) [N/m] of the stresses of displacements u (n_dof,)."""
         N = self.resultants(u[:, None])[0, :, :3]
-        return self._assembled(
-            lambda region, some: element_geometric(
-                region.geometry[some], N[region.cells[some]], in_plane
-            ),
+        on_turns = np.full(len(N), float(in_plane))
+        return self._with_lines(
+            self._assembly.matrix(geometric_kernel, N=N, in_plane=on_turns),
             [stiffener.geometric(u) for stiffener in self.stiffeners],
         )
 
     def pressure_stiffness(self, p: Array) -> sp.csr_matrix:
         """Stiffness (n_dof, n_dof) [N/m] of pressures that follow the surface, see `pressures`."""
-        return self._assembled(
-            lambda region, some: element_pressure(
-                region.geometry[some], p[region.cells[some], : region.nodes.shape[1]]
-            ),
-            [np.zeros((len(s.ends), 12, 12)) for s in self.stiffeners],
-        )
+        p = np.pad(p, ((0, 0), (0, 4 - p.shape[1])))
+        return self._assembly.matrix(pressure_kernel, p=p)
 
     @cached_property
     def loads(self) -> Loads:
@@ -171,38 +160,11 @@ class ShellProblem:
 
     @cached_property
     def _assembly(self) -> Assembly:
-        lines = np.concatenate([NO_LINES, *(s.ends for s in self.stiffeners)])
-        tables = [np.concatenate([r.nodes for r in kind]) for kind in self._kinds]
-        return Assembly(tables, self.mesh.n_node, len(self.links), lines)
+        return Assembly(self.mesh, self.regions, self.choice, len(self.links))
 
-    def _assembled(
-        self, element: Callable[[Region, slice], Array], lines: Sequence[Array]
-    ) -> sp.csr_matrix:
-        """Sum of the element matrices; each process of the team computes those of its cells.
-
-        All processes sum them in the same order: for a thin shell, a difference in the last
-        digit of the stiffness would change the ninth digit of its displacements.
-        """
-        found = [self._matrices(kind, element) for kind in self._kinds]
-        return self._assembly.matrix(found, np.concatenate([NO_MATRICES, *lines]))
-
-    @cached_property
-    def _kinds(self) -> list[list[Region]]:
-        """Regions of triangles, then those of quadrilaterals; no empty list."""
-        kinds = [[r for r in self.regions if r.nodes.shape[1] == k] for k in (3, 4)]
-        return [kind for kind in kinds if kind]
-
-    def _matrices(
-        self, regions: Sequence[Region], element: Callable[[Region, slice], Array]
-    ) -> Array:
-        """Element matrices of regions of one kind."""
-        own = self.team.share(sum(len(region.cells) for region in regions))
-        size = 6 * regions[0].nodes.shape[1]
-        parts, first = [np.zeros((0, size, size))], 0
-        for region in regions:
-            count = len(region.cells)
-            begin, end = (min(max(at - first, 0), count) for at in (own.start, own.stop))
-            if begin < end:
-                parts.append(element(region, slice(begin, end)))
-            first += count
-        return self.team.stacked(parts[1] if len(parts) == 2 else np.concatenate(parts))
+    def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[Array]) -> sp.csr_matrix:
+        """Add the matrices of the beams that stiffen the shell."""
+        if not lines:
+            return matrix
+        ends = np.concatenate([stiffener.ends for stiffener in self.stiffeners])
+        return matrix + self._assembly.lines(ends, np.concatenate(lines))

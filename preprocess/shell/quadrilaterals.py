@@ -30,6 +30,7 @@ def slopes(points: Array) -> Array:
 
 
 AT_GAUSS = shape(GAUSS)
+CENTRE = slopes(np.zeros((1, 2)))[0]
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,6 @@ class Quadrilaterals:
     length : (c, 4) of the sides [m]
     tangent : (c, 4, 2) unit vectors along the sides, in E
     weight : (c, 4) area of each point of `GAUSS` [m2]
-    grad : (c, 4 points, 4, 2) gradients of N at these points, in E [1/m]
-    inverse : (c, 4 points, 2, 2) derivatives of (xi, eta) by (x, y): [i, a] of xi_a by x_i
     width_ratio : (c, 4) length over width, squared, of each side (side_widths.py)
     """
 
@@ -57,8 +56,6 @@ class Quadrilaterals:
     length: Array
     tangent: Array
     weight: Array
-    grad: Array
-    inverse: Array
     width_ratio: Array
 
     def __len__(self) -> int:
@@ -72,6 +69,12 @@ class Quadrilaterals:
     def interpolation(self) -> Array:
         """Functions of the corners at the integration points, (4, 4)."""
         return AT_GAUSS
+
+    @property
+    def corners_G(self) -> Array:
+        """Corners from the centroid of the area in the mean plane, in G, (c, 4, 3) [m]."""
+        local = np.concatenate([self.xy_E, self.height[..., None]], axis=2)
+        return np.asarray(local @ np.swapaxes(self.A_GE, 1, 2))
 
 
 def quadrilaterals(
@@ -103,7 +106,7 @@ def quadrilaterals(
     local = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE
     xy = local[:, :, :2]
     turned = np.where(np.asarray(flip), -1.0, 1.0)  # sense of the corners about e3
-    inverse, grad, size = _mapping(xy, turned)
+    size = _areas(xy, turned)
     convex: BoolArray = np.asarray((size > 0.0).all(axis=1))
     refuse(~convex, "has an angle of 180 degrees or more", cells)
     area = size.sum(axis=1)
@@ -118,31 +121,18 @@ def quadrilaterals(
         length=length,
         tangent=edge / length[..., None],
         weight=size,
-        grad=grad,
-        inverse=inverse,
         width_ratio=np.broadcast_to(np.asarray(width_ratio, dtype=float), length.shape),
     )
 
 
-def _mapping(xy: Array, turned: Array) -> tuple[Array, Array, Array]:
-    """Inverse Jacobian and gradients of N at the points, and determinants, of which those at the
-    points give the weights; not positive anywhere, if it is so at a corner."""
-    D = slopes(GAUSS)
-    J = np.swapaxes(D, 1, 2)[None] @ xy[:, None]  # (c, q, 2, 2): [a, i] of x_i by xi_a
-    det = _determinant(J)
-    at_corners = _determinant(np.swapaxes(slopes(CORNERS), 1, 2)[None] @ xy[:, None])
+def _areas(xy: Array, turned: Array) -> Array:
+    """Area of each point (c, 4); not positive anywhere if the mapping is not so at a corner."""
+    at_points, at_corners = (_determinant(slopes(points), xy) for points in (GAUSS, CORNERS))
     convex: BoolArray = np.asarray((at_corners * np.reshape(turned, (-1, 1)) > 0.0).all(axis=1))
-    adjugate = np.stack(
-        [
-            np.stack([J[..., 1, 1], -J[..., 0, 1]], axis=-1),
-            np.stack([-J[..., 1, 0], J[..., 0, 0]], axis=-1),
-        ],
-        axis=-2,
-    )
-    inverse = adjugate / np.where(det == 0.0, 1.0, det)[..., None, None]  # [i, a]
-    grad = D[None] @ np.swapaxes(inverse, 2, 3)
-    return inverse, grad, np.where(convex[:, None], np.abs(det), 0.0)
+    return np.where(convex[:, None], np.abs(at_points), 0.0)
 
 
-def _determinant(J: Array) -> Array:
+def _determinant(D: Array, xy: Array) -> Array:
+    """Of the derivatives of (x, y) by (xi, eta) at q points, (c, q)."""
+    J = np.swapaxes(D, 1, 2)[None] @ xy[:, None]  # (c, q, 2, 2): [a, i] of x_i by xi_a
     return np.asarray(J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0])

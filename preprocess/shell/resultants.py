@@ -4,15 +4,13 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from .choice import Choice
-from .membranes import MEMBRANES
-from .plates import PLATES
-from .plates.dst import moment_slopes
-from .plates.strains import side_differences
-from .quad_stiffness import quad_strains
+from .pairs import stiffness_kernel
 from .quadrilaterals import Quadrilaterals
-from .rotation import own_displacements
-from .stiffness import AT_A_TIME, Stiffness, cell_stiffness
+from .single_cells import cell_rows
+from .table import Stiffness, cell_table
 from .triangles import Triangles
+
+AT_A_TIME = 512  # cells whose rows are in memory together
 
 
 def element_strains(
@@ -32,26 +30,13 @@ def element_strains(
     ShellError
         for a choice that does not exist
     """
-    choice.checked()
-    given = cell_stiffness(laminate)
+    kernel = stiffness_kernel(t.xy_E.shape[1], choice, drilling=False)
+    table = cell_table(t, laminate, choice)
     strains = np.empty((len(t), 8, u_G.shape[2]))
     for first in range(0, len(t), AT_A_TIME):
         some = slice(first, first + AT_A_TIME)
-        A, B, D, Ds = (a[some] if len(a) > 1 else a for a in given)
-        part = t[some]
-        if isinstance(part, Quadrilaterals):
-            strains[some] = quad_strains(part, A, B, D, Ds, choice, u_G[some])
-            continue
-        u_m, u_b = own_displacements(part.A_GE, u_G[some])
-        plate = PLATES[choice.plate].strains(part, D, Ds)
-        membrane = MEMBRANES[choice.membrane].strains(part, A, choice.beta0)
-        strains[some, :3] = membrane.mean_strain @ u_m
-        strains[some, 3:6] = plate.curvature.mean(axis=1) @ u_b
-        if plate.shear.shape[1]:
-            strains[some, 6:] = plate.shear.mean(axis=1) @ u_b
-        else:  # without shear strain, the shear forces follow from the moments
-            alpha = side_differences(part) @ u_b * (1.5 / part.length)[..., None]
-            strains[some, 6:] = np.linalg.solve(Ds, moment_slopes(part, D) @ alpha)
+        means = [mean for _, _, mean in cell_rows(t[some], kernel, table[some])]
+        strains[some] = np.concatenate(means, axis=1) @ u_G[some]
     return strains
 
 
@@ -64,7 +49,7 @@ def element_resultants(
 
     Paper: Eq. (28).
     """
-    A, B, D, Ds = cell_stiffness(laminate)
+    A, B, D = (np.reshape(a, (-1, 3, 3)) for a in (laminate.A, laminate.B, laminate.D))
     strains = element_strains(t, laminate, choice, u_G)
     e, k, gamma = strains[:, :3], strains[:, 3:6], strains[:, 6:]
-    return np.concatenate([A @ e + B @ k, B @ e + D @ k, Ds @ gamma], axis=1)
+    return np.concatenate([A @ e + B @ k, B @ e + D @ k, laminate.Ds @ gamma], axis=1)

@@ -22,12 +22,12 @@ from ..modes import Condition
 from .assembly import DOFS
 from .choice import Choice
 from .freedom import Freedom
-from .geometric import gradients
+from .pairs import geometric_kernel, stiffness_kernel
 from .problem import ShellProblem
 from .regions import Region
-from .resultants import element_resultants
-from .rotation import own_displacements
+from .single_cells import cell_rows
 from .stiffeners import Stiffener
+from .table import cell_table, write
 
 AT_A_TIME = 512  # cells
 
@@ -67,29 +67,33 @@ def _add_region(
 ) -> None:
     """Add R' c_ij of its cells: N = R v, and c_ij the second-order strains over the area."""
     rows = u.reshape(-1, DOFS, u.shape[1])
+    k = region.nodes.shape[1]
+    stiffness, geometric = stiffness_kernel(k, choice, drilling=False), geometric_kernel(k)
+    A, B = region.stiffness.A, region.stiffness.B
+    table = cell_table(region.geometry, region.stiffness, choice)
+    # the work of this tension is that of w,x^2 + w,y^2 + 2 r^2
+    write(table, N=np.array([1.0, 1.0, 0.0]), in_plane=1.0)
     for some in _slices(len(region.cells)):
         part, nodes = region.geometry[some], region.nodes[some]
-        size = DOFS * nodes.shape[1]
-        unit = np.broadcast_to(np.eye(size), (len(nodes), size, size))
-        R = element_resultants(part, region.stiffness, choice, unit)[:, :3]
-        u_m, u_b = own_displacements(part.A_GE, rows[nodes].reshape(len(nodes), size, -1))
-        grad, weight = gradients(part)
-        slope = np.einsum("cqka,ckm->cqam", grad, u_b[:, 0::3])
-        turn = 0.5 * (
-            np.einsum("cqk,ckm->cqm", grad[..., 0], u_m[:, 1::3])
-            - np.einsum("cqk,ckm->cqm", grad[..., 1], u_m[:, 0::3])
-        )
-        one, other = slope[..., first], slope[..., second]
-        products = turn[..., first] * turn[..., second]
+        means = [mean for _, _, mean in cell_rows(part, stiffness, table[some])]
+        strain = np.concatenate(means, axis=1)
+        R = A @ strain[:, :3] + B @ strain[:, 3:6]
+        ((stress, slope, _),) = cell_rows(part, geometric, table[some])
+        own = rows[nodes].reshape(len(nodes), DOFS * k, -1)
+        # (c, points, 3, m): w,x w,y r, the first times the area of their points
+        by_area, plain = ((a @ own).reshape(len(nodes), -1, 3, u.shape[1]) for a in (stress, slope))
+        by_area[:, :, 2] *= 0.5
+        one, other = by_area[..., first], plain[..., second]
+        turned = one[:, :, 2] * other[:, :, 2]
         c = np.stack(
             [
-                one[:, :, 0] * other[:, :, 0] + products,
-                one[:, :, 1] * other[:, :, 1] + products,
+                one[:, :, 0] * other[:, :, 0] + turned,
+                one[:, :, 1] * other[:, :, 1] + turned,
                 one[:, :, 0] * other[:, :, 1] + one[:, :, 1] * other[:, :, 0],
             ],
             axis=2,
         )
-        strains = (weight[..., None, None] * c).sum(axis=1)  # (c, 3, pairs)
+        strains = c.sum(axis=1)  # (c, 3, pairs)
         forces = np.swapaxes(R, 1, 2) @ strains
         dofs = (DOFS * nodes[:, :, None] + np.arange(DOFS)).ravel()
         np.add.at(g, dofs, forces.reshape(-1, len(first)))

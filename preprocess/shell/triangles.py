@@ -34,7 +34,6 @@ class Triangles:
     area : (c,) [m2]
     length : (c, 3) of the sides [m]
     tangent : (c, 3, 2) unit vectors along the sides, in E
-    grad : (c, 3, 2) gradients of the area coordinates, in E [1/m]
     """
 
     xy_E: Array
@@ -42,7 +41,6 @@ class Triangles:
     area: Array
     length: Array
     tangent: Array
-    grad: Array
 
     def __len__(self) -> int:
         return len(self.area)
@@ -55,6 +53,11 @@ class Triangles:
     def interpolation(self) -> Array:
         """Functions of the corners at the integration points, (3, 3)."""
         return POINTS
+
+    @property
+    def corners_G(self) -> Array:
+        """Corners from the centroid in G, (c, 3, 3) [m]."""
+        return np.asarray(self.xy_E @ np.swapaxes(self.A_GE[:, :, :2], 1, 2))
 
     @property
     def weight(self) -> Array:
@@ -93,14 +96,7 @@ def triangles(
     refuse(~along, NORMAL, cells)
     xy_E = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE[:, :, :2]
     edge_E = xy_E[:, END] - xy_E[:, START]
-    # Corner i is opposite to the side that starts at the next corner. Its gradient is this side,
-    # rotated by 90 degrees and divided by twice the area, with the sign of the corners' direction.
-    opposite = edge_E[:, END]
-    signed = edge_E[:, 0, 0] * edge_E[:, 1, 1] - edge_E[:, 0, 1] * edge_E[:, 1, 0]
-    grad = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2) / signed[:, None, None]
-    return Triangles(
-        xy_E, A_GE, 0.5 * twice_area, length, edge_E / length[..., None], np.ascontiguousarray(grad)
-    )
+    return Triangles(xy_E, A_GE, 0.5 * twice_area, length, edge_E / length[..., None])
 
 
 def projected_axes(e3: Array, direction_G: Array) -> tuple[Array, BoolArray]:

@@ -14,13 +14,10 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from .membranes import MEMBRANES
+from .pairs import stiffness_kernel
 from .problem import ShellProblem
-from .quad_stiffness import at_feet
-from .quadrilaterals import Quadrilaterals
-from .quads import hybrid
-from .regions import Geometry
-from .rotation import own_displacements
-from .stiffness import cell_stiffness, membrane_stiffness
+from .single_cells import cell_matrices
+from .table import cell_table, write
 
 LOCKED = 0.1  # work on tilted rotations over twice the strain energy that is warned about
 ADVISED = 0.05  # the same on the mesh that the message advises
@@ -28,7 +25,6 @@ ORDER = 4.0  # share/(1 - share) of quadrilaterals falls with this power of thei
 FOLD = 0.98  # cosine between the normals of a cell and of a node below which there is a fold
 TILTED = 1e-3  # sine of the tilt above which a cell counts
 AT_A_TIME = 4096  # cells whose matrices are in memory together
-ROTATIONS = slice(2, None, 3)  # about the normal, among the membrane's degrees of freedom
 
 
 def warped_warnings(problem: ShellProblem, u: Array, names: Sequence[str]) -> list[dict[str, str]]:
@@ -85,34 +81,25 @@ def tilted_work(problem: ShellProblem, u: Array) -> Array:
     nodal = u.reshape(-1, 6, count)
     for region in problem.regions:
         geometry = region.geometry
-        stiffness = cell_stiffness(region.stiffness)[0]
+        k = region.nodes.shape[1]
+        kernel = stiffness_kernel(k, problem.choice, drilling=False)
+        table = cell_table(geometry, region.stiffness, problem.choice)
+        write(table, B=np.zeros((3, 3)))  # moments about e3 are those of the membrane alone
         e3, n = geometry.A_GE[:, :, 2], normal[region.nodes]
         tilt = e3[:, None] - np.einsum("ci,cki->ck", e3, n)[..., None] * n
         tilt *= smooth[region.nodes][..., None]
         cells = np.flatnonzero(np.linalg.norm(tilt, axis=2).max(axis=1) > TILTED)
         for first in range(0, len(cells), AT_A_TIME):
             some = cells[first : first + AT_A_TIME]
-            A = stiffness[some] if len(stiffness) > 1 else stiffness
             corners = nodal[region.nodes[some]]
             turned = corners[:, :, 3:] - corners[:, :, 3:].mean(axis=1, keepdims=True)
             about = np.einsum("cki,ckim->ckm", tilt[some], turned)
-            moments = _forces(problem, geometry[some], A, corners)[:, ROTATIONS]
-            kind = int(isinstance(geometry, Quadrilaterals))
-            work[kind] += np.einsum("ckm,ckm->m", about, moments)
+            K = cell_matrices(geometry[some], kernel, table[some])
+            forces = (K @ corners.reshape(len(some), 6 * k, count)).reshape(-1, k, 6, count)
+            moments = np.einsum("ci,ckim->ckm", e3[some], forces[:, :, 3:])
+            work[k - 3] += np.einsum("ckm,ckm->m", about, moments)
     energy = np.einsum("nm,nm->m", u, problem.K @ u)
     return np.divide(work, energy, out=np.zeros_like(work), where=energy > 0.0)
-
-
-def _forces(problem: ShellProblem, geometry: Geometry, A: Array, corners: Array) -> Array:
-    """Forces of the membranes (c, 3 k, m) for the displacements of corners (c, k, 6, m) in G."""
-    membrane = MEMBRANES[problem.choice.membrane]
-    u_G = corners.reshape(len(corners), -1, corners.shape[3])
-    if isinstance(geometry, Quadrilaterals):
-        K = hybrid.stiffness(geometry, A, membrane.bow)
-        return np.asarray(K @ at_feet(geometry, u_G)[0])
-    strains = membrane.strains(geometry, A, problem.choice.beta0)
-    K = membrane_stiffness(geometry, A, strains)
-    return np.asarray(K @ own_displacements(geometry.A_GE, u_G)[0])
 
 
 def _normals(problem: ShellProblem) -> tuple[Array, Array]:

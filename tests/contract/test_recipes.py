@@ -2,7 +2,6 @@
 
 import ast
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -19,11 +18,17 @@ from plymotion.solver.package.shell import elements
 # also a measure of expressions.
 USED = {"fixed", "revolute", "distance"}
 
-REFUSED = """
+DESCRIBED = """
+from pydantic import ValidationError
+from plymotion.solver.inputs.shell.description import Elements
+
+assert Elements(plate="centroid").plate == "centroid"
 try:
-    import plymotion.preprocess.shell.plates
-except ValueError as error:
-    print(error)
+    Elements(plate="centroids")
+except ValidationError as error:
+    assert "'centroid'" in str(error), error
+else:
+    raise AssertionError
 """
 PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 
@@ -79,7 +84,8 @@ def test_a_criterion(copy, repository):
 
 
 def test_a_shell_element(copy, repository):
-    run_python(copy, repository, str(PROGRAMS / "shell_element.py"))
+    """In descriptions and their manual; tests/fe/test_shell_recipe.py computes with it."""
+    run_python(copy, repository, "-c", DESCRIBED)
     page = run_python(copy, repository, "-m", "plymotion.solver.inputs.shell.reference")
     assert "centroid is linear, with the shear strain of its centroid" in page
 
@@ -93,14 +99,6 @@ def test_an_integrator(copy, page, repository, tmp_path):
     printed = run_python(copy, repository, *run)
     assert re.search(r"\b\d+ passed", printed), printed
     assert "failed" not in printed
-
-
-def test_a_shell_element_without_its_line_is_refused(repository, tmp_path):
-    copy = copy_with_recipes(repository, tmp_path)
-    file = copy / "solver/package/shell/elements.py"
-    shutil.copy(repository / "solver/package/shell/elements.py", file)
-    message = run_python(copy, repository, "-c", REFUSED)
-    assert "plates: the files supply ['centroid', 'dkmt', 'dkt', 'dst', 'mitc3']" in message
 
 
 def test_the_page_on_shells_has_a_line_for_each_element(repository):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+from shell_element_samples import element_stiffness
 from shell_specs import HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess import fenicsx
@@ -22,7 +23,6 @@ from plymotion.preprocess.shell.freedom import Freedom
 from plymotion.preprocess.shell.frequencies import natural_modes
 from plymotion.preprocess.shell.links import averaged, carried
 from plymotion.preprocess.shell.problem import ShellProblem
-from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.solver.package.shell.io import read_shell
 
 Record = Callable[[str, Any], None]

@@ -1,27 +1,16 @@
-"""The plate of the recipe: in a description, as an element, and on a mesh."""
+"""The plate of the recipe, as an element and on a mesh."""
 
 import sys
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
-from shell_element_samples import isotropic
+from shell_element_samples import element_stiffness, isotropic
 
 from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.preprocess.shell.triangles import triangles
-from plymotion.solver.inputs.shell.description import Elements
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "verification"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "fe"))
 from test_shell_elements_plate import deflection, series
-
-assert Elements(plate="centroid").plate == "centroid"
-message = ""
-try:
-    Elements(plate="centroids")
-except ValidationError as error:
-    message = str(error)
-assert "'centroid'" in message, message
 
 points = np.array([[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [0.4, 1.1, 0.0]])
 t = triangles(points, np.array([[0, 1, 2]]), np.array([1.0, 0.0, 0.0]))

@@ -3,21 +3,20 @@
 It is one file of this folder with an object of class `Drilling`, and a line in `DRILLINGS` of
 solver/package/shell/elements.py, the source of the names in descriptions and in their manual.
 
-    stiffness(t, A, factor) -> (c, 9, 9) [N/m, N, N m]
+    pairs(t) -> [(stress, strain), ..]
 
-    t       c flat triangles in their own axes E (triangles.py)
-    A       (c|1, 3, 3) stretching stiffness in E [N/m]
-    factor  number above 0, `drilling_factor` of the description
+    t    a flat triangle in its own axes E, with its laminate, in UFL (cell.py); t.drilling_factor
+         is the number above 0 of the description
 
-in the degrees of freedom (u, v, tz) of corners 1, 2, 3, tz the rotation about e3; symmetric, added
-to the membrane's.
+vectors whose product is the work of the whole triangle, linear in the unknowns (u, v, tz) of
+corners, tz the rotation about e3; added to the membrane's.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
+from ..cell import Cell
 
 
 @dataclass(frozen=True)
@@ -27,10 +26,10 @@ class Drilling:
     Attributes
     ----------
     name : in `[elements]` of a shell description
-    stiffness : see above
+    pairs : see above
     free_rotation : a flat part has a zero-energy motion, equal rotation of all nodes: a warning
     """
 
     name: str
-    stiffness: Callable[[Triangles, Array, float], Array]
+    pairs: Callable[[Cell], list[tuple[Any, Any]]]
     free_rotation: bool = False

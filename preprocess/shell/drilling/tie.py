@@ -1,27 +1,23 @@
 """Coupling of the drilling rotations to the rotation of the triangle (Hughes and Brezzi 1989)."""
 
-import numpy as np
+from typing import Any
 
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
+from ufl import as_vector
+
+from ..cell import Cell
 from .contract import Drilling
-from .excess import excess_rotation
-
-LINEAR = (1.0 + np.eye(3)) / 12.0  # mean of l_i l_j
 
 
-def tie(t: Triangles, A: Array, factor: float) -> Array:
+def tie(t: Cell) -> list[tuple[Any, Any]]:
     """Stiffness of the energy factor A66/2 int (tz - (v,x - u,y)/2)^2, tz and u, v linear.
 
     Only rigid motions have no energy: it adds no zero-frequency mode.
-
-    Returns
-    -------
-    (c, 9, 9)
     """
-    T = excess_rotation(t)
-    weight = (factor * A[..., 2, 2] * t.area)[:, None, None]
-    return np.asarray(np.swapaxes(T, 1, 2) @ (weight * (LINEAR @ T)))
+    factor, pairs = t.drilling_factor * t.A[2, 2], []
+    for point in t.points:
+        th = as_vector([point.of(t.excess(t.corners))])
+        pairs.append((factor * point.weight * th, th))
+    return pairs
 
 
 DRILLING = Drilling("tie", tie)

@@ -1,13 +1,10 @@
 """Allman's triangle: quadratic displacements driven by the rotations of the corners."""
 
-import numpy as np
+from ufl import as_vector
 
-from ....solver.math.arrays import Array
-from ..drilling.excess import excess_rotation
-from ..sides import bulge_slopes
-from ..triangles import END, START, Triangles
+from ..cell import Cell
 from .contract import Membrane
-from .strains import MembraneStrains, linear_strain
+from .strains import MembraneStrains, bow_strain, linear_strain
 
 # Relative to A66, stiffness of equal rotations of all corners. It affects warped shells: with a
 # hundredth of this value a twisted beam becomes too soft with refinement, by a tenth at 8 cells
@@ -15,7 +12,7 @@ from .strains import MembraneStrains, linear_strain
 SPURIOUS = 0.1
 
 
-def allman(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
+def allman(t: Cell) -> MembraneStrains:
     """Strains of the triangle of Allman.
 
     The middle of a side is displaced from its chord in the direction n_k = (t_y, -t_x) by
@@ -26,24 +23,9 @@ def allman(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
     whose strain is linear. Equal tz at all corners cause no displacement; the extra stiffness
     0.1 A66 area m^2 with m = mean(tz) - (v,x - u,y)/2 acts on them.
     """
-    c = len(t)
-    slope = bulge_slopes(t)
-    x, y = t.length * t.tangent[..., 1] / 8.0, t.length * t.tangent[..., 0] / -8.0
-    bulge = np.empty((c, 3, 3, 3))  # point, component, side: strain per tz_j - tz_i
-    bulge[:, :, 0] = slope[..., 0] * x[:, None]
-    bulge[:, :, 1] = slope[..., 1] * y[:, None]
-    bulge[:, :, 2] = slope[..., 1] * x[:, None] + slope[..., 0] * y[:, None]
-    strain = np.repeat(linear_strain(t)[:, None], 3, axis=1)
-    # Side k ends at END[k], and the side that starts there is END[k] as well.
-    strain[..., 2::3] = bulge[..., _ending()] - bulge
-    mean = excess_rotation(t).mean(axis=1, keepdims=True)
-    weight = (SPURIOUS * A[..., 2, 2] * t.area)[:, None, None]
-    return MembraneStrains(strain, np.swapaxes(mean, 1, 2) @ (weight * mean))
-
-
-def _ending() -> list[int]:
-    """The side that ends at each corner; side i starts at corner i."""
-    return [END.index(corner) for corner in START]
+    m = as_vector([sum(t.excess(t.corners)) / 3.0])
+    strain = [linear_strain(point, t.corners) + bow_strain(t, point) for point in t.points]
+    return MembraneStrains(strain, [(SPURIOUS * t.A[2, 2] * t.area * m, m)])
 
 
 MEMBRANE = Membrane("allman", allman, rotations=True, bow=1.0)

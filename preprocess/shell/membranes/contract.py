@@ -4,22 +4,19 @@ A membrane is one file of this folder with an object of class `Membrane`, and a 
 of solver/package/shell/elements.py, the source of the names in descriptions and in their manual.
 CONTRIBUTING.md has the recipe.
 
-    strains(t, A, beta0) -> MembraneStrains
+    strains(t) -> MembraneStrains
 
-    t      c flat triangles in their own axes E (triangles.py)
-    A      (c|1, 3, 3) stretching stiffness in E, of (exx, eyy, gxy) [N/m]
-    beta0  number, or "felippa"; of "opt" alone, others ignore it
+    t    a flat triangle in its own axes E, with its laminate, in UFL (cell.py)
 
-gives strain per unit of the nine degrees of freedom (u, v, tz) of corners 1, 2, 3 [m, rad], tz the
-rotation about e3, and a stiffness in addition to that of the strain. Both are zero for a rigid
-motion. strains.py has the common parts of the membranes.
+gives strain, linear in the unknowns (u, v, tz) of corners [m, rad], tz the rotation about e3, and
+pairs of stiffness in addition to that of the strain. Both are zero for a rigid motion. strains.py
+has the common parts of the membranes.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
+from ..cell import Cell
 from .strains import MembraneStrains
 
 
@@ -38,7 +35,7 @@ class Membrane:
     """
 
     name: str
-    strains: Callable[[Triangles, Array, float | str], MembraneStrains]
+    strains: Callable[[Cell], MembraneStrains]
     rotations: bool
     bow: float = 0.0
     stiff_in_plane: bool = False

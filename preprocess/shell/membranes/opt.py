@@ -1,10 +1,10 @@
 """OPT: the optimal membrane triangle with drilling rotations (Felippa 2003)."""
 
 import numpy as np
+from ufl import as_matrix, as_vector
 
 from ....solver.math.arrays import Array
-from ..drilling.excess import excess_rotation
-from ..triangles import END, START, Triangles
+from ..cell import Cell
 from .contract import Membrane
 from .strains import MembraneStrains, linear_strain
 
@@ -13,20 +13,14 @@ LOWEST = 0.01  # lower bound of beta0
 
 # Strains along sides 1-2, 2-3, 3-1 at the corners for the excess rotations, times 3/(2 area) and
 # the side's length squared; at the middle of a side they are the mean of those at its ends.
-AT_CORNERS = np.array(
-    [
-        [[1, 2, 1], [0, 1, -1], [-1, -1, -2]],
-        [[-2, -1, -1], [1, 1, 2], [-1, 0, 1]],
-        [[1, -1, 0], [-1, -2, -1], [2, 1, 1]],
-    ],
-    dtype=float,
+AT_CORNERS = (
+    ((1, 2, 1), (0, 1, -1), (-1, -1, -2)),
+    ((-2, -1, -1), (1, 1, 2), (-1, 0, 1)),
+    ((1, -1, 0), (-1, -2, -1), (2, 1, 1)),
 )
-AT_SIDES = 0.5 * (AT_CORNERS[list(START)] + AT_CORNERS[list(END)])
-# sum over the sides of Q' N Q as a linear map of N, (9, 9)
-SIDE_SUM = np.einsum("pia,pjb->ijab", AT_SIDES, AT_SIDES).reshape(9, 9)
 
 
-def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
+def opt(t: Cell) -> MembraneStrains:
     """Strains of the optimal triangle, and its higher-order stiffness.
 
     The basic strain is constant: the strain of the linear triangle with corner i displaced in
@@ -35,28 +29,29 @@ def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
         e = sum_i (gx u', gy v', gy u' + gx v')_i,   u' = u + (3/4) y tz,   v' = v - (3/4) x tz.
 
     The basic strain does not include the excess rotations th = tz - (v,x - u,y)/2. They strain
-    the sides by eps_k = (2 area/3) Q_k(l) th / L_k^2, Q linear (`AT_CORNERS`). A state with
-    strains eps_k along the sides is the tensor -sum_k L_k^2 eps_k sym(g_i g_j), for
-    g_i.t_k = -1/L_k, g_j.t_k = 1/L_k, and the third gradient is normal to t_k. With R these
-    columns without their factors, summed over the middles of the sides,
-
-        extra = (3/4) beta0 area (2 area/3)^2 th' [sum Q' (R' A R) Q] th.
+    the sides by eps_k = (2 area/3) Q_k th / L_k^2, Q linear (`AT_CORNERS`). A state with strains
+    eps_k along the sides is the tensor -sum_k L_k^2 eps_k sym(g_i g_j), for g_i.t_k = -1/L_k,
+    g_j.t_k = 1/L_k, and the third gradient is normal to t_k. With its components eh at the middles
+    of the sides, their stiffness is (3/4) beta0 area sum eh' A eh.
 
     With `best_beta0` of an isotropic material, in-plane bending is exact.
     """
-    Bm = linear_strain(t)
-    x, y = 0.5 * ALPHA_B * t.xy_E[..., 0], 0.5 * ALPHA_B * t.xy_E[..., 1]
-    Bm[..., 2::3] = y[:, None] * Bm[..., 0::3] - x[:, None] * Bm[..., 1::3]
-    gi, gj = t.grad[:, START], t.grad[:, END]
-    R = np.empty((len(t), 3, 3))  # component, side
-    R[:, :2] = np.swapaxes(gi * gj, 1, 2)
-    R[:, 2] = gi[..., 0] * gj[..., 1] + gi[..., 1] * gj[..., 0]
-    factor = best_beta0(A) if isinstance(beta0, str) else beta0
-    along = np.swapaxes(R, 1, 2) @ (A @ R)
-    along *= (factor / 3.0 * t.area**3)[:, None, None]
-    inner = (along.reshape(-1, 9) @ SIDE_SUM).reshape(-1, 3, 3)
-    T = excess_rotation(t)
-    return MembraneStrains(Bm[:, None], np.swapaxes(T, 1, 2) @ (inner @ T))
+    half = 0.5 * ALPHA_B
+    moved = [
+        corner._replace(u=corner.u + half * y * corner.tz, v=corner.v - half * x * corner.tz)
+        for corner, (x, y) in zip(t.corners, t.xy, strict=True)
+    ]
+    g, th = t.centre, as_vector(t.excess(t.corners))
+    extra = []
+    for i, j in t.sides:
+        Q = 0.5 * (as_matrix(AT_CORNERS[i]) + as_matrix(AT_CORNERS[j]))
+        along = 2.0 / 3.0 * t.area * Q * th  # L_k^2 eps_k of the three sides
+        eh = as_vector((0.0, 0.0, 0.0))
+        for k, (a, b) in enumerate(t.sides):
+            shear = g[a][0] * g[b][1] + g[a][1] * g[b][0]
+            eh -= along[k] * as_vector((g[a][0] * g[b][0], g[a][1] * g[b][1], shear))
+        extra.append((0.75 * t.beta0 * t.area * t.A * eh, eh))
+    return MembraneStrains([linear_strain(t.points[0], moved)], extra)
 
 
 def best_beta0(A: Array) -> Array:

@@ -1,43 +1,40 @@
-"""Common part of the membranes: the strain of linear displacements."""
+"""Common part of the membranes: the strain of displacements that may bow along the sides."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
+from ufl import as_vector
 
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
+from ..cell import Cell, Corner, Point
 
 
 class MembraneStrains(NamedTuple):
-    """Strains of c membranes for their degrees of freedom, in E.
+    """Strains of a membrane in E, linear in its unknowns (u, v, tz).
 
     Paper: Eq. (27).
 
-    The stiffness is area mean(strain' A strain) + extra.
-
     Attributes
     ----------
-    strain : (c, q, 3, 9) [1/m] of (exx, eyy, gxy), q = 3 at the three integration points,
-        1 where it is constant
-    extra : (c, 9, 9) [N/m, N, N m] stiffness of motions not in this strain, or None
+    strain : (exx, eyy, gxy) [1/m] at the points of the cell, or one value where it is constant
+    extra : pairs (stress, strain), vectors, of motions not in this strain, of the whole cell
     """
 
-    strain: Array
-    extra: Array | None
-
-    @property
-    def mean_strain(self) -> Array:
-        """Mean over the triangle, (c, 3, 9), used by the coupling with bending."""
-        one = self.strain.shape[1] == 1
-        return self.strain[:, 0] if one else np.asarray(self.strain.mean(axis=1))
+    strain: list[Any]
+    extra: list[tuple[Any, Any]]
 
 
-def linear_strain(t: Triangles) -> Array:
-    """Strain of the displacements sum_i l_i (u_i, v_i), (c, 3, 9) [1/m], independent of tz."""
-    Bm = np.zeros((len(t), 3, 9))
-    gx, gy = t.grad[..., 0], t.grad[..., 1]
-    Bm[:, 0, 0::3] = gx
-    Bm[:, 1, 1::3] = gy
-    Bm[:, 2, 0::3] = gy
-    Bm[:, 2, 1::3] = gx
-    return Bm
+def linear_strain(point: Point, corners: list[Corner]) -> Any:
+    """Strain of the displacements sum_i N_i (u_i, v_i), independent of tz."""
+    u, v = (point.slope([getattr(corner, name) for corner in corners]) for name in ("u", "v"))
+    return as_vector((u[0], v[1], u[1] + v[0]))
+
+
+def bow_strain(t: Cell, point: Point) -> Any:
+    """Strain of sides displaced from their chords by P_k (L_k/8)(tz_j - tz_i) n_k.
+
+    n_k = (t_y, -t_x).
+    """
+    e = as_vector((0.0, 0.0, 0.0))
+    for (i, j), L, (C, S), p in zip(t.sides, t.length, t.tangent, point.bulges, strict=True):
+        bow = L / 8.0 * (t.corners[j].tz - t.corners[i].tz)
+        e += bow * as_vector((S * p[0], -C * p[1], S * p[1] - C * p[0]))
+    return e

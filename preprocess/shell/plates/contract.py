@@ -4,22 +4,19 @@ A plate is one file of this folder with an object of class `Plate`, and a line i
 solver/package/shell/elements.py, the source of the names in descriptions and in their manual.
 CONTRIBUTING.md has the recipe.
 
-    strains(t, D, Ds) -> PlateStrains
+    strains(t) -> PlateStrains
 
-    t    c flat triangles in their own axes E (triangles.py)
-    D    (c|1, 3, 3) bending stiffness in E, of (kxx, kyy, kxy) [N m]
-    Ds   (c|1, 2, 2) transverse shear stiffness, corrected, of (gxz, gyz) [N/m]
+    t    a flat triangle in its own axes E, with its laminate, in UFL (cell.py)
 
-gives curvature and shear strain per unit of the nine degrees of freedom (w, bx, by) of corners
-1, 2, 3 [m, rad]: w the deflection along e3, (bx, by) the rotation of the normal, u = z bx and
-v = z by. A rigid motion has no strain. strains.py has the common parts of the plates.
+gives curvature and shear strain, linear in the unknowns (w, bx, by) of corners [m, rad]: w the
+deflection along e3, (bx, by) the rotation of the normal, u = z bx and v = z by. A rigid motion has
+no strain. strains.py has the common parts of the plates.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
+from ..cell import Cell
 from .strains import PlateStrains
 
 
@@ -36,5 +33,5 @@ class Plate:
     """
 
     name: str
-    strains: Callable[[Triangles, Array, Array], PlateStrains]
+    strains: Callable[[Cell], PlateStrains]
     shear_ratio_limit: float | None = None

@@ -1,19 +1,19 @@
 """MITC3: linear rotations, shear strain tied on the sides."""
 
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
+from ..cell import Cell
 from .contract import Plate
 from .strains import PlateStrains, curvature, edge_shear, side_differences
 
 
-def mitc3(t: Triangles, D: Array, Ds: Array) -> PlateStrains:
-    """Strains of the triangle with mixed interpolation of tensorial components.
+def mitc3(t: Cell) -> PlateStrains:
+    """Strains of the triangle with mixed interpolation of tensorial components; also of MITC4.
 
-    The rotations are linear, alpha = 0, so the curvature is constant; the shear strain is the
-    edge interpolation of its mean on each side, gamma_k = -Aw_k u / L_k by (side) of `strains`.
+    The rotations are those of the corners, alpha = 0; the shear strain is the edge interpolation
+    of its mean on each side, gamma_k = -Aw_k / L_k by (side) of strains.py.
     """
-    side = side_differences(t) * (-1.0 / t.length)[..., None]
-    return PlateStrains(curvature(t, None), edge_shear(t, side))
+    Aw = side_differences(t)
+    gamma = [-Aw[k] / t.length[k] for k in range(t.k)]
+    return PlateStrains(curvature(t, None), edge_shear(t, gamma))
 
 
 PLATE = Plate("mitc3", mitc3)

@@ -1,122 +1,102 @@
 """Common part of the plates: rotations with a quadratic tangential part on each side.
 
-With area coordinates l_i, P_k = 4 l_i l_j on side k from corner i to j of length L_k and unit
-tangent t_k, the rotation b = (bx, by) of the normal is
+With functions N_i of the corners, P_k of the sides (1 in the middle of side k from corner i to j
+of length L_k and unit tangent t_k), the rotation b = (bx, by) of the normal is
 
-    b = sum_i l_i b_i + sum_k P_k t_k alpha_k,
+    b = sum_i N_i b_i + sum_k P_k t_k alpha_k,
 
-linear along a side in the direction normal to it, quadratic along it; so the curvature is
-k = Bb0 u + Ba alpha with u = (w1, bx1, by1, w2, ..). Integrated along a side, the shear strain
-gamma_s = w,s + t.b is
+linear along a side in the direction normal to it, quadratic along it. Integrated along a side, the
+shear strain gamma_s = w,s + t.b is
 
     L_k mean(gamma_s) = w_j - w_i + (L_k/2) t_k.(b_i + b_j) + (2/3) L_k alpha_k
-                      = -Aw_k u + (2/3) L_k alpha_k.                                   (side)
+                      = -Aw_k + (2/3) L_k alpha_k.                                     (side)
 
-Each plate adds its own condition on gamma_s, which gives alpha = An u.
+Each plate adds its own condition on gamma_s, which gives alpha. All is for triangles and for
+quadrilaterals.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
+from ufl import as_vector
 
-from ....solver.math.arrays import Array
-from ..quadrilaterals import Quadrilaterals
-from ..sides import bulge_slopes, edge_fields
-from ..triangles import Triangles
+from ..cell import Cell, Point
 
 
 class PlateStrains(NamedTuple):
-    """Strains of c plates for their degrees of freedom, in E.
+    """Strains of a plate in E, linear in its unknowns (w, bx, by).
 
     Paper: Eq. (27).
 
     Attributes
     ----------
-    curvature : (c, 3, 3, 9) [1/m] of (kxx, kyy, kxy) at the three integration points
-    shear : (c, q, 2, 9) of (gxz, gyz), q = 3 at the same points, 1 where it is constant,
-        0 where there is none
+    curvature : (kxx, kyy, kxy) [1/m] at the points of the cell
+    shear : (gxz, gyz) at the points, or one value where it is constant, or none
     """
 
-    curvature: Array
-    shear: Array
+    curvature: list[Any]
+    shear: list[Any]
 
 
-def side_differences(t: Triangles | Quadrilaterals) -> Array:
-    """Aw (c, n, 3 n): Aw_k u = w_i - w_j - (L_k/2) t_k.(b_i + b_j) [m], of each of n sides."""
-    half = -0.5 * t.length[..., None] * t.tangent
-    n = t.length.shape[1]
-    Aw = np.zeros((len(t), n, n, 3))
-    for k in range(n):
-        i, j = k, (k + 1) % n  # its ends
-        Aw[:, k, i, 0], Aw[:, k, j, 0] = 1.0, -1.0
-        Aw[:, k, i, 1:] = Aw[:, k, j, 1:] = half[:, k]
-    return Aw.reshape(-1, n, 3 * n)
+def side_differences(t: Cell) -> list[Any]:
+    """Aw_k = w_i - w_j - (L_k/2) t_k.(b_i + b_j) [m] of each side."""
+    found = []
+    for (i, j), L, (C, S) in zip(t.sides, t.length, t.tangent, strict=True):
+        a, b = t.corners[i], t.corners[j]
+        found.append(a.w - b.w - 0.5 * L * (C * (a.bx + b.bx) + S * (a.by + b.by)))
+    return found
 
 
-def curvature(t: Triangles, An: Array | None) -> Array:
-    """Curvature Bb0 + Ba An at the integration points, (c, 3, 3, 9) [1/m].
+def curvature(t: Cell, alpha: list[Any] | None) -> list[Any]:
+    """Curvature at the points of the cell; alpha None: the rotations have no P_k."""
+    return [_curvature(t, point, alpha) for point in t.points]
+
+
+def _curvature(t: Cell, point: Point, alpha: list[Any] | None) -> Any:
+    bx, by = (point.slope([getattr(corner, name) for corner in t.corners]) for name in ("bx", "by"))
+    k = as_vector((bx[0], by[1], bx[1] + by[0]))
+    for p, (C, S), a in zip(point.bulges, t.tangent, alpha or [], strict=alpha is not None):
+        k += a * as_vector((C * p[0], S * p[1], C * p[1] + S * p[0]))
+    return k
+
+
+def edge_shear(t: Cell, side: list[Any]) -> list[Any]:
+    """Shear strain at the points with a given constant tangential value on each side: the edge
+    interpolation of lowest order."""
+    return [
+        sum(
+            (gamma * field for gamma, field in zip(side[1:], point.edges[1:], strict=True)),
+            side[0] * point.edges[0],
+        )
+        for point in t.points
+    ]
+
+
+def shear_ratio(D: Any, Ds: Any, tangent: Any, length: Any) -> Any:
+    """Ratio of shear flexibility to bending flexibility of a side.
+
+    phi = 12 D_ss / (Ds_ss L^2) with D_ss = q' D q, q = (C^2, S^2, 2 C S) the moment about the
+    side's normal for a unit curvature along the side, and Ds_ss = t' Ds t. Isotropic:
+    2 / (kappa (1 - nu)) (h / L)^2.
 
     Parameters
     ----------
-    An : (c, 3, 9) alpha for the degrees of freedom, or None if the rotations are linear
+    D, Ds : bending [N m] and transverse shear stiffness [N/m], by [i, j]
+    tangent, length : (C, S) and L [m]
     """
-    return curvature_at(t, t.grad[:, None], None if An is None else bulge_slopes(t), An)
+    C, S = tangent[0], tangent[1]
+    q, t = (C * C, S * S, 2.0 * C * S), (C, S)
+    D_ss = sum(q[i] * D[i, j] * q[j] for i in range(3) for j in range(3))
+    Ds_ss = sum(t[i] * Ds[i, j] * t[j] for i in range(2) for j in range(2))
+    return 12.0 * D_ss / (Ds_ss * length**2)
 
 
-def curvature_at(
-    t: Triangles | Quadrilaterals, grad: Array, slope: Array | None, An: Array | None
-) -> Array:
-    """Curvature of cells with n corners at p = n points, (c, n, 3, 3 n) [1/m].
-
-    Parameters
-    ----------
-    grad : (c, p|1, n, 2) gradients of the functions of the corners [1/m]
-    slope : (c, p, n, 2) gradients of the functions P_k of the sides [1/m], unless An is None
-    An : (c, n, 3 n) alpha for the degrees of freedom, or None if the rotations have no P_k
-    """
-    c, n = t.length.shape
-    Bb = np.zeros((c, n, 3, 3 * n))
-    if An is not None and slope is not None:
-        along = t.tangent[:, None]
-        Ba = np.empty((c, n, 3, n))  # point, component, side
-        Ba[:, :, :2] = np.swapaxes(slope * along, 2, 3)
-        Ba[:, :, 2] = slope[..., 1] * along[..., 0] + slope[..., 0] * along[..., 1]
-        np.matmul(Ba.reshape(c, 3 * n, n), An, out=Bb.reshape(c, 3 * n, 3 * n))
-    gx, gy = grad[..., 0], grad[..., 1]
-    Bb[:, :, 0, 1::3] += gx
-    Bb[:, :, 1, 2::3] += gy
-    Bb[:, :, 2, 1::3] += gy
-    Bb[:, :, 2, 2::3] += gx
-    return Bb
-
-
-def edge_shear(t: Triangles, side: Array) -> Array:
-    """Shear strain with a given constant tangential value on each side, (c, 3, 2, 9).
-
-    gamma = sum_k L_k (l_i g_j - l_j g_i) gamma_k, the edge interpolation of lowest order.
-
-    Parameters
-    ----------
-    side : (c, 3, 9) gamma_k along each side for the degrees of freedom
-    """
-    fields = np.swapaxes(edge_fields(t), 2, 3)
-    return np.asarray((fields.reshape(-1, 6, 3) @ side).reshape(-1, 3, 2, 9))
-
-
-def shear_ratio(t: Triangles | Quadrilaterals, D: Array, Ds: Array) -> Array:
-    """Ratio of shear flexibility to bending flexibility of each side: phi (c, 3|4).
-
-    phi_k = 12 D_ss / (Ds_ss L_k^2) with D_ss = q' D q, q = (C^2, S^2, 2 C S) the moment about
-    the side's normal for a unit curvature along the side, and Ds_ss = t' Ds t. Isotropic:
-    2 / (kappa (1 - nu)) (h / L_k)^2.
-
-    Parameters
-    ----------
-    D : (c|1, 3, 3) bending stiffness [N m]
-    Ds : (c|1, 2, 2) transverse shear stiffness [N/m]
-    """
-    C, S = t.tangent[..., 0], t.tangent[..., 1]
-    q = np.stack([C * C, S * S, 2.0 * C * S], axis=-1)
-    D_ss = ((q @ D) * q).sum(axis=-1)
-    Ds_ss = ((t.tangent @ Ds) * t.tangent).sum(axis=-1)
-    return np.asarray(12.0 * D_ss / (Ds_ss * t.length**2))
+def side_ratios(t: Cell) -> list[Any]:
+    """`shear_ratio` of each side, of quadrilaterals with the part of the width (side_widths.py)."""
+    found = []
+    for k in range(t.k):
+        phi = shear_ratio(t.D, t.Ds, t.tangent[k], t.length[k])
+        if t.k == 4:
+            width = phi * t.width_ratio[k]
+            phi = phi + width + width**2
+        found.append(phi)
+    return found

@@ -3,7 +3,6 @@
 from ....solver.math.catalogue import catalogue, listed
 from ....solver.package.shell import elements
 from .contract import QuadPlate
-from .strains import QuadStrains
 
 QUADS = listed(
     [(plate.name, plate) for plate in catalogue(__name__, __path__, QuadPlate)],
@@ -11,4 +10,4 @@ QUADS = listed(
     "quads",
 )
 
-__all__ = ["QUADS", "QuadPlate", "QuadStrains"]
+__all__ = ["QUADS", "QuadPlate"]

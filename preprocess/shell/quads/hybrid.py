@@ -11,111 +11,112 @@ e + A^-1 B k of the displacements and the curvature k, the Hellinger-Reissner fu
 
     int N'(e + A^-1 B k) - N' A^-1 N/2 + k'(D - B A^-1 B) k/2
 
-gives beta = H^-1 G u, H = int P' A^-1 P, G u = int P'(e + A^-1 B k). The part of e is the work
-of P n on the sides. In a constant state neighbours fit together if their common side bows alike.
-Thus a is that of the triangles (`bow` of the membrane) in rows b1 to b3, which alone do work in a
-constant state, and 1 in the others.
+gives beta = H^-1 G u, H = int P' A^-1 P, G u = int P'(e + A^-1 B k). The stiffness G' H^-1 G is the
+square of y = L^-1 G u with H = L L'. In a constant state neighbours fit together if their common
+side bows alike. Thus a is that of the triangles (`bow` of the membrane) in rows b1 to b3, which
+alone do work in a constant state, and 1 in the others.
 
 Two motions of the rotations have no energy in this field, equal ones and alternating ones; they
 get a small stiffness, which is zero in every constant state.
 """
 
-import numpy as np
+from typing import Any, NamedTuple
 
-from ....solver.math.arrays import Array
-from ..drilling.excess import excess
-from ..quadrilaterals import CORNERS, END, START, Quadrilaterals, slopes
+from ufl import as_vector, dot, inv, sqrt
+
+from ..cell import Cell, Point
+from ..membranes.strains import bow_strain, linear_strain
+from ..quadrilaterals import CORNERS
 
 SPURIOUS = 0.1  # of equal rotations relative to that of the cell, to A66 (as in allman.py)
 HOURGLASS = 1e-3  # of alternating rotations, to A66
-ALTERNATING = CORNERS.prod(axis=1)  # 1, -1, 1, -1
-CENTRE = slopes(np.zeros((1, 2)))[0]
+ALTERNATING = [float(xi * eta) for xi, eta in CORNERS.tolist()]  # 1, -1, 1, -1
 
 
-def field(x: Array, y: Array) -> Array:
-    """P at places (..., ) in E, (..., 3, 7)."""
-    P = np.zeros((*x.shape, 3, 7))
-    P[..., range(3), range(3)] = 1.0
-    P[..., 0, 3], P[..., 0, 5] = y, x
-    P[..., 1, 4], P[..., 1, 6] = x, y
-    P[..., 2, 5], P[..., 2, 6] = -y, -x
-    return P
+class Hybrid(NamedTuple):
+    """The membrane with its coupling to the plate.
+
+    `pairs` of stress and strain of the whole cell, and the mean `strain` (exx, eyy, gxy).
+    """
+
+    pairs: list[tuple[Any, Any]]
+    strain: Any
 
 
-def places(q: Quadrilaterals, xy: Array) -> Array:
-    """P at places (c, p, 2), in units of the cell's size, so that all columns are alike."""
-    scaled = xy / np.sqrt(q.area)[:, None, None]
-    return field(scaled[..., 0], scaled[..., 1])
+def hybrid(q: Cell, curvature: list[Any]) -> Hybrid:
+    """Stiffness of the membrane, for the curvature at the points of the cell."""
+    flexible = inv(q.A)
+    P = [_field(q, point) for point in q.points]
+    H = [
+        [
+            sum(p.weight * dot(Pm[m], flexible * Pm[n]) for p, Pm in zip(q.points, P, strict=True))
+            for n in range(m + 1)
+        ]
+        for m in range(7)
+    ]
+    work: list[Any] = [0.0] * 7
+    for point, Pm, k in zip(q.points, P, curvature, strict=True):
+        straight, bowed = linear_strain(point, q.feet), bow_strain(q, point)
+        bent = flexible * q.B * k
+        for m in range(7):
+            a = q.bow if m < 3 else 1.0
+            work[m] += point.weight * dot(Pm[m], straight + a * bowed + bent)
+    L = _cholesky(H)
+    y = _forward(L, work)
+    beta = _backward(L, y)
+    k = sum(
+        (p.weight * k for p, k in zip(q.points, curvature, strict=True)),
+        as_vector((0.0, 0.0, 0.0)),
+    )
+    # the mean of x and of y is zero
+    strain = flexible * (as_vector(beta[:3]) - q.B * (k / q.area))
+    whole = as_vector(y)
+    return Hybrid([(whole, whole), *_steadying(q)], strain)
 
 
-def flexibility(q: Quadrilaterals, A_inverse: Array) -> Array:
-    """H (c, 7, 7) [m/N m2]."""
-    P = places(q, q.interpolation @ q.xy_E)
-    weighted = (q.weight[..., None, None] * A_inverse[:, None]) @ P
-    return np.asarray(np.swapaxes(P, 2, 3).reshape(-1, 4, 7, 3) @ weighted).sum(axis=1)
+def _field(q: Cell, point: Point) -> list[Any]:
+    """Columns of P at a point, with x and y in units of the cell's size, so that all are alike."""
+    x, y = (point.xy[i] / sqrt(q.area) for i in range(2))
+    columns = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (y, 0.0, 0.0), (0.0, x, 0.0),
+               (x, 0.0, -y), (0.0, y, -x)]  # fmt: skip
+    return [as_vector(column) for column in columns]
 
 
-def stretching(q: Quadrilaterals, bow: float) -> Array:
-    """Part of G of the degrees of freedom (u, v, tz) of the corners, (c, 7, 12) [m, m2]."""
-    c = len(q)
-    t = q.tangent
-    n = np.stack([t[..., 1], -t[..., 0]], axis=-1)
-    # n is outward, or inward where the corners run clockwise about e3
-    middle = 0.5 * (q.xy_E[:, 0] + q.xy_E[:, 1])
-    outward = n * np.sign(np.einsum("ci,ci->c", n[:, 0], middle))[:, None, None]
-    P = places(q, q.xy_E)  # at the corners
-    N = np.zeros((c, 4, 2, 3))  # (N n) = N_matrix (Nx, Ny, Nxy)
-    N[..., 0, 0] = N[..., 1, 2] = outward[..., 0]
-    N[..., 1, 1] = N[..., 0, 2] = outward[..., 1]
-    length = q.length[..., None, None]
-    G = np.zeros((c, 4, 3, 7))
-    side = np.array([bow] * 3 + [1.0] * 4)
-    for k, (i, j) in enumerate(zip(START, END, strict=True)):
-        first, last = N[:, k] @ P[:, i], N[:, k] @ P[:, j]  # tractions of the ends, (c, 2, 7)
-        L = length[:, k]
-        G[:, i, :2] += L / 6.0 * (2.0 * first + last)
-        G[:, j, :2] += L / 6.0 * (first + 2.0 * last)
-        across = (0.5 * (first + last) * n[:, k, :, None]).sum(axis=1)
-        turning = (L[:, 0] ** 2 / 12.0) * side * across
-        G[:, j, 2] += turning
-        G[:, i, 2] -= turning
-    return np.swapaxes(G.reshape(c, 12, 7), 1, 2)
+def _steadying(q: Cell) -> list[tuple[Any, Any]]:
+    """Stiffness of the two motions of the rotations without energy."""
+    mean = as_vector([sum(q.excess(q.feet)) / 4.0])
+    h = []
+    for j, g in enumerate(q.centre):
+        h.append(ALTERNATING[j] - sum(ALTERNATING[i] * dot(q.xy[i], g) for i in range(4)))
+    other = as_vector([0.25 * sum(h[j] * q.corners[j].tz for j in range(4))])
+    size = q.A[2, 2] * q.area
+    return [(SPURIOUS * size * mean, mean), (HOURGLASS * size * other, other)]
 
 
-def stiffness(q: Quadrilaterals, A: Array, bow: float) -> Array:
-    """Stiffness of membranes without coupling, (c, 12, 12)."""
-    G = stretching(q, bow)
-    A_inverse: Array = np.asarray(np.linalg.inv(A), dtype=float)
-    beta: Array = np.asarray(np.linalg.solve(flexibility(q, A_inverse), G), dtype=float)
-    return np.asarray(np.swapaxes(G, 1, 2) @ beta + steadying(q, A))
+def _cholesky(H: list[list[Any]]) -> list[list[Any]]:
+    """Lower triangle L of H = L L', from that of H."""
+    L: list[list[Any]] = []
+    for i, row in enumerate(H):
+        L.append([])
+        for j in range(i):
+            known = sum(L[i][k] * L[j][k] for k in range(j))
+            L[i].append((row[j] - known) / L[j][j])
+        L[i].append(sqrt(row[i] - sum(L[i][k] ** 2 for k in range(i))))
+    return L
 
 
-def bending(q: Quadrilaterals, A_inverse: Array, B: Array, curvature: Array) -> Array:
-    """Part of G of the plate's degrees of freedom, int P' A^-1 B k, (c, 7, 12)."""
-    P = places(q, q.interpolation @ q.xy_E)
-    weighted = (q.weight[..., None, None] * (A_inverse @ B)[:, None]) @ curvature
-    return np.asarray(np.swapaxes(P, 2, 3) @ weighted).sum(axis=1)
+def _forward(L: list[list[Any]], b: list[Any]) -> list[Any]:
+    """L^-1 b."""
+    y: list[Any] = []
+    for i, value in enumerate(b):
+        y.append((value - sum(L[i][k] * y[k] for k in range(i))) / L[i][i])
+    return y
 
 
-def steadying(q: Quadrilaterals, A: Array) -> Array:
-    """Stiffness of the two motions of the rotations without energy, (c, 12, 12)."""
-    grad, mean = _centre_gradients(q), excess_rotation(q).mean(axis=1)
-    h = ALTERNATING - np.einsum("i,cix,cjx->cj", ALTERNATING, q.xy_E, grad)
-    other = np.zeros((len(q), 12))
-    other[:, 2::3] = 0.25 * h
-    size = (A[..., 2, 2] * q.area)[:, None, None]
-    return np.asarray(
-        size * (SPURIOUS * mean[:, :, None] * mean[:, None, :]
-                + HOURGLASS * other[:, :, None] * other[:, None, :])
-    )  # fmt: skip
-
-
-def excess_rotation(q: Quadrilaterals) -> Array:
-    """tz_i - (v,x - u,y)/2 of each corner, with the rotation of the centre, (c, 4, 12)."""
-    return excess(_centre_gradients(q))
-
-
-def _centre_gradients(q: Quadrilaterals) -> Array:
-    """Gradients of N at xi = eta = 0, (c, 4, 2)."""
-    J = CENTRE.T @ q.xy_E
-    return np.asarray(CENTRE @ np.linalg.inv(J).swapaxes(1, 2))
+def _backward(L: list[list[Any]], y: list[Any]) -> list[Any]:
+    """L'^-1 y."""
+    n = len(y)
+    x: list[Any] = [None] * n
+    for i in reversed(range(n)):
+        x[i] = (y[i] - sum(L[k][i] * x[k] for k in range(i + 1, n))) / L[i][i]
+    return x

@@ -14,38 +14,33 @@ linear in s. The curvature of the corners' motion does no work on f'. All other 
 vanish, so each is eliminated alone.
 """
 
-import numpy as np
+from typing import Any
 
-from ....solver.math.arrays import Array
-from ..quadrilaterals import GAUSS, Quadrilaterals, slopes
+from ufl import as_vector, dot, inv, sqrt
+
+from ..cell import Cell
+from ..quadrilaterals import GAUSS
 
 CURVED, SHEARED, ANSWER = 16.0 / 5.0, 32.0 / 105.0, -2.0 / 5.0
-CENTRE = slopes(np.zeros((1, 2)))[0]
 
 
-def relief(q: Quadrilaterals, D: Array, Ds: Array, shear: Array) -> Array:
-    """Stiffness that the internal rotations take from the plate, (c, 12, 12).
+def relief(q: Cell, shear: list[Any]) -> list[tuple[Any, Any]]:
+    """Stiffness that the internal rotations take from the plate: negative pairs.
 
     Parameters
     ----------
-    D : (c|1, 3, 3) bending stiffness with free membrane resultants [N m]
-    Ds : (c|1, 2, 2) transverse shear stiffness [N/m]
-    shear : (c, 4, 2, 12) shear strain at the points `GAUSS`
+    shear : shear strain at the points of the cell
     """
-    J = CENTRE.T @ q.xy_E  # (c, a, i) of x_i by xi_a
-    area = np.abs(np.linalg.det(J))
-    gradient = np.swapaxes(np.linalg.inv(J), 1, 2)[:, ::-1]  # of the other coordinate, (c, a, i)
-    t = J / np.linalg.norm(J, axis=2, keepdims=True)
-    k = np.stack(
-        [
-            t[..., 0] * gradient[..., 0],
-            t[..., 1] * gradient[..., 1],
-            t[..., 0] * gradient[..., 1] + t[..., 1] * gradient[..., 0],
-        ],
-        axis=-1,
-    )
-    along = t @ Ds  # (c, a, 2)
-    own = CURVED * ((k @ D) * k).sum(axis=-1) + SHEARED * (along * t).sum(axis=-1)  # (c, a)
-    variation = GAUSS[:, ::-1].T @ shear.reshape(len(q), 4, 24)  # sum of s g, (c, a, 24)
-    work = ANSWER * (along[:, :, None] @ variation.reshape(len(q), 2, 2, 12))[:, :, 0]
-    return np.asarray(np.swapaxes(work * (area[:, None] / own)[..., None], 1, 2) @ work)
+    D = q.D - q.B * inv(q.A) * q.B  # with free membrane resultants
+    at, pairs = q.mapping, []
+    for along, gradient, across in ((at.by_xi, at.grad_eta, 1), (at.by_eta, at.grad_xi, 0)):
+        t = along / sqrt(dot(along, along))
+        k = as_vector(
+            (t[0] * gradient[0], t[1] * gradient[1], t[0] * gradient[1] + t[1] * gradient[0])
+        )
+        own = CURVED * dot(k, D * k) + SHEARED * dot(t, q.Ds * t)
+        places = GAUSS[:, across].tolist()
+        work = sum(s * dot(q.Ds * t, gamma) for s, gamma in zip(places, shear, strict=True))
+        answer = as_vector([ANSWER * work])
+        pairs.append((-abs(at.det) / own * answer, answer))
+    return pairs

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+import ufl
 from shell_element_samples import (
     QUADS,
     coupled,
+    element_mass,
+    element_stiffness,
     isotropic,
     nodal,
     one_quadrilateral,
@@ -15,13 +18,16 @@ from shell_element_samples import (
     turn,
 )
 
+from plymotion.preprocess import fenicsx
+from plymotion.preprocess.shell.cell import SIZE, Cell
 from plymotion.preprocess.shell.choice import Choice
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mass import element_mass
-from plymotion.preprocess.shell.quadrilaterals import quadrilaterals
+from plymotion.preprocess.shell.quadrilaterals import GAUSS, quadrilaterals
+from plymotion.preprocess.shell.quads.internal import relief
 from plymotion.preprocess.shell.resultants import element_resultants
 from plymotion.preprocess.shell.side_widths import width_ratios
-from plymotion.preprocess.shell.stiffness import element_stiffness
+from plymotion.preprocess.shell.single_cells import cell_matrices
+from plymotion.preprocess.shell.table import cell_table
 from plymotion.solver.package.shell.cells import area_vectors, centres, corner_areas, sides
 
 STRAIN, CURVATURE = np.array([1.0, -0.4, 0.7]), np.array([0.8, 1.0, -0.5])
@@ -61,12 +67,10 @@ def test_patch_of_triangles_and_quadrilaterals(laminate, membrane, cut) -> None:
 
 def test_sides_that_bow_differently_fail_the_mixed_patch() -> None:
     # the hybrid membrane with the sides of opt beside allman, whose sides bow less
-    from plymotion.preprocess.shell.quads import hybrid
-
-    flat, _ = one_quadrilateral()
-    rows = [hybrid.stretching(flat, bow)[0, :, 2::3] for bow in (1.0, 1.5)]
-    assert np.allclose(rows[1][:3], 1.5 * rows[0][:3], rtol=1e-14)
-    assert np.allclose(rows[1][3:], rows[0][3:], rtol=1e-14)
+    opt, allman = (Choice(membrane=membrane) for membrane in ROTATING)
+    for own, other in ((opt, allman), (allman, opt)):
+        error = quad_patch_error(isotropic(0.1), own, STRAIN, NONE, cut=2, beside=other)
+        assert error > 0.01
 
 
 @pytest.mark.parametrize("warp", [0.0, 0.2])
@@ -153,19 +157,24 @@ def test_cells_without_a_shape_are_refused() -> None:
 
 
 def test_internal_rotations_answer_to_shear_that_varies() -> None:
-    from plymotion.preprocess.shell.quadrilaterals import GAUSS
-    from plymotion.preprocess.shell.quads import internal
-
     q, _ = one_quadrilateral()
-    laminate = coupled(0.5)
-    D, Ds = np.asarray(laminate.D)[None], np.asarray(laminate.Ds)[None]
-    even = np.broadcast_to(np.ones((2, 1)), (1, 4, 2, 12))
-    assert np.abs(internal.relief(q, D, Ds, even)).max() < 1e-14 * Ds.max()
+    laminate = coupled(0.5)._replace(B=np.zeros((3, 3)))
+    symbols = fenicsx.symbols("quadrilateral", SIZE, 24)
+    cell, one = Cell(symbols, 4), symbols.unknowns[0]
+    shears = {"even": [1.0] * 4, "varying": GAUSS[:, 1].tolist()}  # gxz and gyz; gxz alone
+
+    def relieved(name: str, D: np.ndarray) -> float:
+        shear = [ufl.as_vector((a * one, a * one * (name == "even"))) for a in shears[name]]
+        stress, strain = ([a[0] for a in rows] for rows in zip(*relief(cell, shear), strict=True))
+        kernel = fenicsx.kernel(24, [fenicsx.compiled("quadrilateral", stress, strain)])
+        table = cell_table(q, laminate._replace(D=D), Choice())
+        return -cell_matrices(q, kernel, table)[0, 0, 0]
+
+    size = laminate.Ds.max()
+    assert abs(relieved("even", laminate.D)) < 1e-14 * size
     # of gxz = eta: at most the energy of its part along f, (8/15)^2 / (32/105)
-    varying = np.zeros((1, 4, 2, 12))
-    varying[..., 0, 0] = GAUSS[:, 1]
-    assert internal.relief(q, 1e-9 * D, Ds, varying)[0, 0, 0] > 0.0
-    assert internal.relief(q, 1e9 * D, Ds, varying)[0, 0, 0] < 1e-6 * Ds.max()
+    assert relieved("varying", 1e-9 * laminate.D) > 0.0
+    assert relieved("varying", 1e9 * laminate.D) < 1e-6 * size
 
 
 def test_one_ratio_from_both_sides_and_none_beside_triangles() -> None:

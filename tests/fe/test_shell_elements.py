@@ -8,17 +8,17 @@ from shell_element_samples import (
     MEMBRANES,
     PLATES,
     coupled,
+    element_stiffness,
     isotropic,
     one_triangle,
+    part_stiffness,
+    ratios,
     rigid_motions,
     turn,
 )
 
 from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.plates import PLATES as FORMULAS
-from plymotion.preprocess.shell.plates import shear_ratio
 from plymotion.preprocess.shell.resultants import element_resultants, element_strains
-from plymotion.preprocess.shell.stiffness import element_stiffness, plate_stiffness
 from plymotion.preprocess.shell.triangles import triangles
 
 CELL = np.array([[0, 1, 2]])
@@ -119,11 +119,9 @@ def test_chunks_and_laminates_of_each_triangle() -> None:
 @pytest.mark.parametrize("plate", ["dst", "dkmt"])
 def test_rigid_shear_gives_dkt(plate, laminate) -> None:
     t, _, _ = one_triangle()
-    D, Ds = laminate.D[None], 1e8 * laminate.Ds[None]
-    kirchhoff = plate_stiffness(t, D, Ds, FORMULAS["dkt"].strains(t, D, Ds))
-    found = plate_stiffness(t, D, Ds, FORMULAS[plate].strains(t, D, Ds))
+    stiff = laminate._replace(Ds=1e8 * laminate.Ds)
+    kirchhoff, found = (part_stiffness(t, stiff, "plate", name) for name in ("dkt", plate))
     assert np.abs(found - kirchhoff).max() < 1e-6 * np.abs(kirchhoff).max()
-    stiff = laminate._replace(Ds=Ds[0])
     u = np.random.default_rng(2).normal(size=(1, 18, 1))
     T = element_resultants(t, stiff, Choice("dst"), u)[:, 6:]
     T_kirchhoff = element_resultants(t, laminate, Choice("dkt"), u)[:, 6:]
@@ -133,9 +131,8 @@ def test_rigid_shear_gives_dkt(plate, laminate) -> None:
 def test_soft_shear_gives_mitc3() -> None:
     t, _, _ = one_triangle()
     laminate = coupled(0.3)
-    D, Ds = laminate.D[None], 1e-10 * laminate.Ds[None]
-    expected = plate_stiffness(t, D, Ds, FORMULAS["mitc3"].strains(t, D, Ds))
-    found = plate_stiffness(t, D, Ds, FORMULAS["dkmt"].strains(t, D, Ds))
+    soft = laminate._replace(Ds=1e-10 * laminate.Ds)
+    expected, found = (part_stiffness(t, soft, "plate", name) for name in ("mitc3", "dkmt"))
     assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
@@ -143,12 +140,12 @@ def test_shear_ratio_of_an_isotropic_plate() -> None:
     t, _, _ = one_triangle()
     laminate, nu, h = isotropic(0.2), 0.3, 0.2
     expected = 2.0 / (5 / 6 * (1 - nu)) * (h / t.length) ** 2
-    assert np.allclose(shear_ratio(t, laminate.D[None], laminate.Ds[None]), expected, rtol=1e-13)
+    assert np.allclose(ratios(t, laminate), expected, rtol=1e-13)
 
 
 def test_shear_ratio_is_of_the_direction_of_the_side() -> None:
     # Sides along e1 and e2 of a right triangle see D11 with Ds11 and D22 with Ds22.
     t = triangles(np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]), CELL, np.array([1.0, 0, 0]))
     D, Ds = np.diag([5.0, 7.0, 1.0]), np.diag([2.0, 3.0])
-    phi = shear_ratio(t, D[None], Ds[None])[0]
+    phi = ratios(t, isotropic(1.0)._replace(D=D, Ds=Ds))[0]
     assert np.allclose(phi[[0, 2]], [12 * 5 / (2 * 4), 12 * 7 / (3 * 9)], rtol=1e-14)

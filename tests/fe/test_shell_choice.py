@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from shell_element_samples import isotropic, one_triangle
+from shell_element_samples import element_mass, element_stiffness, isotropic, one_triangle
 
 from plymotion.preprocess.shell.choice import Choice
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mass import element_mass
 from plymotion.preprocess.shell.resultants import element_strains
-from plymotion.preprocess.shell.stiffness import element_stiffness
 
 
 @pytest.mark.parametrize(

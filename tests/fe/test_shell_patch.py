@@ -13,12 +13,12 @@ from shell_element_samples import (
     nodal,
     patch,
     patch_error,
+    ratios,
     state,
     turn,
 )
 
 from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.plates import shear_ratio
 from plymotion.preprocess.shell.plates.dst import SHEAR_RATIO_LIMIT
 from plymotion.preprocess.shell.resultants import element_resultants, element_strains
 from plymotion.preprocess.shell.triangles import triangles
@@ -83,7 +83,7 @@ def test_error_of_dst_stays_below_a_fiftieth_of_its_criterion() -> None:
 def patch_ratio(laminate) -> float:
     xy, cells = patch()
     t = triangles(in_space(xy, np.eye(3)), cells, np.array([1.0, 0, 0]))
-    return float(shear_ratio(t, laminate.D[None], laminate.Ds[None]).max())
+    return float(ratios(t, laminate).max())
 
 
 @pytest.mark.parametrize("membrane", MEMBRANES)

@@ -1,0 +1,266 @@
+"""Kernels of DOLFINx from text in UFL that is no integral: lists of pairs (stress, strain).
+
+A list is compiled by FFCx as one `Expression`: rows that are linear in the unknowns of a cell,
+first the stresses of all pairs, then their strains, then rows that couple two lists, then others.
+One kernel in C calls the lists and adds stress' strain; DOLFINx assembles what it gives. It reads
+the lists from the constants of the form, so one kernel serves all lists.
+
+Coordinates of corners come from `ufl.geometry.CellVertices`, other data from one table with a row
+for each cell, the only coefficient. The unknowns are an `Argument` that is constant in each cell.
+"""
+
+import ctypes
+import hashlib
+import os
+import platform
+import shlex
+import subprocess
+import sysconfig
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import ufl
+
+from ...solver.math.arrays import Array
+from ...solver.math.disk_cache import DiskCache
+from .spaces import basix_ufl, quiet
+from .stack import MPI, MissingFenicsx, dolfinx
+
+OPTIMISATION = "-O1"  # of the lists: -O2 compiles half as long again and runs 5 % faster
+MIDDLE = {"triangle": (1.0 / 3.0, 1.0 / 3.0), "quadrilateral": (0.5, 0.5)}
+
+# Newer versions of FFCx have a seventh argument, which older functions ignore.
+SOURCE = r"""
+#include <stdint.h>
+#include <string.h>
+
+typedef void rows_of_cell(double *, const double *, const double *, const double *, const int *,
+                          const uint8_t *, void *);
+struct list { rows_of_cell *rows; int64_t pairs, coupling, count; };
+struct lists { int64_t unknowns, rows, lists; struct list list[]; };
+
+static void add(int64_t n, double *K, const double *stress, const double *strain)
+{
+  for (int64_t i = 0; i < n; ++i)
+    for (int64_t j = i; j < n; ++j)
+      K[i * n + j] += strain[i] * stress[j];
+}
+
+void matrix_of_cell(double *K, const double *w, const double *c, const double *x, const int *e,
+                    const uint8_t *p, void *data)
+{
+  const struct lists *all = (const void *)c;
+  const int64_t n = all->unknowns;
+  double store[all->rows][n], (*row)[n] = store, (*other)[n] = 0;
+  memset(store, 0, sizeof store);
+  for (const struct list *l = all->list; l < all->list + all->lists; ++l) {
+    l->rows(row[0], w, c, x, e, p, data);
+    for (int64_t q = 0; q < l->pairs; ++q)
+      add(n, K, row[q], row[l->pairs + q]);
+    double (*coupling)[n] = row + 2 * l->pairs;
+    for (int64_t q = 0; other && q < l->coupling; ++q) {
+      add(n, K, coupling[q], other[q]);
+      add(n, K, other[q], coupling[q]);
+    }
+    if (l->coupling) other = coupling;
+    row += l->count;
+  }
+  for (int64_t i = 0; i < n; ++i)
+    for (int64_t j = 0; j < i; ++j)
+      K[i * n + j] = K[j * n + i];
+}
+
+void each_cell(rows_of_cell *function, int64_t cells, int64_t size, int64_t columns,
+               int64_t coordinates, double *out, const double *w, const double *c, const double *x)
+{
+  for (int64_t i = 0; i < cells; ++i)
+    function(out + i * size, w + i * columns, c, x + i * coordinates, 0, 0, 0);
+}
+"""
+
+
+class Symbols(NamedTuple):
+    """What the text of a cell is written with: UFL objects.
+
+    `corners` (k, 3) in DOLFINx's order, `table` (columns,) and `unknowns` (n,) of the cell.
+    """
+
+    corners: Any
+    table: Any
+    unknowns: Any
+
+
+def symbols(cell: str, columns: int, unknowns: int) -> Symbols:
+    """Symbols of triangles or quadrilaterals in space."""
+    if basix_ufl is not None:
+        domain = ufl.Mesh(basix_ufl.element("Lagrange", cell, 1, shape=(3,)))
+        constant = [basix_ufl.element("DG", cell, 0, shape=(n,)) for n in (columns, unknowns)]
+    else:
+        shape = ufl.Cell(cell, geometric_dimension=3)
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", shape, 1, dim=3))
+        family = "DQ" if cell == "quadrilateral" else "DG"
+        constant = [ufl.VectorElement(family, shape, 0, dim=n) for n in (columns, unknowns)]
+    table, rows = (ufl.FunctionSpace(domain, element) for element in constant)
+    # FFCx of DOLFINx 0.5 makes no valid name in C of a number above 9, which UFL would count up to
+    only = ufl.Coefficient(table, count=0)
+    return Symbols(ufl.geometry.CellVertices(domain), only, ufl.TestFunction(rows))
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A compiled list of `count` rows: 2 `pairs` of stresses and strains, `coupling`, others."""
+
+    compiled: Any  # holds the library
+    address: int
+    pairs: int
+    coupling: int
+    count: int
+
+
+def compiled(
+    cell: str, stresses: Sequence[Any], strains: Sequence[Any], coupling: Sequence[Any] = (),
+    others: Sequence[Any] = (),
+) -> Rows:  # fmt: skip
+    """Compile a list of rows, each a scalar in UFL that is linear in the unknowns.
+
+    Raises
+    ------
+    MissingFenicsx : there is no C compiler, or it fails.
+    """
+    rows = [*stresses, *strains, *coupling, *others]
+    point = np.array([MIDDLE[cell]])
+    jit = dolfinx.jit.ffcx_jit
+    wrapped = getattr(jit, "__wrapped__", jit)
+    names = wrapped.__code__.co_varnames
+    options = "jit_options" if "jit_options" in names else "jit_params"
+    arguments = {"cffi_extra_compile_args": [OPTIMISATION]}
+    with quiet():
+        try:
+            found, module, _ = jit(
+                MPI.COMM_SELF, (ufl.as_vector(rows), point), **{options: arguments}
+            )
+        except Exception as error:
+            raise MissingFenicsx(f"FFCx cannot compile a shell element: {error}") from error
+    ffi = module.ffi
+    address = int(ffi.cast("intptr_t", found.tabulate_tensor_float64))
+    return Rows((found, module), address, len(stresses), len(coupling), len(rows))
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """Lists whose matrices of cells are summed; those with coupling rows are coupled.
+
+    Attributes
+    ----------
+    unknowns : of a cell
+    lists : they stay alive as long as the kernel
+    constants : the lists as the kernel in C reads them, a structure in a vector of numbers
+    """
+
+    unknowns: int
+    lists: tuple[Rows, ...]
+    constants: Array
+
+
+def kernel(unknowns: int, lists: Sequence[Rows]) -> Kernel:
+    """The kernel of some lists of a cell."""
+    words = [unknowns, sum(rows.count for rows in lists), len(lists)]
+    for rows in lists:
+        words += [rows.address, rows.pairs, rows.coupling, rows.count]
+    return Kernel(unknowns, tuple(lists), np.array(words, dtype=np.int64).view(np.float64))
+
+
+def matrices(kernel: Kernel, table: Array, corners: Array) -> Array:
+    """Matrices of single cells, (c, n, n); arguments as of `rows`."""
+    size = kernel.unknowns**2
+    out = np.zeros((len(table), size))
+    _each(library().matrix_of_cell, kernel.constants, size, out, table, corners)
+    return out.reshape(-1, kernel.unknowns, kernel.unknowns)
+
+
+def rows(kernel: Kernel, number: int, table: Array, corners: Array) -> Array:
+    """Rows of one list for single cells, (c, rows, n).
+
+    Parameters
+    ----------
+    table : (c, columns)
+    corners : (c, k, 3) in DOLFINx's order
+    """
+    chosen = kernel.lists[number]
+    out = np.zeros((len(table), chosen.count * kernel.unknowns))
+    _each(chosen.address, kernel.constants, out.shape[1], out, table, corners)
+    return out.reshape(len(table), chosen.count, kernel.unknowns)
+
+
+def _each(
+    function: Any, constants: Array, size: int, out: Array, table: Array, corners: Array
+) -> None:
+    w, x = (np.ascontiguousarray(a, dtype=np.float64) for a in (table, corners))
+    if len(w) != len(x):
+        raise ValueError(f"{len(w)} rows of data for {len(x)} cells")
+    address = function if isinstance(function, int) else _address(function)
+    numbers = [len(w), size, w.shape[1], x[0].size if len(x) else 0]
+    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (out, w, constants, x)]
+    library().each_cell(
+        ctypes.c_void_p(address), *(ctypes.c_int64(number) for number in numbers), *pointers
+    )
+
+
+def _address(function: Any) -> int:
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+
+def matrix_form(space: Any) -> tuple[Any, int]:
+    """Bilinear form of a space with the kernel in C, and the number of its integral.
+
+    Its lists come with the constants, its table with the coefficients when it is assembled.
+    """
+    address = _address(library().matrix_of_cell)
+    cell = dolfinx.fem.IntegralType.cell
+    spaces = [space._cpp_object] * 2
+    make = dolfinx.cpp.fem.Form_float64
+    if hasattr(dolfinx.cpp.mesh, "EntityMap"):
+        topology = space.mesh.topology
+        count = topology.index_map(topology.dim).size_local
+        integral = (0, address, np.arange(count, dtype=np.int32), np.zeros(0, dtype=np.int8))
+        form = make(spaces, {cell: [integral]}, [], [], False, [], space.mesh._cpp_object)
+        return form, 0
+    return make(spaces, {cell: ([(-1, address)], None)}, [], [], False, None), -1
+
+
+@cache
+def library() -> Any:
+    """The kernel in C, from the cache or compiled.
+
+    Raises
+    ------
+    MissingFenicsx : there is no C compiler, or it fails.
+    """
+    compiler = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
+    command = [*shlex.split(compiler), "-O3", "-shared", "-fPIC", "-x", "c", "-"]
+    key = hashlib.sha256("\n".join([*command, platform.machine(), SOURCE]).encode()).hexdigest()
+    kept = DiskCache("kernels", 8)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "kernel.so"
+        content = kept.read(key)
+        if content is not None:
+            path.write_bytes(content)
+        else:
+            _build([*command, "-o", str(path)])
+            kept.write(key, path.read_bytes())
+        return ctypes.CDLL(str(path))  # stays loaded without its file
+
+
+def _build(command: Sequence[str]) -> None:
+    try:
+        done = subprocess.run(command, input=SOURCE, text=True, capture_output=True, check=False)
+    except OSError as error:
+        what = f"no C compiler {command[0]!r}, which DOLFINx needs"
+        raise MissingFenicsx(f"{what}: {error}") from None
+    if done.returncode:
+        raise MissingFenicsx(f"{command[0]} cannot compile the kernel of shells: {done.stderr}")
