@@ -1,6 +1,6 @@
 r"""Time of the shell elements: stiffness, mass, resultants of 100 k triangles on one core.
 
-PYTHONPATH=.:tests FENICSX_PYTHON benchmarks/shell_elements.py [--count N] [--repeats N] [--json FILE]
+PYTHONPATH=.:tests FENICSX_PYTHON benchmarks/shell_elements.py [--count N] [--repeats N] [--json F]
 
 Matrices of single cells come from the kernels that DOLFINx assembles, compiled before.
 Times are seconds of processor on one core, which other work on the machine disturbs least; the
