@@ -2,11 +2,13 @@
 
 A list is compiled by FFCx as one `Expression`: rows that are linear in the unknowns of a cell,
 first the stresses of all pairs, then their strains, then rows that couple two lists, then others.
-One kernel in C calls the lists and adds stress' strain; DOLFINx assembles what it gives. It reads
-the lists from the constants of the form, so one kernel serves all lists.
+One kernel in C calls the lists, turns their rows from the axes E of the cell to G and adds stress'
+strain; DOLFINx assembles what it gives. It reads the lists from the constants of the form, so one
+kernel serves all lists.
 
 Coordinates of corners come from `ufl.geometry.CellVertices`, other data from one table with a row
-for each cell, the only coefficient. The unknowns are an `Argument` that is constant in each cell.
+for each cell, the only coefficient; its first nine numbers are the rotation v_G = A_GE v_E. The
+unknowns are vectors in E, three and three components of an `Argument` that is constant in a cell.
 """
 
 import ctypes
@@ -44,6 +46,16 @@ typedef void rows_of_cell(double *, const double *, const double *, const double
 struct list { rows_of_cell *rows; int64_t pairs, coupling, count; };
 struct lists { int64_t unknowns, rows, lists; struct list list[]; };
 
+/* Rows for vectors in E -> rows for vectors in G. Paper: Eq. (23). */
+static void turn(double *row, int64_t components, const double *A_GE)
+{
+  for (double *v = row; v < row + components; v += 3) {
+    const double x = v[0], y = v[1], z = v[2];
+    for (int i = 0; i < 3; ++i)
+      v[i] = A_GE[3 * i] * x + A_GE[3 * i + 1] * y + A_GE[3 * i + 2] * z;
+  }
+}
+
 static void add(int64_t n, double *K, const double *stress, const double *strain)
 {
   for (int64_t i = 0; i < n; ++i)
@@ -60,6 +72,7 @@ void matrix_of_cell(double *K, const double *w, const double *c, const double *x
   memset(store, 0, sizeof store);
   for (const struct list *l = all->list; l < all->list + all->lists; ++l) {
     l->rows(row[0], w, c, x, e, p, data);
+    turn(row[0], l->count * n, w);
     for (int64_t q = 0; q < l->pairs; ++q)
       add(n, K, row[q], row[l->pairs + q]);
     double (*coupling)[n] = row + 2 * l->pairs;
@@ -73,6 +86,14 @@ void matrix_of_cell(double *K, const double *w, const double *c, const double *x
   for (int64_t i = 0; i < n; ++i)
     for (int64_t j = 0; j < i; ++j)
       K[i * n + j] = K[j * n + i];
+}
+
+void rows_in_G(double *rows, const double *w, const double *c, const double *x, const int *e,
+               const uint8_t *p, void *data)
+{
+  const struct lists *all = (const void *)c;
+  all->list->rows(rows, w, c, x, e, p, data);
+  turn(rows, all->list->count * all->unknowns, w);
 }
 
 void each_cell(rows_of_cell *function, int64_t cells, int64_t size, int64_t columns,
@@ -175,40 +196,34 @@ def kernel(unknowns: int, lists: Sequence[Rows]) -> Kernel:
     return Kernel(unknowns, tuple(lists), np.array(words, dtype=np.int64).view(np.float64))
 
 
-def matrices(kernel: Kernel, table: Array, corners: Array) -> Array:
+def matrices(given: Kernel, table: Array, corners: Array) -> Array:
     """Matrices of single cells, (c, n, n); arguments as of `rows`."""
-    size = kernel.unknowns**2
-    out = np.zeros((len(table), size))
-    _each(library().matrix_of_cell, kernel.constants, size, out, table, corners)
-    return out.reshape(-1, kernel.unknowns, kernel.unknowns)
+    out = np.zeros((len(table), given.unknowns**2))
+    _each(library().matrix_of_cell, given.constants, out, table, corners)
+    return out.reshape(-1, given.unknowns, given.unknowns)
 
 
-def rows(kernel: Kernel, number: int, table: Array, corners: Array) -> Array:
-    """Rows of one list for single cells, (c, rows, n).
+def rows(given: Kernel, number: int, table: Array, corners: Array) -> Array:
+    """Rows of one list for single cells, for unknowns in G, (c, rows, n).
 
     Parameters
     ----------
     table : (c, columns)
     corners : (c, k, 3) in DOLFINx's order
     """
-    chosen = kernel.lists[number]
-    out = np.zeros((len(table), chosen.count * kernel.unknowns))
-    _each(chosen.address, kernel.constants, out.shape[1], out, table, corners)
-    return out.reshape(len(table), chosen.count, kernel.unknowns)
+    alone = kernel(given.unknowns, [given.lists[number]])
+    out = np.zeros((len(table), alone.lists[0].count * alone.unknowns))
+    _each(library().rows_in_G, alone.constants, out, table, corners)
+    return out.reshape(len(table), -1, alone.unknowns)
 
 
-def _each(
-    function: Any, constants: Array, size: int, out: Array, table: Array, corners: Array
-) -> None:
+def _each(function: Any, constants: Array, out: Array, table: Array, corners: Array) -> None:
     w, x = (np.ascontiguousarray(a, dtype=np.float64) for a in (table, corners))
     if len(w) != len(x):
         raise ValueError(f"{len(w)} rows of data for {len(x)} cells")
-    address = function if isinstance(function, int) else _address(function)
-    numbers = [len(w), size, w.shape[1], x[0].size if len(x) else 0]
+    numbers = [len(w), out.shape[1], w.shape[1], x[0].size if len(x) else 0]
     pointers = [ctypes.c_void_p(a.ctypes.data) for a in (out, w, constants, x)]
-    library().each_cell(
-        ctypes.c_void_p(address), *(ctypes.c_int64(number) for number in numbers), *pointers
-    )
+    library().each_cell(function, *(ctypes.c_int64(number) for number in numbers), *pointers)
 
 
 def _address(function: Any) -> int:

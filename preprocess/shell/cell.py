@@ -1,9 +1,8 @@
 """A triangle or quadrilateral in UFL: what the text of elements, mass and loads is written with.
 
-All is in the axes E of the cell's laminate, e3 normal to it. Corners run around the cell, sides
-from corner k to the next. Corner i has the unknowns u, v, w, bx, by, tz in E, linear expressions in
-the displacements and rotations in G: (bx, by) the rotation of the normal, u + z bx and v + z by,
-so bx = ry and by = -rx; tz = rz. The paper's (20) to (23).
+All is in the axes E of the cell's laminate, e3 normal to it; the kernel turns it to G. Corners run
+around the cell, sides from corner k to the next. Corner i has the unknowns u, v, w, bx, by, tz:
+(bx, by) the rotation of the normal, u + z bx and v + z by, so bx = ry and by = -rx; tz = rz.
 
 Numbers of quadrilaterals are taken at points, written out one by one: an integral is a sum over
 `points`. Python numbers enter as float(): NumPy's would take UFL's vectors apart.
@@ -148,7 +147,7 @@ class Cell:
         local = [[dot(place - middle, axis) for axis in axes] for place in places]
         self.xy = [as_vector((x, y)) for x, y, _ in local]
         self.height = [z for _, _, z in local]
-        self.corners = [_corner(given.unknowns, axes, i) for i in AROUND[k]]
+        self.corners = [_corner(given.unknowns, i) for i in AROUND[k]]
         self.feet = self.corners
         if k == 3:
             self._triangle()
@@ -247,11 +246,9 @@ def _entry(table: Any, first: int, shape: tuple[int, ...]) -> Any:
     )
 
 
-def _corner(unknowns: Any, axes: list[Any], i: int) -> Corner:
-    """Paper: Eq. (23)."""
-    shift, turn = (as_vector([unknowns[6 * i + 3 * n + j] for j in range(3)]) for n in range(2))
-    u, v, w = (dot(axis, shift) for axis in axes)
-    rx, ry, rz = (dot(axis, turn) for axis in axes)
+def _corner(unknowns: Any, i: int) -> Corner:
+    """The kernel turns them from G to E."""
+    u, v, w, rx, ry, rz = (unknowns[6 * i + j] for j in range(6))
     return Corner(u, v, w, bx=ry, by=-rx, tz=rz)
 
 

@@ -3,7 +3,7 @@
 With x, y from the centroid of the area, the resultants N = P beta are the complete linear field in
 equilibrium, which has no preferred axes,
 
-    Nx = b1 + b4 y + b6 x,   Ny = b2 + b5 x + b7 y,   Nxy = b3 - b6 y - b7 x.
+    Nx = b5 + b1 y + b3 x,   Ny = b6 + b2 x + b4 y,   Nxy = b7 - b3 y - b4 x.
 
 Displacements are needed on the sides only: linear between the corners, and bowed by
 a (L_k/8) (tz_j - tz_i) P_k along n_k = (t_y, -t_x), as in Allman's triangle. With the strain
@@ -13,7 +13,7 @@ e + A^-1 B k of the displacements and the curvature k, the Hellinger-Reissner fu
 
 gives beta = H^-1 G u, H = int P' A^-1 P, G u = int P'(e + A^-1 B k). The stiffness G' H^-1 G is the
 square of y = L^-1 G u with H = L L'. In a constant state neighbours fit together if their common
-side bows alike. Thus a is that of the triangles (`bow` of the membrane) in rows b1 to b3, which
+side bows alike. Thus a is that of the triangles (`bow` of the membrane) in rows b5 to b7, which
 alone do work in a constant state, and 1 in the others.
 
 Two motions of the rotations have no energy in this field, equal ones and alternating ones; they
@@ -54,31 +54,41 @@ def hybrid(q: Cell, curvature: list[Any]) -> Hybrid:
         ]
         for m in range(7)
     ]
-    work: list[Any] = [0.0] * 7
-    for point, Pm, k in zip(q.points, P, curvature, strict=True):
-        straight, bowed = linear_strain(point, q.feet), bow_strain(q, point)
-        bent = flexible * q.B * k
-        for m in range(7):
-            a = q.bow if m < 3 else 1.0
-            work[m] += point.weight * dot(Pm[m], straight + a * bowed + bent)
+    size = sqrt(q.area)
+    by_x = _moment(q, curvature, [point.xy[0] / size for point in q.points], 1.0)
+    by_y = _moment(q, curvature, [point.xy[1] / size for point in q.points], 1.0)
+    by_1 = _moment(q, curvature, [1.0] * 4, q.bow)
+    work = [by_y[0], by_x[1], by_x[0] - by_y[2], by_y[1] - by_x[2], by_1[0], by_1[1], by_1[2]]
     L = _cholesky(H)
     y = _forward(L, work)
-    beta = _backward(L, y)
+    # b7, b6, b5, the mean resultants, because the means of x and of y are zero
+    N = [y[6] / L[6][6]]
+    N.append((y[5] - L[6][5] * N[0]) / L[5][5])
+    N.append((y[4] - L[6][4] * N[0] - L[5][4] * N[1]) / L[4][4])
     k = sum(
         (p.weight * k for p, k in zip(q.points, curvature, strict=True)),
         as_vector((0.0, 0.0, 0.0)),
     )
-    # the mean of x and of y is zero
-    strain = flexible * (as_vector(beta[:3]) - q.B * (k / q.area))
+    strain = flexible * (as_vector(N[::-1]) - q.B * (k / q.area))
     whole = as_vector(y)
     return Hybrid([(whole, whole), *_steadying(q)], strain)
+
+
+def _moment(q: Cell, curvature: list[Any], factor: list[Any], bow: Any) -> Any:
+    """int factor (e + A^-1 B k), with the bow of the sides."""
+    stretched = bent = as_vector((0.0, 0.0, 0.0))
+    for point, f, k in zip(q.points, factor, curvature, strict=True):
+        e = linear_strain(point, q.feet) + bow * bow_strain(q, point)
+        stretched += point.weight * f * e
+        bent += point.weight * f * k
+    return stretched + inv(q.A) * q.B * bent
 
 
 def _field(q: Cell, point: Point) -> list[Any]:
     """Columns of P at a point, with x and y in units of the cell's size, so that all are alike."""
     x, y = (point.xy[i] / sqrt(q.area) for i in range(2))
-    columns = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (y, 0.0, 0.0), (0.0, x, 0.0),
-               (x, 0.0, -y), (0.0, y, -x)]  # fmt: skip
+    columns = [(y, 0.0, 0.0), (0.0, x, 0.0), (x, 0.0, -y), (0.0, y, -x),
+               (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]  # fmt: skip
     return [as_vector(column) for column in columns]
 
 
@@ -111,12 +121,3 @@ def _forward(L: list[list[Any]], b: list[Any]) -> list[Any]:
     for i, value in enumerate(b):
         y.append((value - sum(L[i][k] * y[k] for k in range(i))) / L[i][i])
     return y
-
-
-def _backward(L: list[list[Any]], y: list[Any]) -> list[Any]:
-    """L'^-1 y."""
-    n = len(y)
-    x: list[Any] = [None] * n
-    for i in reversed(range(n)):
-        x[i] = (y[i] - sum(L[k][i] * x[k] for k in range(i + 1, n))) / L[i][i]
-    return x
