@@ -2,8 +2,8 @@
 
 A list is compiled by FFCx as one `Expression`: rows that are linear in the unknowns of a cell,
 first the stresses of all pairs, then their strains, then rows that couple two lists, then others.
-One kernel in C calls the lists, turns their rows from the axes E of the cell to G and adds stress'
-strain; DOLFINx assembles what it gives. It reads the lists from the constants of the form, so one
+One kernel in C calls the lists, adds stress' strain and turns the sum from the axes E of the cell
+to G; DOLFINx assembles what it gives. It reads the lists from the constants of the form, so one
 kernel serves all lists.
 
 Coordinates of corners come from `ufl.geometry.CellVertices`, other data from one table with a row
@@ -46,6 +46,13 @@ typedef void rows_of_cell(double *, const double *, const double *, const double
 struct list { rows_of_cell *rows; int64_t pairs, coupling, count; };
 struct lists { int64_t unknowns, rows, lists; struct list list[]; };
 
+static void mirror(double *K, int64_t n)
+{
+  for (int64_t i = 0; i < n; ++i)
+    for (int64_t j = 0; j < i; ++j)
+      K[i * n + j] = K[j * n + i];
+}
+
 /* Rows for vectors in E -> rows for vectors in G. Paper: Eq. (23). */
 static void turn(double *row, int64_t components, const double *A_GE)
 {
@@ -56,11 +63,29 @@ static void turn(double *row, int64_t components, const double *A_GE)
   }
 }
 
+/* K (n, n) of vectors in E -> that of vectors in G, from its upper triangle. */
+static void turn_both(double *K, int64_t n, const double *A_GE)
+{
+  mirror(K, n);
+  for (int64_t i = 0; i < n; ++i)
+    turn(K + i * n, n, A_GE);
+  for (int64_t i = 0; i < n; i += 3)
+    for (int64_t j = i; j < n; ++j) {
+      double column[3] = {K[i * n + j], K[(i + 1) * n + j], K[(i + 2) * n + j]};
+      turn(column, 3, A_GE);
+      for (int64_t k = 0; k < 3; ++k)
+        K[(i + k) * n + j] = column[k];
+    }
+  mirror(K, n);
+}
+
+/* Most unknowns in E have no part in a strain. */
 static void add(int64_t n, double *K, const double *stress, const double *strain)
 {
   for (int64_t i = 0; i < n; ++i)
-    for (int64_t j = i; j < n; ++j)
-      K[i * n + j] += strain[i] * stress[j];
+    if (strain[i] != 0.0)
+      for (int64_t j = i; j < n; ++j)
+        K[i * n + j] += strain[i] * stress[j];
 }
 
 void matrix_of_cell(double *K, const double *w, const double *c, const double *x, const int *e,
@@ -72,7 +97,6 @@ void matrix_of_cell(double *K, const double *w, const double *c, const double *x
   memset(store, 0, sizeof store);
   for (const struct list *l = all->list; l < all->list + all->lists; ++l) {
     l->rows(row[0], w, c, x, e, p, data);
-    turn(row[0], l->count * n, w);
     for (int64_t q = 0; q < l->pairs; ++q)
       add(n, K, row[q], row[l->pairs + q]);
     double (*coupling)[n] = row + 2 * l->pairs;
@@ -83,9 +107,7 @@ void matrix_of_cell(double *K, const double *w, const double *c, const double *x
     if (l->coupling) other = coupling;
     row += l->count;
   }
-  for (int64_t i = 0; i < n; ++i)
-    for (int64_t j = 0; j < i; ++j)
-      K[i * n + j] = K[j * n + i];
+  turn_both(K, n, w);
 }
 
 void rows_in_G(double *rows, const double *w, const double *c, const double *x, const int *e,
