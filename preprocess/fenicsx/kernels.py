@@ -31,7 +31,7 @@ import ufl
 from ...solver.math.arrays import Array
 from ...solver.math.disk_cache import DiskCache
 from .spaces import basix_ufl, quiet
-from .stack import MPI, MissingFenicsx, dolfinx
+from .stack import HELP, MPI, MissingFenicsx, dolfinx
 
 OPTIMISATION = "-O1"  # of the lists: -O2 compiles half as long again and runs 5 % faster
 MIDDLE = {"triangle": (1.0 / 3.0, 1.0 / 3.0), "quadrilateral": (0.5, 0.5)}
@@ -163,18 +163,22 @@ class Rows:
     pairs: int
     coupling: int
     count: int
+    columns: int  # of the table
 
 
 def compiled(
-    cell: str, stresses: Sequence[Any], strains: Sequence[Any], coupling: Sequence[Any] = (),
-    others: Sequence[Any] = (),
+    cell: str, columns: int, stresses: Sequence[Any], strains: Sequence[Any],
+    coupling: Sequence[Any] = (), others: Sequence[Any] = (),
 ) -> Rows:  # fmt: skip
     """Compile a list of rows, each a scalar in UFL that is linear in the unknowns.
+
+    `columns` are those of the table.
 
     Raises
     ------
     MissingFenicsx : there is no C compiler, or it fails.
     """
+    library()  # without a compiler it has the better message
     rows = [*stresses, *strains, *coupling, *others]
     point = np.array([MIDDLE[cell]])
     jit = dolfinx.jit.ffcx_jit
@@ -191,7 +195,7 @@ def compiled(
             raise MissingFenicsx(f"FFCx cannot compile a shell element: {error}") from error
     ffi = module.ffi
     address = int(ffi.cast("intptr_t", found.tabulate_tensor_float64))
-    return Rows((found, module), address, len(stresses), len(coupling), len(rows))
+    return Rows((found, module), address, len(stresses), len(coupling), len(rows), columns)
 
 
 @dataclass(frozen=True)
@@ -209,6 +213,14 @@ class Kernel:
     lists: tuple[Rows, ...]
     constants: Array
 
+    def check(self, columns: int, corners: int) -> None:
+        """Raise ValueError if cells or data are not those of the lists, which read past them."""
+        if 6 * corners != self.unknowns:
+            raise ValueError(f"cells of {corners} corners for a kernel of {self.unknowns} unknowns")
+        for rows in self.lists:
+            if rows.columns != columns:
+                raise ValueError(f"{columns} columns of data, expected {rows.columns}")
+
 
 def kernel(unknowns: int, lists: Sequence[Rows]) -> Kernel:
     """The kernel of some lists of a cell."""
@@ -221,7 +233,7 @@ def kernel(unknowns: int, lists: Sequence[Rows]) -> Kernel:
 def matrices(given: Kernel, table: Array, corners: Array) -> Array:
     """Matrices of single cells, (c, n, n); arguments as of `rows`."""
     out = np.zeros((len(table), given.unknowns**2))
-    _each(library().matrix_of_cell, given.constants, out, table, corners)
+    _each(library().matrix_of_cell, given, out, table, corners)
     return out.reshape(-1, given.unknowns, given.unknowns)
 
 
@@ -235,16 +247,17 @@ def rows(given: Kernel, number: int, table: Array, corners: Array) -> Array:
     """
     alone = kernel(given.unknowns, [given.lists[number]])
     out = np.zeros((len(table), alone.lists[0].count * alone.unknowns))
-    _each(library().rows_in_G, alone.constants, out, table, corners)
+    _each(library().rows_in_G, alone, out, table, corners)
     return out.reshape(len(table), -1, alone.unknowns)
 
 
-def _each(function: Any, constants: Array, out: Array, table: Array, corners: Array) -> None:
+def _each(function: Any, given: Kernel, out: Array, table: Array, corners: Array) -> None:
     w, x = (np.ascontiguousarray(a, dtype=np.float64) for a in (table, corners))
     if len(w) != len(x):
         raise ValueError(f"{len(w)} rows of data for {len(x)} cells")
+    given.check(w.shape[1], x.shape[1])
     numbers = [len(w), out.shape[1], w.shape[1], x[0].size if len(x) else 0]
-    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (out, w, constants, x)]
+    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (out, w, given.constants, x)]
     library().each_cell(function, *(ctypes.c_int64(number) for number in numbers), *pointers)
 
 
@@ -297,7 +310,7 @@ def _build(command: Sequence[str]) -> None:
     try:
         done = subprocess.run(command, input=SOURCE, text=True, capture_output=True, check=False)
     except OSError as error:
-        what = f"no C compiler {command[0]!r}, which DOLFINx needs"
-        raise MissingFenicsx(f"{what}: {error}") from None
+        what = f"no C compiler {command[0]!r}, which DOLFINx needs ({error})"
+        raise MissingFenicsx(f"{what}. {HELP}") from None
     if done.returncode:
         raise MissingFenicsx(f"{command[0]} cannot compile the kernel of shells: {done.stderr}")

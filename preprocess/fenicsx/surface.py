@@ -45,8 +45,9 @@ class Surface:
 
     def add_to(self, matrix: "PETSc.Mat", kernel: Kernel, table: Array) -> None:
         """Add the matrices of the cells, with data (c, columns) in the order of `cells`."""
-        if table.shape[0] != len(self.order):
+        if len(table) != len(self.order):
             raise ValueError(f"{len(table)} rows of data for {len(self.order)} cells")
+        kernel.check(table.shape[1], self.cells.shape[1])
         numbering = PETSc.LGMap().create(self._nodes, bsize=DOFS, comm=MPI.COMM_SELF)
         matrix.setLGMap(numbering, numbering)
         key = (dolfinx.fem.IntegralType.cell, self._integral)

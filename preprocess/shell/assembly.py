@@ -59,13 +59,15 @@ class Assembly:
         kernel : of cells with a number of corners (pairs.py)
         entries : of the table of the cells by their names, in the order of the mesh
         """
+        # first, because what DOLFINx needs a compiler for gives a worse message without one
+        kernels = [kernel(kind[0].nodes.shape[1]) for kind in self._kinds]
         parts = []
-        for surface, kind in zip(self._surfaces, self._kinds, strict=True):
+        for surface, kind, found in zip(self._surfaces, self._kinds, kernels, strict=True):
             data = [cell_table(r.geometry, r.stiffness, self._choice) for r in kind]
             table = np.concatenate(data)
             cells = np.concatenate([region.cells for region in kind])
             write(table, **{name: values[cells] for name, values in entries.items()})
-            parts.append((surface, kernel(surface.cells.shape[1]), table))
+            parts.append((surface, found, table))
         return self._pattern.assembled(parts)
 
     def lines(self, ends: IntArray, matrices: Array) -> sp.csr_matrix:

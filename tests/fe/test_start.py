@@ -46,7 +46,7 @@ def loaded(command: str, spec: Path) -> set[str]:
     ("command", "table", "used", "unused"),
     [
         ("section", SECTION, {"gmsh", "dolfinx", "ufl"}, {"slepc4py.SLEPc", "scipy.spatial"}),
-        ("shell", SHELL, {"gmsh"}, DOLFINX | {"slepc4py.SLEPc", "basix"}),
+        ("shell", SHELL, {"gmsh", "dolfinx", "ufl", "ffcx"}, {"slepc4py.SLEPc"}),
     ],
     ids=["section", "shell"],
 )
