@@ -76,7 +76,7 @@ class Pattern:
         self.n_dof = DOFS * n_node
         self._entries = np.repeat(DOFS * blocks, DOFS).astype(np.int32)
 
-    def assembled(self, parts: Sequence[tuple[Surface, Kernel, Array]]) -> sp.csr_matrix:
+    def summed(self, parts: Sequence[tuple[Surface, Kernel, Array]]) -> sp.csr_matrix:
         """Sum of the matrices of the cells of surfaces with their kernels and tables.
 
         Paper: Eq. (24).

@@ -68,7 +68,7 @@ class Assembly:
             cells = np.concatenate([region.cells for region in kind])
             write(table, **{name: values[cells] for name, values in entries.items()})
             parts.append((surface, found, table))
-        return self._pattern.assembled(parts)
+        return self._pattern.summed(parts)
 
     def lines(self, ends: IntArray, matrices: Array) -> sp.csr_matrix:
         """Sum of matrices (l, 12, 12) of lines with nodes (l, 2)."""

@@ -247,7 +247,10 @@ def _entry(table: Any, first: int, shape: tuple[int, ...]) -> Any:
 
 
 def _corner(unknowns: Any, i: int) -> Corner:
-    """The kernel turns them from G to E."""
+    """The kernel turns them from G to E.
+
+    Paper: Eq. (23).
+    """
     u, v, w, rx, ry, rz = (unknowns[6 * i + j] for j in range(6))
     return Corner(u, v, w, bx=ry, by=-rx, tz=rz)
 

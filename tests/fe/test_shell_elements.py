@@ -35,6 +35,7 @@ def scaled_eigenvalues(K: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("plate", PLATES)
 @pytest.mark.parametrize("laminate", [isotropic(0.1), coupled(0.1)], ids=["plain", "coupled"])
 def test_rigid_motions_alone_have_no_energy(laminate, plate, membrane, drilling) -> None:
+    # Paper: Eq. (25), Eq. (26)
     t, points, _ = one_triangle()
     K = element_stiffness(t, laminate, Choice(plate, membrane, drilling=drilling))[0]
     assert np.abs(K @ rigid_motions(points)).max() < 1e-13 * np.abs(K).max()
@@ -58,6 +59,7 @@ def test_fictitious_drilling_keeps_one_mode_and_loses_one() -> None:
 
 @pytest.mark.parametrize(("plate", "membrane", "drilling"), EVERY)
 def test_turning_everything_turns_the_stiffness(plate, membrane, drilling) -> None:
+    # Paper: Eq. (23)
     _, points, direction = one_triangle()
     choice = Choice(plate, membrane, drilling=drilling)
     A = turn(11)

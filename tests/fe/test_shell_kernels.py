@@ -95,14 +95,14 @@ def test_data_of_other_cells_are_refused() -> None:
     pattern = fenicsx.Pattern([region.nodes], problem.mesh.n_node)
     for wrong in (table[:-1], table[:, :-1]):
         with pytest.raises(ValueError, match="data"):
-            pattern.assembled([(whole, kernel, wrong)])
+            pattern.summed([(whole, kernel, wrong)])
         with pytest.raises(ValueError, match="data"):
             fenicsx.matrices(kernel, wrong, region.geometry.corners_G)
     with pytest.raises(ValueError, match="corners"):
         fenicsx.matrices(kernel, table, region.geometry.corners_G[:, :2])
     quads = pairs.stiffness_kernel(4, Choice())
     with pytest.raises(ValueError, match="corners"):
-        pattern.assembled([(whole, quads, table)])
+        pattern.summed([(whole, quads, table)])
 
 
 def test_without_a_compiler_the_message_says_so(tmp_path) -> None:

@@ -30,6 +30,7 @@ def exact_energies() -> np.ndarray:
 
 
 def test_rigid_motions_have_their_exact_energy() -> None:
+    # Paper: Eq. (20), Eq. (21), Eq. (22)
     t, points, _ = one_triangle()
     R = rigid_motions(points)
     M = element_mass(t, MASS)[0]

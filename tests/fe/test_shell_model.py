@@ -96,7 +96,7 @@ def test_strip_bends_as_a_beam() -> None:
 
 
 def test_assembly_is_the_sum_over_cells(record: Record) -> None:
-    """Several regions, and reference points of links at the end."""
+    """Several regions, and reference points of links at the end. Paper: Eq. (24)."""
     problem = ShellProblem(box((3, 2, 1), links=TIP))
     n = problem.freedom.n_dof
     dense = np.zeros((n, n))

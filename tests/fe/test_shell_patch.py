@@ -89,6 +89,7 @@ def patch_ratio(laminate) -> float:
 @pytest.mark.parametrize("membrane", MEMBRANES)
 @pytest.mark.parametrize("plate", PLATES)
 def test_resultants_of_a_constant_state(plate, membrane) -> None:
+    # Paper: Eq. (27), Eq. (28)
     xy, cells = patch()
     A_GE = turn(4)
     laminate = coupled(0.1)
