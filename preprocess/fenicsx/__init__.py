@@ -26,7 +26,7 @@ _PUBLIC = {
     "reference_cell": ("lagrange", "quadrature", "reference_nodes"),
     "spaces": ("constant", "evaluated", "scalar_argument", "separate_cells"),
     "stack": ("HAS_MUMPS", "MPI", "gmsh"),
-    "surface": ("Pattern", "Surface"),
+    "surface": ("Surface", "SurfacePattern"),
 }
 _MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
 

@@ -39,8 +39,8 @@ from .stack import MPI as MPI
 from .stack import MissingFenicsx as MissingFenicsx
 from .stack import gmsh as gmsh
 from .stack import versions as versions
-from .surface import Pattern as Pattern
 from .surface import Surface as Surface
+from .surface import SurfacePattern as SurfacePattern
 from .team import ALONE as ALONE
 from .team import Team as Team
 from .team import world as world

@@ -57,7 +57,7 @@ class Surface:
         numbering.destroy()
 
 
-class Pattern:
+class SurfacePattern:
     """Where the matrix of some surfaces has blocks.
 
     Parameters

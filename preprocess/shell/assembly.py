@@ -46,8 +46,8 @@ class Assembly:
         ]
 
     @cached_property
-    def _pattern(self) -> fenicsx.Pattern:
-        return fenicsx.Pattern(
+    def _pattern(self) -> fenicsx.SurfacePattern:
+        return fenicsx.SurfacePattern(
             [surface.cells for surface in self._surfaces], self._mesh.n_node + self._extra
         )
 

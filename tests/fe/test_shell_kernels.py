@@ -92,7 +92,7 @@ def test_data_of_other_cells_are_refused() -> None:
     region, kernel = problem.regions[0], pairs.stiffness_kernel(3, Choice())
     table = cell_table(region.geometry, region.stiffness, Choice())
     whole = fenicsx.Surface(problem.mesh.points_G, region.nodes)
-    pattern = fenicsx.Pattern([region.nodes], problem.mesh.n_node)
+    pattern = fenicsx.SurfacePattern([region.nodes], problem.mesh.n_node)
     for wrong in (table[:-1], table[:, :-1]):
         with pytest.raises(ValueError, match="data"):
             pattern.summed([(whole, kernel, wrong)])
