@@ -13,6 +13,7 @@ unknowns are vectors in E, three and three components of an `Argument` that is c
 
 import ctypes
 import hashlib
+import inspect
 import os
 import platform
 import shlex
@@ -34,7 +35,7 @@ from .spaces import basix_ufl, quiet
 from .stack import HELP, MPI, MissingFenicsx, dolfinx
 
 OPTIMISATION = "-O1"  # of the lists: -O2 compiles half as long again and runs 5 % faster
-MIDDLE = {"triangle": (1.0 / 3.0, 1.0 / 3.0), "quadrilateral": (0.5, 0.5)}
+POINT = np.array([[0.25, 0.25]])  # anywhere: rows are the same in all of a cell
 
 # Newer versions of FFCx have a seventh argument, which older functions ignore.
 SOURCE = r"""
@@ -167,7 +168,7 @@ class Rows:
 
 
 def compiled(
-    cell: str, columns: int, stresses: Sequence[Any], strains: Sequence[Any],
+    columns: int, stresses: Sequence[Any], strains: Sequence[Any],
     coupling: Sequence[Any] = (), others: Sequence[Any] = (),
 ) -> Rows:  # fmt: skip
     """Compile a list of rows, each a scalar in UFL that is linear in the unknowns.
@@ -180,21 +181,16 @@ def compiled(
     """
     library()  # without a compiler it has the better message
     rows = [*stresses, *strains, *coupling, *others]
-    point = np.array([MIDDLE[cell]])
-    jit = dolfinx.jit.ffcx_jit
-    wrapped = getattr(jit, "__wrapped__", jit)
-    names = wrapped.__code__.co_varnames
-    options = "jit_options" if "jit_options" in names else "jit_params"
-    arguments = {"cffi_extra_compile_args": [OPTIMISATION]}
+    text, jit = (ufl.as_vector(rows), POINT), dolfinx.jit.ffcx_jit
+    known = inspect.signature(jit).parameters
+    options = "jit_options" if "jit_options" in known else "jit_params"
+    arguments = {options: {"cffi_extra_compile_args": [OPTIMISATION]}}
     with quiet():
         try:
-            found, module, _ = jit(
-                MPI.COMM_SELF, (ufl.as_vector(rows), point), **{options: arguments}
-            )
+            found, module, _ = jit(MPI.COMM_SELF, text, **arguments)
         except Exception as error:
             raise MissingFenicsx(f"FFCx cannot compile a shell element: {error}") from error
-    ffi = module.ffi
-    address = int(ffi.cast("intptr_t", found.tabulate_tensor_float64))
+    address = int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64))
     return Rows((found, module), address, len(stresses), len(coupling), len(rows), columns)
 
 
@@ -261,26 +257,31 @@ def _each(function: Any, given: Kernel, out: Array, table: Array, corners: Array
     library().each_cell(function, *(ctypes.c_int64(number) for number in numbers), *pointers)
 
 
-def _address(function: Any) -> int:
-    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
-
-
 def matrix_form(space: Any) -> tuple[Any, int]:
     """Bilinear form of a space with the kernel in C, and the number of its integral.
 
     Its lists come with the constants, its table with the coefficients when it is assembled.
     """
-    address = _address(library().matrix_of_cell)
-    cell = dolfinx.fem.IntegralType.cell
-    spaces = [space._cpp_object] * 2
-    make = dolfinx.cpp.fem.Form_float64
-    if hasattr(dolfinx.cpp.mesh, "EntityMap"):
-        topology = space.mesh.topology
-        count = topology.index_map(topology.dim).size_local
-        integral = (0, address, np.arange(count, dtype=np.int32), np.zeros(0, dtype=np.int8))
-        form = make(spaces, {cell: [integral]}, [], [], False, [], space.mesh._cpp_object)
-        return form, 0
-    return make(spaces, {cell: ([(-1, address)], None)}, [], [], False, None), -1
+    address = ctypes.cast(library().matrix_of_cell, ctypes.c_void_p).value
+    kind, topology = dolfinx.fem.IntegralType.cell, space.mesh.topology
+    cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+    coefficients = np.zeros(0, dtype=np.int8)
+    mesh = getattr(space.mesh, "_cpp_object", None)
+    known: list[tuple[int, Any, tuple[Any, ...]]] = [
+        (0, [(0, address, cells, coefficients)], ([], mesh)),  # DOLFINx 0.10 and later
+        (-1, [(-1, address, cells, coefficients)], ({}, None)),  # 0.8 and 0.9
+        (-1, [(-1, address, cells)], (None,)),  # 0.7
+        (-1, ([(-1, address)], None), (None,)),  # earlier
+    ]
+    for number, integrals, rest in known:
+        arguments = [space._cpp_object] * 2, {kind: integrals}, [], [], False, *rest
+        try:
+            return dolfinx.cpp.fem.Form_float64(*arguments), number
+        except TypeError:
+            continue
+    raise MissingFenicsx(
+        f"this DOLFINx ({dolfinx.__version__}) takes no kernels in C as we know it"
+    )
 
 
 @cache

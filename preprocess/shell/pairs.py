@@ -16,7 +16,7 @@ from ufl import as_matrix, as_vector, inv
 
 from ...solver.package.body.schema import MASS_FORMS
 from ..fenicsx import Kernel, Rows, compiled, kernel
-from .cell import KIND, SIZE, Cell, Point, cell_of
+from .cell import SIZE, Cell, Point, cell_of
 from .choice import Choice
 from .drilling import DRILLINGS
 from .errors import ShellError
@@ -214,7 +214,7 @@ def _compiled(k: int, kind: str, name: str) -> Rows:
     work = WORKS[kind](cell_of(k), name)
     stresses = [row for stress, _ in work.pairs for row in _rows(stress)]
     strains = [row for _, strain in work.pairs for row in _rows(strain)]
-    return compiled(KIND[k], SIZE, stresses, strains, _rows(work.coupling), _rows(work.means))
+    return compiled(SIZE, stresses, strains, _rows(work.coupling), _rows(work.means))
 
 
 def _rows(vector: Any) -> list[Any]:
