@@ -12,7 +12,6 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from ...solver.math.arrays import Array, IntArray
-from ..modes import Algebra
 from .fronts import Part, dissection, negative_eigenvalues, order_of
 
 SOFT = 1e-9  # shift of a singular stiffness relative to the mean of K_ii / M_ii
@@ -35,11 +34,6 @@ class Direct:
         """Systems in fewer dofs will come."""
         (every,) = self._places.values()
         self._places[len(kept)] = every[kept]
-
-    @property
-    def algebra(self) -> Algebra:
-        """For a reference condition."""
-        return Algebra(self.solve, self.negative_pivots)
 
     def solve(self, A: Any, B: Array) -> Array:
         """Solve A X = B with one step of refinement; factors of the same A are used again."""

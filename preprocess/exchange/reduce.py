@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.linalg
@@ -11,7 +11,7 @@ from ... import __version__
 from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Interface, ModalPackage
-from ..modes import HeldDofs, MeanAxis, ModeError, Modes, StaticLoad, completed
+from ..modes import Algebra, HeldDofs, MeanAxis, ModeError, Modes, StaticLoad, completed
 from .direct import Direct
 from .free_body import DIRECTIONS, FreeBody
 from .inertia import Inertia, inertia
@@ -27,7 +27,28 @@ CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and x
 
 
-def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None) -> ModalPackage:
+class Solver(Protocol):
+    """Direct solver of systems in the dofs at given places; see `Direct`."""
+
+    def add_subset(self, kept: IntArray) -> None:
+        """Systems in fewer dofs will come."""
+
+    def solve(self, A: Any, B: Array) -> Array:
+        """Solve A X = B."""
+
+    def negative_pivots(self, A: Any) -> int:
+        """Number of negative eigenvalues of A."""
+
+    def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
+        """Lowest values (count,) and vectors of K x = value M x."""
+
+
+def reduce_body(
+    source: FreeBody,
+    table: Reduction,
+    tell: Tell = lambda _: None,
+    solver: Callable[[Array], Solver] = Direct,
+) -> ModalPackage:
     """Modal package of a body from its free matrices.
 
     Parameters
@@ -35,6 +56,7 @@ def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None)
     source : in the units of `table`
     table : interfaces, reference condition and modes (docs/exchange.md)
     tell : called with the name of each step
+    solver : made with the places of the dofs
 
     Raises
     ------
@@ -51,7 +73,7 @@ def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None)
     every = links(body, table["interfaces"], length)
     parts = constrained(body, every)
     try:
-        modes = _modes(body, table, every, parts, tell)
+        modes = _modes(body, table, every, parts, tell, solver(parts.places))
     except ModeError as error:
         raise InputError(f"{body.where}: {error}") from error
     tell("inertia invariants")
@@ -62,15 +84,20 @@ def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None)
 
 
 def _modes(
-    body: FreeBody, table: Reduction, every: list[Link], parts: Constrained, tell: Tell
+    body: FreeBody,
+    table: Reduction,
+    every: list[Link],
+    parts: Constrained,
+    tell: Tell,
+    direct: Solver,
 ) -> Modes:
     K, M = (parts.T.T @ A @ parts.T for A in (body.K, body.M))
-    direct = Direct(parts.places)
+    algebra = Algebra(direct.solve, direct.negative_pivots)
     kind = table["reference"]["kind"]
     carriers = _carriers(body, table, every)
     if kind == "mean-axis":
         still = _six_dofs(parts)
-        condition: HeldDofs | MeanAxis = MeanAxis(K, M, parts.rigid, direct.algebra, still)
+        condition: HeldDofs | MeanAxis = MeanAxis(K, M, parts.rigid, algebra, still)
         direct.add_subset(np.setdiff1d(np.arange(K.shape[0]), still))
     else:
         dofs = (range(6),) if kind == "clamped" else CHORD
@@ -78,7 +105,7 @@ def _modes(
             parts.reference_dofs[link.name][list(own)]
             for link, own in zip(carriers, dofs, strict=True)
         ]
-        condition = HeldDofs(K, M, np.concatenate(held), direct.algebra)
+        condition = HeldDofs(K, M, np.concatenate(held), algebra)
         direct.add_subset(condition.free)
     requests = table["modes"]
     count = sum(r["count"] for r in requests if r["kind"] == "lowest")

@@ -159,14 +159,27 @@ def _run_alone(path: Path, parameters: Parameters, gdim: int) -> PlainMesh:
 
 
 def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
-    """Read a mesh of gmsh (.msh from version 2); nothing in it, or beside it, is executed.
-
-    gmsh decides by name and content what a file is: it runs what is not a mesh as a script, and
-    FILE.opt beside it, too. It gets a copy that begins as a mesh does, alone in a private folder.
+    """Read a surface mesh of gmsh, see `opened`.
 
     Raises
     ------
     MeshError : missing file, no mesh of gmsh, gmsh error, a model without a mesh of regions.
+    """
+    with opened(path):
+        return plain_from_model(str(path), gdim)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[None]:
+    """Read a mesh of gmsh (.msh from version 2) as the current model; nothing in it is executed.
+
+    Nor is anything beside it. gmsh decides by name and content what a file is: it runs what is not
+    a mesh as a script, and FILE.opt, too. It gets a copy that begins as a mesh does, alone in a
+    private folder.
+
+    Raises
+    ------
+    MeshError : missing file, no mesh of gmsh, gmsh error.
     """
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
@@ -182,9 +195,8 @@ def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
             gmsh.open(str(copy))
         except Exception as error:  # gmsh raises bare Exception or ValueError
             raise MeshError(f"{path}: gmsh: {str(error).replace(str(copy), path.name)}") from error
-        plain = plain_from_model(str(path), gdim)
+        yield
         gmsh.clear()
-    return plain
 
 
 _NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)

@@ -33,7 +33,16 @@ fractions of it are then along the line, `elements` counts those of the line, an
     {"body": "arm", "kind": "imported", "file": "cases/x/arm.toml", "table": {...},
      "sha256": {"arm.inp": "..."}}                see preprocess/exchange/spec.py
 
-A shell's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they go to the
+    {"body": "bracket", "kind": "solid",
+     "solid": {"mesh": {"file": "bracket.step", "size": 0.004}, "materials": {...},
+               "regions": {"all": {"material": "aluminium"}}},      see preprocess/solid/mesh.py
+     "reference": ..., "modes": ..., "damping_ratio": ...,
+     "interfaces": {"root": {"bore": {"radius": 0.005, "point": [0, 0, 0], "direction": [0, 0, 1]},
+                             "link": "rigid", "rotation_deg": [0, 0, 0]},
+                    "tip": {"plane": {"point": [0.1, 0, 0], "normal": [1, 0, 0]}, ...},
+                    "lug": {"at": "named face", ...}}}
+
+A shell's or solid's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they go to the
 provenance of the package. `"candidates": true` of a beam or shell: a plan of `[fidelity]` takes
 some of the modes, so the package has no remarks on modes that were requested.
 """
@@ -146,6 +155,61 @@ class ShellTable(TypedDict):
     stiffeners: NotRequired[dict[str, Any]]
 
 
+class BoreTable(TypedDict):
+    """Faces on a cylinder; with `length`, those within it along the axis, about the point."""
+
+    radius: float
+    point: list[float]
+    direction: list[float]
+    length: NotRequired[float]
+
+
+class PlaneTable(TypedDict):
+    """Faces in a plane."""
+
+    point: list[float]
+    normal: list[float]
+
+
+class SolidInterfaceTable(TypedDict):
+    """Faces of a solid: one of `bore`, `plane`, and `at`, a physical surface."""
+
+    bore: NotRequired[BoreTable]
+    plane: NotRequired[PlaneTable]
+    at: NotRequired[str]
+    link: LinkKind
+    position: NotRequired[list[float]]
+    rotation_deg: list[float]
+
+
+class SolidMeshTable(TypedDict):
+    """A CAD file, a script or a mesh; `unit` [m] is that of the file, if it does not have one."""
+
+    file: str
+    sha256: NotRequired[str]
+    size: NotRequired[float]
+    accuracy: NotRequired[float]
+    unit: NotRequired[float]
+    parameters: NotRequired[dict[str, Any]]
+
+
+class SolidTable(TypedDict):
+    """Geometry and materials of a solid."""
+
+    mesh: SolidMeshTable
+    materials: dict[str, Any]
+    regions: dict[str, Any]
+
+
+class SolidAnalysis(TypedDict):
+    """What the command `solid` computes besides the modes of the free body."""
+
+    count: int
+    supports: list[str]
+    loads: dict[str, Any]
+    error: bool
+
+
 class _Provenance(TypedDict):
     inputs_sha256: NotRequired[str]
     case: NotRequired[str]
@@ -186,6 +250,21 @@ class ShellSpecification(_Provenance):
     candidates: NotRequired[bool]
 
 
+class SolidSpecification(_Provenance):
+    """A solid."""
+
+    body: str
+    kind: Literal["solid"]
+    solid: SolidTable
+    reference: ReferenceTable
+    modes: list[ShellEigenmodes | Attachment]
+    damping_ratio: float
+    interfaces: dict[str, SolidInterfaceTable]
+    second_order: NotRequired[bool]
+    title: NotRequired[str]
+    analysis: NotRequired[SolidAnalysis]
+
+
 class ImportedSpecification(_Provenance):
     """Matrices of another code: the import file, read, and hashes of the files that it names."""
 
@@ -196,4 +275,6 @@ class ImportedSpecification(_Provenance):
     sha256: dict[str, str]
 
 
-Specification = BeamSpecification | ShellSpecification | ImportedSpecification
+Specification = (
+    BeamSpecification | ShellSpecification | SolidSpecification | ImportedSpecification
+)

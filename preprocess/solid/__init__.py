@@ -1,0 +1,1 @@
+"""Solids: parts from CAD files and meshes, by three-dimensional elasticity."""
