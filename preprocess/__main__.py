@@ -84,19 +84,20 @@ def _parser() -> argparse.ArgumentParser:
         description="Build modal packages from laminates, meshes and materials (needs FEniCSx).",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    body = commands.add_parser(
-        "body",
-        help="build the modal packages of bodies",
-        description="Build the modal packages of bodies: sections, modes, inertia.",
-        epilog=BODY_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    _add_specs(body, "specification of one body, as `plymotion check` writes it")
-    body.add_argument(
-        "--out-dir", type=Path, required=True, metavar="DIR", help="folder of the packages"
-    )
-    body.add_argument("--json", action="store_true", help="print one line of JSON per body")
-    body.set_defaults(run=_body)
+    for name, text in (("body", "bodies"), ("solid", "solids that are analysed alone")):
+        body = commands.add_parser(
+            name,
+            help=f"build the modal packages of {text}",
+            description=f"Build the modal packages of {text}: modes, inertia.",
+            epilog=BODY_EPILOG,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        _add_specs(body, "specification of one body, as `plymotion check` or `solid` writes it")
+        body.add_argument(
+            "--out-dir", type=Path, metavar="DIR", help="folder of the packages (default: SPEC's)"
+        )
+        body.add_argument("--json", action="store_true", help="print one line of JSON per body")
+        body.set_defaults(run=_body)
     for name, text, ranks in (
         ("section", "analyse cross-sections", RANKS_EPILOG),
         ("section-batch", "analyse many cross-sections over the ranks of an MPI job", POOL_EPILOG),

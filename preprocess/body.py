@@ -23,7 +23,7 @@ RECOVERY_DEGREE = 3
 
 
 def build_body(spec: dict[str, Any]) -> ModalPackage:
-    """Build the package of a beam or a shell.
+    """Build the package of a beam, a shell or a solid.
 
     Parameters
     ----------
@@ -39,6 +39,10 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
         from .shell.body import build_shell_body  # imported here because beams do not need it
 
         return build_shell_body(spec)
+    if isinstance(spec, dict) and spec.get("kind") == "solid":
+        from .solid.body import build_solid_body
+
+        return build_solid_body(spec)
     return _build_beam(spec)
 
 

@@ -17,11 +17,12 @@ from .reporting import build_from_stdin, reporter
 
 def build_bodies(options: argparse.Namespace) -> int:
     """Build the requested packages; returns the exit code."""
-    out_dir: Path = options.out_dir
-    out_dir.mkdir(parents=True, exist_ok=True)
+    out_dir: Path | None = options.out_dir
+    if out_dir is not None:
+        out_dir.mkdir(parents=True, exist_ok=True)
 
     def target_of(spec: Path) -> Path:
-        return out_dir / f"{spec.stem}.vtkhdf"
+        return (out_dir or spec.parent) / f"{spec.stem}.vtkhdf"
 
     with reporter(options.json, first=True) as (report, _):
         how: dict[str, Any] = {"force": options.force, "report": report}

@@ -33,6 +33,7 @@ from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
+from .commands.solid.options import add_solid_command
 from .commands.streams import complete, full_output, no_reader
 from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError, counted
@@ -194,6 +195,7 @@ def parser() -> CommandParser:
     add_chart_command(commands, _chart)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
+    add_solid_command(commands, _solid)
     add_blade_command(commands, _blade)
     add_exchange_commands(commands, _import, _export)
     experimental = commands.add_parser(
@@ -374,6 +376,12 @@ def _section(options: argparse.Namespace) -> int:
     from .commands.section.command import run_section
 
     return run_section(options)
+
+
+def _solid(options: argparse.Namespace) -> int:
+    from .commands.solid.command import run_solid
+
+    return run_solid(options)
 
 
 def _shell(options: argparse.Namespace) -> int:

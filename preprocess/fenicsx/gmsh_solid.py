@@ -118,7 +118,9 @@ def _import(path: Path, metres: float | None) -> None:
     solids = [tag for tag in found if tag[0] == 3]
     if not solids:
         kinds = {2: "faces", 1: "curves", 0: "points"}
-        what = ", ".join(f"{sum(d == k for d, _ in found)} {kinds[k]}" for k in {d for d, _ in found})
+        what = ", ".join(
+            f"{sum(d == k for d, _ in found)} {kinds[k]}" for k in {d for d, _ in found}
+        )
         raise MeshError(
             f"{path}: no closed solid, found {what or 'nothing'}: an open shell has no inside; "
             "expected solids (export the part as a solid, and close gaps in the CAD program)"
@@ -126,7 +128,7 @@ def _import(path: Path, metres: float | None) -> None:
     if metres and path.suffix.lower() == ".brep":
         occ.dilate(solids, 0.0, 0.0, 0.0, metres, metres, metres)
     if len(solids) > 1:
-        pieces, of_solid = occ.fragment(solids[:1], solids[1:])
+        pieces, _ = occ.fragment(solids[:1], solids[1:])
         if len([p for p in pieces if p[0] == 3]) > len(solids):
             raise MeshError(
                 f"{path}: {len(solids)} solids intersect; expected solids that touch, or one solid "
@@ -208,7 +210,7 @@ def _check_surface(path: Path, key: str) -> None:
     entities = gmsh.model.getEntities(3)
     if path.suffix.lower() in CAD:
         volume = sum(gmsh.model.occ.getMass(d, tag) for d, tag in entities)
-    size = float(np.sqrt(np.median(areas) / TRIANGLE))
+    size = float(np.sqrt((areas @ areas) / areas.sum() / TRIANGLE))  # inside, far from features
     _check_unknowns(volume, float(len(areas)) * TRIANGLE * size**2, size, f"{path}: {key}")
 
 

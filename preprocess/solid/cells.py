@@ -79,7 +79,7 @@ def derivatives(cell: str, at: Array) -> Array:
     for axis in range(3):
         lower = exponents.copy()
         lower[:, axis] = np.maximum(lower[:, axis] - 1, 0)
-        rows.append(exponents[:, axis] * np.prod(at ** lower, axis=1))
+        rows.append(exponents[:, axis] * np.prod(at**lower, axis=1))
     return np.asarray(np.linalg.solve(known.T, np.array(rows).T).T)
 
 

@@ -49,7 +49,8 @@ def cell_materials(
         material = region.get("material")
         if material not in materials:
             raise SolidError(
-                f"{key}.material = {material!r}: no such material{nearest(str(material), materials)}"
+                f"{key}.material = {material!r}: no such material"
+                f"{nearest(str(material), materials)}"
             )
         table = materials[material]
         try:

@@ -138,6 +138,6 @@ def _check_volumes(plain: PlainMesh, file: str) -> None:
 
 
 def edge_length(mesh: SolidMesh) -> float:
-    """Median length of the edges of the outer faces [m]."""
+    """Largest but few of the edges of the outer faces [m]."""
     x: Array = mesh.plain.points[mesh.corners]
-    return float(np.median(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2)))
+    return float(np.quantile(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2), 0.8))

@@ -65,8 +65,10 @@ def _bore(mesh: SolidMesh, bore: Mapping[str, Any], where: str) -> IntArray:
     if len(rows):
         return rows
     found = _radii(mesh, from_axis)
-    known = f"radii about this axis: {few(f'{r:.6g} m' for r in found)}" if found else (
-        "no cylinder of the solid has this axis"
+    known = (
+        f"radii about this axis: {few(f'{r:.6g} m' for r in found)}"
+        if found
+        else ("no cylinder of the solid has this axis")
     )
     within = f" within {bore['length']:g} m" if "length" in bore else ""
     raise SolidError(

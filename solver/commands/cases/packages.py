@@ -140,7 +140,7 @@ def build_packages(
 def _mesh_of(spec: Path) -> str:
     """Text that is equal for bodies of equal sections, which one process analyses once."""
     table = json.loads(spec.read_text(encoding="utf-8"))
-    return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell")])
+    return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell", "solid")])
 
 
 def _show(spec: Path, line: Line, *, quiet: bool) -> None:

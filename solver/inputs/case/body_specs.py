@@ -15,6 +15,8 @@ from .reduction import Reducible
 from .schema import Mechanism
 from .shell_schema import ShellBody
 from .shells import shell_body_spec
+from .solid_schema import SolidBody
+from .solids import solid_body_spec
 
 # Where a body starts, and what a run uses of it, say nothing about its package.
 STATE = {*Placed.model_fields, *Reducible.model_fields}
@@ -51,7 +53,7 @@ class BodySpecs:
     def of(
         self,
         name: str,
-        body: BeamBody | ShellBody | ImportedBody,
+        body: BeamBody | ShellBody | SolidBody | ImportedBody,
         mechanism: Mechanism,
         *,
         candidates: bool = False,
@@ -86,9 +88,11 @@ class BodySpecs:
                 content, sources = beam_spec(name, body, mechanism, self.folder)
             elif isinstance(body, ShellBody):
                 content, sources = shell_body_spec(name, body, self.folder)
+            elif isinstance(body, SolidBody):
+                content, sources = solid_body_spec(name, body, self.folder)
             else:
                 content, sources = imported_spec(name, body, self.folder)
-            if candidates and content["kind"] != "imported":
+            if candidates and content["kind"] in ("beam", "shell"):
                 content["candidates"] = True
             self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
         return self._known[key]

@@ -34,6 +34,7 @@ from .signals import (
     Signal,
     StrengthSignal,
 )
+from .solid_schema import SolidBody
 
 
 def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
@@ -190,10 +191,11 @@ def _signal(
         found = _of_strength(key, signal, body)
         if found:
             return found
-    elif isinstance(body, ShellBody):
+    elif isinstance(body, ShellBody | SolidBody):
         return [
-            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: its plies have '
-            'signals of kind "strength_ratio"'
+            f'{key}.body = "{signal.body}": expected a beam, this one is a {body.kind}: its '
+            f"{'plies have' if body.kind == 'shell' else 'surface has'} signals of kind "
+            '"strength_ratio"'
         ]
     straight = isinstance(body, BeamBody) and is_plain(body)
     if isinstance(signal, SectionSignal) and signal.method == "equilibrium" and not straight:
@@ -210,11 +212,13 @@ def _signal(
 def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
     """Return errors of the places of a signal of strength."""
     found = []
-    if isinstance(body, ShellBody) and signal.x is not None:
-        found.append(f"{key}.x = {signal.x:g}: expected for beams only, {signal.body} is a shell")
-    expected = 3 if isinstance(body, ShellBody) else 2
-    known = isinstance(body, BeamBody | ShellBody)  # not before its package is read
+    surface = isinstance(body, ShellBody | SolidBody)
+    if surface and signal.x is not None:
+        what = f"{signal.body} is a {body.kind}"
+        found.append(f"{key}.x = {signal.x:g}: expected for beams only, {what}")
+    expected = 3 if surface else 2
+    known = surface or isinstance(body, BeamBody)  # not before its package is read
     if signal.point is not None and known and len(signal.point) != expected:
-        what = "x2, x3 of a beam" if expected == 2 else "x, y, z of a shell"
+        what = "x2, x3 of a beam" if expected == 2 else f"x, y, z of a {body.kind}"
         found.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
     return found

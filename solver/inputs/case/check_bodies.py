@@ -11,10 +11,11 @@ from .body_specs import BodySpec, BodySpecs
 from .rich import CHECK, rich_bodies
 from .schema import Mechanism
 from .shell_schema import ShellBody
+from .solid_schema import SolidBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
 TRIANGLE = 1e-5  # relative: the same digits
-Body = BeamBody | ShellBody | RigidBody | PackageBody | ImportedBody
+Body = BeamBody | ShellBody | SolidBody | RigidBody | PackageBody | ImportedBody
 
 
 def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
@@ -24,10 +25,10 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
     for name, body in mechanism.bodies.items():
         if isinstance(body, BeamBody) and (unknown := _names(f"bodies.{name}", body, mechanism)):
             found += unknown + check_motion(f"bodies.{name}", body)
-        elif isinstance(body, BeamBody | ShellBody | ImportedBody):
+        elif isinstance(body, BeamBody | ShellBody | SolidBody | ImportedBody):
             whole = getattr(body, "part_of", None) or name  # equal segments share a package
             try:
-                if mechanism.fidelity is None or isinstance(body, ImportedBody):
+                if mechanism.fidelity is None or isinstance(body, SolidBody | ImportedBody):
                     sound[name] = specs.of(whole, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)

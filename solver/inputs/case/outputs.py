@@ -5,6 +5,7 @@ from math import isfinite
 from .beam_schema import BeamBody
 from .schema import Mechanism
 from .shell_schema import ShellBody
+from .solid_schema import SolidBody
 
 RIGID = 13  # coordinates and velocities of a body without modes, kept at each output
 
@@ -21,7 +22,7 @@ def output_findings(mechanism: Mechanism) -> list[str]:
     modes = sum(
         getattr(mode, "count", 1)
         for body in mechanism.bodies.values()
-        if isinstance(body, BeamBody | ShellBody)
+        if isinstance(body, BeamBody | ShellBody | SolidBody)
         for mode in body.modes
     )
     width = RIGID * len(mechanism.bodies) + 2 * modes

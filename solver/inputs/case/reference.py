@@ -7,6 +7,7 @@ from pydantic import BaseModel
 from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
+from ..solid.description import Bore, Plane, SolidInterface
 from .beam_schema import BeamBody, BeamInterface, BeamLine, BeamStation
 from .body_schema import ImportedBody, PackageBody, PointInterface, RigidBody
 from .couplings import COUPLING_TABLES
@@ -21,6 +22,7 @@ from .schema import CaseFile, Figure, GroundPoint, Mechanism, PointMass, Run
 from .section_schema import DescribedSection
 from .shell_schema import ShellBody, ShellInterface
 from .signals import SIGNAL_TABLES
+from .solid_schema import SolidBody
 from .solver import Solver, Spin
 from .sweeps import Sweep, Variation
 
@@ -31,12 +33,16 @@ _THEN: tuple[type[BaseModel], ...] = (
     BeamLine,
     BeamStation,
     ShellBody,
+    SolidBody,
     RigidBody,
     PackageBody,
     ImportedBody,
     *MODE_TABLES,
     BeamInterface,
     ShellInterface,
+    SolidInterface,
+    Bore,
+    Plane,
     PointInterface,
     GroundPoint,
     *JOINT_TABLES,

@@ -1,7 +1,7 @@
 """Every key of a case file: type, unit, bounds and one line of meaning.
 
-Keys of bodies and sections are in body_schema.py, beam_schema.py, shell_schema.py and
-section_schema.py. docs/case-reference.md is generated from all of them
+Keys of bodies and sections are in body_schema.py, beam_schema.py, shell_schema.py,
+solid_schema.py and section_schema.py. docs/case-reference.md is generated from all of them
 (`python -m plymotion.solver check --reference`).
 """
 
@@ -21,11 +21,13 @@ from .joints import CaseJoint
 from .section_schema import Section
 from .shell_schema import ShellBody
 from .signals import Signal
+from .solid_schema import SolidBody
 from .solver import Solver
 from .sweeps import Sweep
 
 Body = Annotated[
-    BeamBody | ShellBody | RigidBody | PackageBody | ImportedBody, Field(discriminator="kind")
+    BeamBody | ShellBody | SolidBody | RigidBody | PackageBody | ImportedBody,
+    Field(discriminator="kind"),
 ]
 
 

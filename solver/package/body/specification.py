@@ -42,9 +42,9 @@ fractions of it are then along the line, `elements` counts those of the line, an
                     "tip": {"plane": {"point": [0.1, 0, 0], "normal": [1, 0, 0]}, ...},
                     "lug": {"at": "named face", ...}}}
 
-A shell's or solid's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they go to the
-provenance of the package. `"candidates": true` of a beam or shell: a plan of `[fidelity]` takes
-some of the modes, so the package has no remarks on modes that were requested.
+A shell's or solid's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they
+go to the provenance of the package. `"candidates": true` of a beam or shell: a plan of
+`[fidelity]` takes some of the modes, so the package has no remarks on modes that were requested.
 """
 
 from typing import Any, Literal, NotRequired, TypedDict, get_args
@@ -204,7 +204,6 @@ class SolidTable(TypedDict):
 class SolidAnalysis(TypedDict):
     """What the command `solid` computes besides the modes of the free body."""
 
-    count: int
     supports: list[str]
     loads: dict[str, Any]
     error: bool
@@ -275,6 +274,4 @@ class ImportedSpecification(_Provenance):
     sha256: dict[str, str]
 
 
-Specification = (
-    BeamSpecification | ShellSpecification | SolidSpecification | ImportedSpecification
-)
+Specification = BeamSpecification | ShellSpecification | SolidSpecification | ImportedSpecification

@@ -1,0 +1,77 @@
+"""Modal package of a solid body."""
+
+import dataclasses
+import time
+from typing import Any, cast
+
+import numpy as np
+
+from ...solver.errors import InputError
+from ...solver.package import ModalPackage
+from ...solver.package.body.specification import SolidSpecification
+from ...solver.package.common.table_form import SpecError, check_form
+from ...solver.package.shell.cells import vtk_cells
+from ..exchange.reduce import reduce_body
+from ..exchange.spec import Reduction
+from ..exchange.units import SI
+from ..provenance import body_provenance
+from .analysis import accurate_model, findings
+from .model import Mumps
+from .recovery import surface
+
+
+def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
+    """Mesh the solid, solve its modes and collect the package of one body.
+
+    Parameters
+    ----------
+    spec : plain JSON, see solver/package/body/specification.py
+
+    Raises
+    ------
+    SpecError : an unknown or missing key, a value of another type, a request that the solid
+        cannot fulfil.
+    SolidError : what is wrong with geometry, mesh, materials or interfaces
+    """
+    check_form(spec, SolidSpecification)
+    table = cast(SolidSpecification, spec)
+    start = time.perf_counter()
+    model = accurate_model(table["solid"], table["interfaces"], "solid")
+    model.body  # noqa: B018  matrices
+    assembled = time.perf_counter()
+    reduction: Reduction = {
+        "body": table["body"],
+        "reference": table["reference"],
+        "modes": cast(Any, table["modes"]),
+        "interfaces": _followed(model.links) if "analysis" in table else model.links,
+        "units": SI,
+        "damping_ratio": table["damping_ratio"],
+    }
+    try:
+        package = reduce_body(model.body, reduction, solver=Mumps)
+    except InputError as error:
+        raise SpecError(str(error)) from error
+    n = len(model.body.nodes)
+    outside = surface(
+        model, table["solid"]["materials"], np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
+    )
+    connectivity, offsets, types = vtk_cells(outside.corners)
+    told = package.provenance["source"]
+    if "analysis" in table:
+        told = findings(model, package, table["analysis"], table["solid"])
+    seconds = {"solid": assembled - start, "modes": time.perf_counter() - assembled}
+    provenance = body_provenance(spec, {"body": 3 * n}, seconds, package.provenance["warnings"])
+    return dataclasses.replace(
+        package,
+        connectivity=connectivity,
+        offsets=offsets,
+        cell_types=types,
+        laminates=outside.laminates,
+        cell_resultants=outside.cells,
+        provenance={**provenance, "solid": told},
+    )
+
+
+def _followed(links: dict[str, Any]) -> dict[str, Any]:
+    """Interfaces that do not stiffen the free solid."""
+    return {name: {**table, "link": "average"} for name, table in links.items()}

@@ -1,0 +1,1 @@
+"""Solids: parts from CAD, their inertia, frequencies and load cases on the screen."""

@@ -1,0 +1,1 @@
+"""Solids in TOML: description, checks, specification for the FE side."""

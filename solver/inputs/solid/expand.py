@@ -1,0 +1,176 @@
+"""From a solid description, or a CAD file alone, to the specification that the FE side reads."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, nearest
+from ...package.body.specification import SolidSpecification, SolidTable
+from ..common import read_toml
+from ..common.gmsh_file import content_sha256, is_gmsh_mesh
+from ..common.material import check_materials, plain
+from ..common.table import plain_table
+from ..scripts import refuse_script
+from .description import LENGTHS, SolidDescription, checked
+
+CAD = (".step", ".stp", ".iges", ".igs", ".brep")
+# Metals by their usual constants; strengths differ from alloy to alloy and are not among them.
+METALS = {
+    "aluminium": (70e9, 0.33, 2700.0),
+    "steel": (210e9, 0.3, 7850.0),
+    "titanium": (114e9, 0.34, 4430.0),
+}
+
+
+def described_solid(file: Path) -> tuple[SolidDescription, SolidTable]:
+    """Return a description, and geometry and materials of its specification.
+
+    Raises
+    ------
+    InputError
+        One line per error: file, key, value, expectation.
+    """
+    return solid_table(read_toml(file, "solid description"), file)
+
+
+def solid_table(table: dict[str, Any], file: Path) -> tuple[SolidDescription, SolidTable]:
+    """Return the same of a description already read; its paths are relative to its folder."""
+    description = checked(table, file)
+    problems = [*check_materials(description.materials), *_references(description)]
+    mesh: dict[str, Any] = {}
+    try:
+        mesh = _mesh(description, file.parent)
+    except InputError as error:
+        problems += str(error).splitlines()
+    if problems:
+        raise InputError("\n".join(f"{file}: {problem}" for problem in problems))
+    used = {region.material for region in description.regions.values()}
+    return description, {
+        "mesh": mesh,  # type: ignore[typeddict-item]
+        "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
+        "regions": {name: plain_table(region) for name, region in description.regions.items()},
+    }
+
+
+def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpecification:
+    """Return the specification of `plymotion solid` for a description or a CAD file.
+
+    Parameters
+    ----------
+    material : of a CAD file: a name of METALS, or "E,nu,rho" in SI
+    size : of the cells [m], in place of that of the description
+
+    Raises
+    ------
+    InputError
+        See `described_solid`; a CAD file without a material.
+    """
+    if file.suffix.lower() in CAD:
+        table: dict[str, Any] = {
+            "mesh": {"file": file.name},
+            "materials": {"material": _material(file, material)},
+            "regions": {"all": {"material": "material"}},
+        }
+    else:
+        if material is not None:
+            raise InputError(f"{file}: --material: expected with a CAD file only")
+        table = read_toml(file, "solid description")
+    if size is not None and isinstance(table.get("mesh"), dict):
+        table["mesh"] = {**table["mesh"], "size": size}
+    description, solid = solid_table(table, file)
+    return {
+        "body": file.stem,
+        "kind": "solid",
+        "title": description.title,
+        "solid": solid,
+        "reference": {"kind": "mean-axis"},
+        "modes": [{"kind": "lowest", "count": description.frequencies.count}],
+        "damping_ratio": 0.0,
+        "interfaces": {n: plain_table(each) for n, each in description.interfaces.items()},
+        "analysis": {
+            "supports": description.supports,
+            "loads": {
+                case: {name: plain_table(load) for name, load in loads.items()}
+                for case, loads in description.loads.items()
+            },
+            "error": description.frequencies.error,
+        },
+    }
+
+
+def _material(file: Path, text: str | None) -> dict[str, Any]:
+    expected = f"expected {', '.join(METALS)} or E,nu,rho in Pa and kg/m3, such as 70e9,0.33,2700"
+    if text is None:
+        raise InputError(f"{file}: --material: missing; {expected}")
+    try:
+        values = METALS[text] if text in METALS else tuple(map(float, text.split(",")))
+    except ValueError:
+        values = ()
+    if len(values) != 3:
+        raise InputError(f"{file}: --material {text}: {expected}")
+    return {"kind": "isotropic", **dict(zip(("E", "nu", "rho"), values, strict=True))}
+
+
+def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
+    table = description.mesh
+    file, key = folder / table.file, f'mesh.file = "{table.file}"'
+    refuse_script(file, key)
+    if not file.is_file():
+        raise InputError(f"{key}: there is no file {file}")
+    if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
+        raise InputError(f"{key}: expected {', '.join(CAD)}, .geo or .msh")
+    if file.suffix == ".msh" and not is_gmsh_mesh(file):
+        raise InputError(f"{key}: not a mesh of gmsh")
+    own_unit = file.suffix.lower() in CAD[:4]
+    if own_unit and table.unit is not None:
+        raise InputError(f'mesh.unit = "{table.unit}": expected none: {table.file} has its own')
+    if not own_unit and table.unit is None:
+        raise InputError(
+            f"mesh.unit: missing: {table.file} has no unit of length; expected one of "
+            f"{', '.join(LENGTHS)}"
+        )
+    for name in ("size", "accuracy"):
+        if getattr(table, name) is not None and file.suffix.lower() not in CAD:
+            raise InputError(f"mesh.{name}: expected with a CAD file only, not with {table.file}")
+    if table.parameters is not None and file.suffix != ".geo":
+        raise InputError(f"mesh.parameters: expected with a .geo script, not with {table.file}")
+    found = plain_table(table) | {"file": os.path.relpath(file), "sha256": content_sha256(file)}
+    if table.unit is not None:
+        found["unit"] = LENGTHS[table.unit]
+    return dict(found)
+
+
+def _references(description: SolidDescription) -> list[str]:
+    """Return errors of materials and interfaces that are named but not described."""
+    found = [
+        f'regions.{name}.material = "{region.material}": no such material'
+        f"{nearest(region.material, description.materials)}"
+        for name, region in description.regions.items()
+        if region.material not in description.materials
+    ]
+    for name, region in description.regions.items():
+        material = description.materials.get(region.material)
+        axes = region.axis is not None and region.normal is not None
+        if material and material.kind == "orthotropic" and not axes and region.axis_about is None:
+            found.append(
+                f"regions.{name}.axis: missing, needed for the directions of an orthotropic "
+                "material: expected axis and normal, or axis_about"
+            )
+    places = [("supports", name) for name in description.supports]
+    places += [
+        (f"loads.{case}.{name}.at", load.at)
+        for case, loads in description.loads.items()
+        for name, load in loads.items()
+        if load.at is not None
+    ]
+    for key, place in places:
+        interface = description.interfaces.get(place)
+        if interface is None:
+            found.append(
+                f'{key} = "{place}": no such interface{nearest(place, description.interfaces)}'
+            )
+        elif key == "supports" and interface.link != "rigid":
+            found.append(f'interfaces.{place}.link = "average": expected "rigid": it is held')
+    if description.loads and not description.supports:
+        found.append("supports: missing; expected an interface that holds the solid, with [loads]")
+    return found

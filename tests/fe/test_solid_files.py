@@ -1,0 +1,224 @@
+"""Solids from STEP files: inertia as OpenCASCADE computes it, materials, interfaces, refusals."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from solid_samples import (
+    ALUMINIUM,
+    INCH,
+    MILLIMETRE,
+    STEEL,
+    WOUND,
+    bracket,
+    filleted,
+    model_of,
+    one_body,
+    step_file,
+    thin_rib,
+    tube,
+    two_solids,
+)
+
+from plymotion.preprocess.fenicsx import gmsh_session
+from plymotion.preprocess.solid.errors import SolidError
+from plymotion.preprocess.solid.model import SolidModel
+
+RTOL = 1e-4  # of mass, centre over the radius of gyration, inertia over its largest entry
+ABOUT_Z = {"axis_about": {"point": [0.0, 0.0, 0.0], "direction": [0.0, 0.0, 1.0]}}
+
+
+def assert_inertia(model: SolidModel, expected: tuple[float, Any, Any]) -> None:
+    """Compare the mass matrix of the mesh with the exact geometry."""
+    body = model.body
+    R = body.rigid_motions()
+    rigid = R.T @ body.M @ R
+    mass, centre, J = expected
+    assert rigid[0, 0] == pytest.approx(mass, rel=RTOL)
+    found = np.array([rigid[1, 5], rigid[2, 3], rigid[0, 4]]) / rigid[0, 0]
+    gyration = np.sqrt(np.trace(J) / mass)
+    np.testing.assert_allclose(found, centre, rtol=0, atol=RTOL * gyration)
+    about = rigid[3:, 3:] - rigid[0, 0] * (found @ found * np.eye(3) - np.outer(found, found))
+    np.testing.assert_allclose(about, J, rtol=0, atol=RTOL * np.abs(J).max())
+
+
+@pytest.mark.parametrize(
+    ("draw", "unit", "length", "size", "material", "region"),
+    [
+        (bracket, MILLIMETRE, 1e-3, 0.008, ALUMINIUM, {}),
+        (bracket, INCH, 0.0254, 0.2, STEEL, {}),
+        (filleted, MILLIMETRE, 1e-3, 0.006, ALUMINIUM, {}),
+        (thin_rib, MILLIMETRE, 1e-3, 0.006, ALUMINIUM, {}),
+        (tube, MILLIMETRE, 1e-3, 0.01, WOUND, ABOUT_Z),
+    ],
+    ids=["mm", "inch", "fillets", "thin rib", "wound tube"],
+)
+def test_inertia_is_that_of_the_cad_geometry(
+    draw: Callable[[Any], None],
+    unit: str,
+    length: float,
+    size: float,
+    material: Any,
+    region: Any,
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "part.step"
+    parts = step_file(file, draw, unit)
+    model = model_of(file, size, material, region=region)
+    assert_inertia(model, one_body(parts, [material["rho"]], length))
+
+
+def test_two_solids_share_their_faces_and_keep_their_materials(tmp_path: Path) -> None:
+    file = tmp_path / "part.step"
+    parts = step_file(file, two_solids)
+    mesh = {"file": str(file), "size": 0.006}
+    materials = {"aluminium": ALUMINIUM, "steel": STEEL}
+    names = model_of(file, 0.006).mesh.plain.regions
+    assert len(names) == 2
+    volumes = [part.volume for part in model_of(file, 0.006).mesh.exact]
+    block = int(np.argmax(volumes))
+    regions = {
+        name: {"material": "aluminium" if i == block else "steel"} for i, name in enumerate(names)
+    }
+    model = SolidModel({"mesh": mesh, "materials": materials, "regions": regions}, {}, "solid")
+    density = [2700.0 if p.volume == max(q.volume for q in parts) else 7850.0 for p in parts]
+    assert_inertia(model, one_body(parts, density, 1e-3))
+    x = model.mesh.plain.points  # nodes of the common cylinder are there once
+    assert len(np.unique(np.round(x, 9), axis=0)) == len(x)
+
+
+def test_axes_of_a_wound_tube_follow_the_cylinder(tmp_path: Path) -> None:
+    """Extension around is E1, along E2: strain energies of both in the stiffness of the cells."""
+    file = tmp_path / "part.step"
+    step_file(file, tube)
+    model = model_of(file, 0.01, WOUND, region=ABOUT_Z)
+    plain = model.mesh.plain
+    arm = plain.points[plain.cells].mean(axis=1)
+    angle = np.arctan2(arm[:, 1], arm[:, 0])
+    c, s = -np.sin(angle), np.cos(angle)  # direction around
+    strain = np.stack([c * c, s * s, 0 * c, 0 * c, 0 * c, 2 * c * s], axis=1)
+    around = np.einsum("ci,cij,cj->c", strain, model.materials.C, strain)
+    fixed = model_of(file, 0.01, WOUND, region={"axis": [1.0, 0.0, 0.0], "normal": [0.0, 0.0, 1.0]})
+    np.testing.assert_allclose(around, fixed.materials.C[:, 0, 0], rtol=1e-12)
+    np.testing.assert_allclose(model.materials.C[:, 2, 2], fixed.materials.C[:, 1, 1], rtol=1e-12)
+
+
+BORE = {"radius": 0.006, "point": [0.085, 0.02, 0.0], "direction": [0.0, 0.0, 2.0]}
+
+
+def test_interfaces_are_found_by_bore_and_plane(tmp_path: Path) -> None:
+    file = tmp_path / "part.step"
+    step_file(file, bracket)
+    interfaces = {
+        "pin": {"bore": BORE, "link": "rigid", "rotation_deg": [0.0, 0.0, 0.0]},
+        "half": {"bore": {**BORE, "length": 0.01}, "link": "average"},
+        "base": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}, "link": "average"},
+    }
+    model = model_of(file, 0.005, interfaces=interfaces)
+    x = {name: model.body.nodes[rows] for name, rows in model.body.groups.items()}
+    r = np.hypot(*(x["pin"][:, :2] - [0.085, 0.02]).T)
+    np.testing.assert_allclose(r, 0.006, rtol=1e-3)
+    assert np.ptp(x["pin"][:, 2]) == pytest.approx(0.01)
+    assert x["half"][:, 2].max() < 0.01  # faces with their middles below 5 mm
+    np.testing.assert_allclose(x["base"][:, 2], 0.0, atol=1e-9)
+    exact = 0.1 * 0.04 - np.pi * (0.008**2 + 0.006**2)
+    assert exact < _area(model, "base") < 1.005 * exact  # the corners of circles are polygons
+
+
+def _area(model: SolidModel, name: str) -> float:
+    x = model.mesh.plain.points[model.mesh.corners[model.faces[name]]]
+    return float(0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum())
+
+
+def without_unit(file: Path) -> None:
+    """Remove the unit of length."""
+    file.write_text(file.read_text().replace("LENGTH_UNIT() ", ""))
+
+
+def open_shell(file: Path) -> None:
+    """Write the faces of a box but one."""
+    with gmsh_session() as gmsh:
+        gmsh.clear()
+        occ = gmsh.model.occ
+        occ.addBox(0, 0, 0, 10, 10, 10)
+        occ.synchronize()
+        faces = gmsh.model.getEntities(2)
+        occ.remove(gmsh.model.getEntities(3))
+        occ.remove(faces[:1])
+        occ.synchronize()
+        gmsh.write(str(file))
+        gmsh.clear()
+
+
+def flat(file: Path) -> None:
+    """Write a plate of no thickness."""
+    with gmsh_session() as gmsh:
+        gmsh.clear()
+        gmsh.model.occ.addRectangle(0, 0, 0, 10, 10)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(file))
+        gmsh.clear()
+
+
+def crossed(file: Path) -> None:
+    """Write two boxes that intersect."""
+    with gmsh_session() as gmsh:
+        gmsh.clear()
+        gmsh.model.occ.addBox(0, 0, 0, 10, 10, 10)
+        gmsh.model.occ.addBox(5, 5, 5, 10, 10, 10)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(file))
+        gmsh.clear()
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (without_unit, "part.step: has no LENGTH_UNIT"),
+        (open_shell, "part.step: no closed solid, found 5 faces"),
+        (flat, "part.step: no closed solid, found 1 faces"),
+        (crossed, "part.step: 2 solids intersect"),
+        (lambda file: file.write_text("solid"), "OpenCASCADE cannot read it|no closed solid|unit"),
+    ],
+    ids=["no unit", "open", "flat", "crossed", "no STEP"],
+)
+def test_wrong_geometry_is_refused(
+    spoil: Callable[[Path], Any], words: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "part.step"
+    step_file(file, bracket)
+    spoil(file)
+    with pytest.raises(SolidError, match=words) as error:
+        model_of(file, 0.005)
+    assert "expected" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("interface", "words"),
+    [
+        ({"bore": {**BORE, "radius": 0.007}}, "radii about this axis: 0.006 m"),
+        ({"bore": {**BORE, "point": [0.05, 0.0, 0.0]}}, "no cylinder of the solid has this axis"),
+        ({"plane": {"point": [0, 0, 1], "normal": [0, 0, 1]}}, "reaches from -1 to -0.965 m"),
+        ({"at": "lug"}, 'at = "lug": the solid has no physical surface of this name'),
+    ],
+)
+def test_faces_that_are_not_there_are_named(interface: Any, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "part.step"
+    step_file(file, bracket)
+    with pytest.raises(SolidError, match=r"solid\.interfaces\.pin") as error:
+        model_of(file, 0.01, interfaces={"pin": {**interface, "link": "rigid"}})
+    assert words in str(error.value)
+
+
+def test_ten_million_unknowns_are_refused_before_meshing(tmp_path: Path) -> None:
+    file = tmp_path / "part.step"
+    step_file(file, bracket)
+    with pytest.raises(SolidError, match=r"mesh.size = 0.0005 m: about .*e\+0[67] unknowns"):
+        model_of(file, 0.0005)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(SolidError, match=r"no\.step.*no such file"):
+        model_of(tmp_path / "no.step", 0.01)
