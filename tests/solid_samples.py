@@ -128,7 +128,7 @@ def calculix_deck(path: Path, model: SolidModel, material: dict[str, Any], count
     """Write the same nodes and cells as C3D10, and a frequency step of the free solid."""
     body = model.body
     lines = ["*NODE, NSET=NALL"]
-    lines += [f"{i},{x:.16e},{y:.16e},{z:.16e}" for i, (x, y, z) in enumerate(body.nodes, 1)]
+    lines += [f"{i},{x:.12e},{y:.12e},{z:.12e}" for i, (x, y, z) in enumerate(body.nodes, 1)]
     lines.append("*ELEMENT, TYPE=C3D10, ELSET=EALL")
     # nodes of C3D10: edges 12, 23, 13, 14, 24, 34, as VTK's quadratic tetrahedron
     cells = body.cells.connectivity.reshape(-1, 10) + 1

@@ -19,7 +19,7 @@ from .stack import gmsh
 
 STEP, CAD = (".step", ".stp"), (".step", ".stp", ".iges", ".igs", ".brep")
 MOST_UNKNOWNS = 600_000  # of a solid: factors of more take tens of gigabytes
-PER_TURN = 12  # cells around a full circle
+PER_TURN = 10  # cells around a full circle
 SMALLEST = 8.0  # size over that of the smallest cells, of small radii
 TETRAHEDRON = np.sqrt(2.0) / 12.0  # volume of a regular one with edges 1
 TRIANGLE = np.sqrt(3.0) / 4.0
@@ -164,6 +164,7 @@ def _set_sizes(path: Path, size: float | None) -> None:
         ("MeshSizeMax", size),
         ("MeshSizeMin", size / SMALLEST),
         ("MeshSizeFromCurvature", PER_TURN),
+        ("MeshSizeExtendFromBoundary", 0),  # or fillets would make all cells small
     ):
         gmsh.option.setNumber(f"Mesh.{name}", value)
 

@@ -30,7 +30,7 @@ def stiffness(space: Any, C: Any, cell: str) -> Any:
     return ufl.inner(C * strain(u), strain(v)) * dx
 
 
-def mass(space: Any, rho: Any) -> Any:
-    """Work of the inertia forces rho u on v."""
+def mass(space: Any, rho: Any, degree: int = MASS_DEGREE) -> Any:
+    """Work of the inertia forces rho u on v, with integration exact for a polynomial degree."""
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    return rho * ufl.inner(u, v) * ufl.dx(metadata={"quadrature_degree": MASS_DEGREE})
+    return rho * ufl.inner(u, v) * ufl.dx(metadata={"quadrature_degree": degree})

@@ -1,0 +1,44 @@
+"""Frequencies of solids on the same mesh as CalculiX's C3D10.
+
+CalculiX integrates the mass of C3D10 with the four points of the stiffness. They are exact for
+polynomials of degree 2, the products of two functions of the element have 4. Ours are exact, and
+nearer to the limit of fine meshes.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exchange_decks import frequencies
+from exchange_routes import ccx, run_program
+from solid_samples import ALUMINIUM, bar, bracket, calculix_deck, filleted, model_of, step_file
+
+from plymotion.preprocess.solid.analysis import free_hertz
+from plymotion.preprocess.solid.forms import mass
+
+COUNT = 6
+
+
+@pytest.mark.parametrize(
+    ("draw", "size", "rtol"),
+    [(bar, 0.006, 1e-6), (bracket, 0.008, 1e-6), (filleted, 0.012, 1e-6)],
+    ids=["straight edges", "bores", "fillets"],
+)
+@pytest.mark.one_end
+def test_free_frequencies_are_those_of_calculix(
+    draw: Any, size: float, rtol: float, tmp_path: Path
+) -> None:
+    program = ccx()
+    step_file(tmp_path / "part.step", draw)
+    model = model_of(tmp_path / "part.step", size)
+    calculix_deck(tmp_path / "part.inp", model, ALUMINIUM, COUNT + 14)  # so that these converge
+    run_program(program, ["part"], tmp_path, tmp_path / "part.dat")
+    expected = frequencies(tmp_path / "part.dat")[6 : 6 + COUNT] / (2.0 * np.pi)
+    exact = free_hertz(model, COUNT)
+    M = model.space.matrix(mass(model.space.space, model.space.of_cells(model.materials.rho), 2))
+    model.__dict__["body"] = replace(model.body, M=0.5 * (M + M.T))
+    np.testing.assert_allclose(free_hertz(model, COUNT), expected, rtol=rtol)
+    finer = free_hertz(model_of(tmp_path / "part.step", size / 2.0), COUNT)
+    assert (np.abs(exact - finer) < np.abs(expected - finer)).all()
