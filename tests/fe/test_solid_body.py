@@ -1,0 +1,242 @@
+"""Solid bodies: a bar against the beam, stresses of the surface, hexahedra, error estimates."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from body_specs import beam_body
+from flexible_samples import simulate
+from section_specs import library_spec
+from solid_samples import ALUMINIUM, bar, bracket, model_of, step_file, thin_rib
+
+from plymotion.preprocess import fenicsx
+from plymotion.preprocess.body import build_body
+from plymotion.preprocess.solid.analysis import HeldSolid, findings, free_hertz
+from plymotion.preprocess.solid.errors import SolidError
+from plymotion.preprocess.solid.recovery import SKIN
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.bodies.marker import marker_motion
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body
+from plymotion.solver.math.rotations import frame_from_axis
+from plymotion.solver.package import ModalPackage, write_package
+from plymotion.solver.package.validation import validate
+
+LENGTH, WIDTH, HEIGHT = 0.2, 0.012, 0.008
+STRONG = {**ALUMINIUM, "strength": {"yield_stress": 250e6}}
+MODES = [
+    {"kind": "lowest", "count": 4},
+    {"kind": "attachment", "at": "tip", "directions": ["y", "z"]},
+]
+
+
+def end(x: float, link: str) -> dict[str, Any]:
+    """Interface at an end of the bar."""
+    plane = {"point": [x, 0.0, 0.0], "normal": [1.0, 0.0, 0.0]}
+    return {"plane": plane, "link": link, "rotation_deg": [0.0, 0.0, 0.0]}
+
+
+def bar_body(file: Path, **more: Any) -> dict[str, Any]:
+    """The bar, clamped at its root."""
+    return {
+        "body": "bar",
+        "kind": "solid",
+        "solid": {
+            "mesh": {"file": str(file), "size": 0.006},
+            "materials": {"alloy": STRONG},
+            "regions": {"all": {"material": "alloy"}},
+        },
+        "reference": {"kind": "clamped", "at": "root"},
+        "modes": MODES,
+        "damping_ratio": 0.0,
+        "interfaces": {"root": end(0.0, "rigid"), "tip": end(LENGTH, "average")},
+        **more,
+    }
+
+
+@pytest.fixture(scope="module")
+def bar_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A STEP file of the bar."""
+    file = tmp_path_factory.mktemp("bar") / "bar.step"
+    step_file(file, bar)
+    return file
+
+
+@pytest.fixture(scope="module")
+def package(bar_file: Path) -> ModalPackage:
+    """The bar as a body."""
+    return build_body(bar_body(bar_file))
+
+
+def tip_path(package: ModalPackage) -> np.ndarray:
+    """Positions of the tip of a pendulum that starts at rest from the horizontal, (t, 3)."""
+    tip = next(i for i in package.interfaces if i.name == "tip")
+    y_axis = frame_from_axis(np.array([0.0, 1.0, 0.0]))
+    markers = [
+        MarkerTable(-1, np.zeros(3), y_axis),
+        MarkerTable(0, np.zeros(3), y_axis),
+        MarkerTable(0, tip.position_B, tip.A_BI, tip.phi_B, tip.psi_B),
+    ]
+    model = assemble_model(
+        [flexible_body("bar", package)],
+        markers,
+        [JointTable("hinge", "revolute", 0, 1)],
+        gravity_G=(0.0, 0.0, -9.81),
+    )
+    y0 = np.zeros(model.n_pos + model.n_vel + 1)
+    y0[3] = 1.0
+    states = simulate(model, y0, np.linspace(0.0, 0.3, 61), rtol=1e-8)
+    return np.array([marker_motion(model, 2, state).x for state in states])
+
+
+@pytest.mark.one_end
+def test_a_bar_swings_as_the_beam_does(package: ModalPackage) -> None:
+    beam = build_body(
+        beam_body(
+            body="bar",
+            length=LENGTH,
+            elements=16,
+            section=library_spec("rectangle", ALUMINIUM, width=WIDTH, height=HEIGHT),
+            modes=MODES,
+        )
+    )
+    path, expected = tip_path(package), tip_path(beam)
+    assert np.ptp(expected[:, 2]) > 0.9 * LENGTH
+    np.testing.assert_allclose(path, expected, rtol=0, atol=1e-3 * LENGTH)
+
+
+def test_package_is_valid(package: ModalPackage, tmp_path: Path) -> None:
+    write_package(tmp_path / "bar.vtkhdf", package)
+    assert validate(tmp_path / "bar.vtkhdf") == []
+    mass = 2700.0 * LENGTH * WIDTH * HEIGHT
+    assert package.invariants.mass == pytest.approx(mass, rel=1e-12)
+    np.testing.assert_allclose(package.invariants.S0_B / mass, [0.1, 0.0, 0.0], atol=1e-12)
+    assert set(package.cell_types.tolist()) == {5}  # the surface as triangles
+
+
+def test_surface_stress_of_a_bent_bar(bar_file: Path) -> None:
+    """M c / I on the faces at the top, in the middle of the bar; sides have it in proportion."""
+    package = build_body(bar_body(bar_file))
+    assert package.cell_resultants is not None
+    tip = next(i for i in package.interfaces if i.name == "tip")
+    force = 100.0
+    q = np.linalg.solve(package.stiffness, force * tip.phi_B[2])
+    cells = package.cell_resultants
+    stress = np.einsum("eim,m->ei", cells.resultants_E, q)[:, :3] / SKIN
+    corners = package.connectivity.reshape(-1, 3)[cells.cell]
+    centre = package.nodes_B[corners].mean(axis=1)
+    middle = np.abs(centre[:, 0] - LENGTH / 2.0) < LENGTH / 4.0
+    inertia = WIDTH * HEIGHT**3 / 12.0
+    expected = -force * (LENGTH - centre[:, 0]) * centre[:, 2] / inertia
+    along = stress[:, 0] * (np.abs(cells.A_BE[:, 0, 0]) > 0.99)
+    np.testing.assert_allclose(
+        along[middle], expected[middle], rtol=0, atol=0.02 * np.abs(expected).max()
+    )
+    assert package.laminates[0].materials["alloy"]["strength"] == {"yield_stress": 250e6}
+
+
+def hexahedra(file: Path) -> None:
+    """Write the bar as hexahedra of eight nodes in millimetres, with named ends."""
+    with fenicsx.gmsh_session() as gmsh:
+        gmsh.clear()
+        gmsh.model.occ.addBox(0, -6, -4, 200, 12, 8)
+        gmsh.model.occ.synchronize()
+        for _, tag in gmsh.model.getEntities(1):
+            box = np.reshape(gmsh.model.getBoundingBox(1, tag), (2, 3))
+            along = int(np.argmax(box[1] - box[0]))
+            gmsh.model.mesh.setTransfiniteCurve(tag, (26, 3, 3)[along])
+        for _, tag in gmsh.model.getEntities(2):
+            gmsh.model.mesh.setTransfiniteSurface(tag)
+            gmsh.model.mesh.setRecombine(2, tag)
+            x = gmsh.model.getBoundingBox(2, tag)
+            for name, place in (("left", 0.0), ("right", 200.0)):
+                if abs(x[0] - place) + abs(x[3] - place) < 1e-3:
+                    group = gmsh.model.addPhysicalGroup(2, [tag])
+                    gmsh.model.setPhysicalName(2, group, name)
+        gmsh.model.mesh.setTransfiniteVolume(1)
+        group = gmsh.model.addPhysicalGroup(3, [1])
+        gmsh.model.setPhysicalName(3, group, "bar")
+        gmsh.model.mesh.generate(3)
+        gmsh.write(str(file))
+        gmsh.clear()
+
+
+def test_hexahedra_of_a_mesh_file(tmp_path: Path, package: ModalPackage, record: Any) -> None:
+    """A mesh of another cell, in millimetres, with named faces, gives the same body."""
+    file = tmp_path / "bar.msh"
+    hexahedra(file)
+    named = {
+        "root": {"at": "left", "link": "rigid", "rotation_deg": [0.0, 0.0, 0.0]},
+        "tip": {"at": "right", "link": "average", "rotation_deg": [0.0, 0.0, 0.0]},
+    }
+    spec = bar_body(file, interfaces=named)
+    spec["solid"] = {
+        **spec["solid"],
+        "mesh": {"file": str(file), "unit": 1e-3},
+        "regions": {"bar": {"material": "alloy"}},
+    }
+    found = build_body(spec)
+    np.testing.assert_allclose(found.frequencies[:4], package.frequencies[:4], rtol=2e-3)
+    np.testing.assert_allclose(
+        found.invariants.T00_B, package.invariants.T00_B, rtol=1e-9, atol=1e-12
+    )
+    assert set(found.cell_types.tolist()) == {9}
+    record("hexahedra", found.frequencies)
+    spec["solid"]["mesh"].pop("unit")
+    with pytest.raises(SolidError, match=r"mesh\.unit: missing"):
+        build_body(spec)
+
+
+LOADS = {
+    "weight": {"all": {"gravity": [0.0, 0.0, -9.81]}},
+    "end": {"tip": {"at": "tip", "force": [0.0, 0.0, 100.0], "moment": [1.0, 0.0, 0.0]}},
+}
+
+
+def test_load_cases_are_in_equilibrium_and_bend_as_a_beam(bar_file: Path) -> None:
+    model = model_of(
+        bar_file,
+        0.006,
+        interfaces={"root": end(0.0, "rigid"), "tip": end(LENGTH, "average")},
+    )
+    held = HeldSolid(model, ["root"])
+    mass = 2700.0 * LENGTH * WIDTH * HEIGHT
+    weight = held.case(LOADS["weight"])
+    expected = np.array([0, 0, mass * 9.81, 0, -mass * 9.81 * LENGTH / 2, 0])
+    np.testing.assert_allclose(weight.reactions["root"], expected, atol=1e-9)
+    loaded = held.case(LOADS["end"])
+    expected = np.array([0, 0, -100.0, -1.0, 100.0 * LENGTH, 0])
+    np.testing.assert_allclose(loaded.reactions["root"], expected, atol=1e-7)
+    bend = 100.0 * LENGTH**3 / (3.0 * 70e9 * WIDTH * HEIGHT**3 / 12.0)
+    tip = np.isclose(model.body.nodes[:, 0], LENGTH)
+    assert loaded.u[tip, 2].mean() == pytest.approx(bend, rel=1e-2)
+
+
+@pytest.mark.one_end
+@pytest.mark.parametrize(("draw", "size"), [(bracket, 0.012), (thin_rib, 0.012), (bar, 0.008)])
+def test_error_estimate_is_near_the_true_error(draw: Any, size: float, tmp_path: Path) -> None:
+    """Against a mesh with cells 3.5 times as small."""
+    file = tmp_path / "part.step"
+    step_file(file, draw)
+    model = model_of(file, size)
+    mesh = {"file": str(file), "size": size}
+    solid = {
+        "mesh": mesh,
+        "materials": {"stuff": ALUMINIUM},
+        "regions": {"all": {"material": "stuff"}},
+    }
+    count = 4
+    spec = {
+        "body": "part",
+        "kind": "solid",
+        "solid": solid,
+        "reference": {"kind": "mean-axis"},
+        "modes": [{"kind": "lowest", "count": count}],
+        "damping_ratio": 0.0,
+        "interfaces": {},
+    }
+    asked = {"supports": [], "loads": {}, "error": True}
+    estimate = findings(model, build_body(spec), asked, solid)["free_error"]
+    true = free_hertz(model, count) / free_hertz(model_of(file, size / 3.5), count) - 1.0
+    ratio = np.array(estimate) / true
+    assert ((ratio > 0.5) & (ratio < 3.0)).all(), ratio
