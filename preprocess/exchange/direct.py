@@ -5,7 +5,7 @@ ordering of SuperLU needs. Negative eigenvalues are counted by fronts (fronts.py
 copy its factors to show their diagonal.
 """
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -15,6 +15,22 @@ from ...solver.math.arrays import Array, IntArray
 from .fronts import Part, dissection, negative_eigenvalues, order_of
 
 SOFT = 1e-9  # shift of a singular stiffness relative to the mean of K_ii / M_ii
+
+
+class Solver(Protocol):
+    """Direct solver of systems in the dofs at given places; see `Direct`."""
+
+    def add_subset(self, kept: IntArray) -> None:
+        """Systems in fewer dofs will come."""
+
+    def solve(self, A: Any, B: Array) -> Array:
+        """Solve A X = B."""
+
+    def negative_pivots(self, A: Any) -> int:
+        """Number of negative eigenvalues of A."""
+
+    def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
+        """Lowest values (count,) and vectors of K x = value M x."""
 
 
 class Direct:

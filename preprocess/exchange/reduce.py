@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -12,7 +12,7 @@ from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Interface, ModalPackage
 from ..modes import Algebra, HeldDofs, MeanAxis, ModeError, Modes, StaticLoad, completed
-from .direct import Direct
+from .direct import Direct, Solver
 from .free_body import DIRECTIONS, FreeBody
 from .inertia import Inertia, inertia
 from .layups import recovered
@@ -25,22 +25,6 @@ from .vibrations import vibrations
 Tell = Callable[[str], None]  # called with the name of each step
 CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and x
-
-
-class Solver(Protocol):
-    """Direct solver of systems in the dofs at given places; see `Direct`."""
-
-    def add_subset(self, kept: IntArray) -> None:
-        """Systems in fewer dofs will come."""
-
-    def solve(self, A: Any, B: Array) -> Array:
-        """Solve A X = B."""
-
-    def negative_pivots(self, A: Any) -> int:
-        """Number of negative eigenvalues of A."""
-
-    def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
-        """Lowest values (count,) and vectors of K x = value M x."""
 
 
 def reduce_body(

@@ -15,7 +15,7 @@ from ..modes import (
     separating_rotation,
     shares_of,
 )
-from .direct import Direct
+from .direct import Solver
 
 SPARE = 4
 SEVENTH = 1e-14  # value of a mode without stiffness, relative to the largest K_ii / M_ii
@@ -25,7 +25,7 @@ ROUNDS = 4  # attempts to find all modes below the highest
 def vibrations(
     condition: Condition,
     count: int,
-    direct: Direct,
+    direct: Solver,
     participation: Participation,
     name_of: Callable[[int], str],
     where: str,

@@ -1,13 +1,10 @@
-"""Solid bodies: a bar against the beam, stresses of the surface, hexahedra, error estimates."""
+"""Solid bodies: package, stresses of the surface, hexahedra, load cases, error estimates."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body
-from flexible_samples import simulate
-from section_specs import library_spec
 from solid_samples import ALUMINIUM, bar, bracket, model_of, step_file, thin_rib
 
 from plymotion.preprocess import fenicsx
@@ -15,10 +12,6 @@ from plymotion.preprocess.body import build_body
 from plymotion.preprocess.solid.analysis import HeldSolid, findings, free_hertz
 from plymotion.preprocess.solid.errors import SolidError
 from plymotion.preprocess.solid.recovery import SKIN
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.bodies.marker import marker_motion
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body
-from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.validation import validate
 
@@ -66,43 +59,6 @@ def bar_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def package(bar_file: Path) -> ModalPackage:
     """The bar as a body."""
     return build_body(bar_body(bar_file))
-
-
-def tip_path(package: ModalPackage) -> np.ndarray:
-    """Positions of the tip of a pendulum that starts at rest from the horizontal, (t, 3)."""
-    tip = next(i for i in package.interfaces if i.name == "tip")
-    y_axis = frame_from_axis(np.array([0.0, 1.0, 0.0]))
-    markers = [
-        MarkerTable(-1, np.zeros(3), y_axis),
-        MarkerTable(0, np.zeros(3), y_axis),
-        MarkerTable(0, tip.position_B, tip.A_BI, tip.phi_B, tip.psi_B),
-    ]
-    model = assemble_model(
-        [flexible_body("bar", package)],
-        markers,
-        [JointTable("hinge", "revolute", 0, 1)],
-        gravity_G=(0.0, 0.0, -9.81),
-    )
-    y0 = np.zeros(model.n_pos + model.n_vel + 1)
-    y0[3] = 1.0
-    states = simulate(model, y0, np.linspace(0.0, 0.3, 61), rtol=1e-8)
-    return np.array([marker_motion(model, 2, state).x for state in states])
-
-
-@pytest.mark.one_end
-def test_a_bar_swings_as_the_beam_does(package: ModalPackage) -> None:
-    beam = build_body(
-        beam_body(
-            body="bar",
-            length=LENGTH,
-            elements=16,
-            section=library_spec("rectangle", ALUMINIUM, width=WIDTH, height=HEIGHT),
-            modes=MODES,
-        )
-    )
-    path, expected = tip_path(package), tip_path(beam)
-    assert np.ptp(expected[:, 2]) > 0.9 * LENGTH
-    np.testing.assert_allclose(path, expected, rtol=0, atol=1e-3 * LENGTH)
 
 
 def test_package_is_valid(package: ModalPackage, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ STARTERS = {
     "arm": "a driven laminated link with a payload",
     "robot-arm": "two laminated tubes with two drives, torques and ply strength",
     "panel": "a laminated plate (shell) on a turning hub",
+    "bracket": "a part from CAD (STEP) that turns a payload",
     "pendulum": "a laminated bar on a hinge, set swinging",
     "blade": "a rotating composite blade, stiffened by its spin",
 }
