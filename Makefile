@@ -444,6 +444,8 @@ docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description
 	mv docs/section-description.md.part docs/section-description.md
 	$(PY) -m plymotion.solver.inputs.shell.reference > docs/shell-description.md.part
 	mv docs/shell-description.md.part docs/shell-description.md
+	$(PY) -m plymotion.solver.inputs.solid.reference > docs/solid-description.md.part
+	mv docs/solid-description.md.part docs/solid-description.md
 	$(PY) -m plymotion.solver.results.codes.page > docs/warnings.md.part
 	mv docs/warnings.md.part docs/warnings.md
 

@@ -1,8 +1,9 @@
-"""The only package that imports PETSc, SLEPc, Basix, gmsh and MPI.
+"""The only package that imports DOLFINx, PETSc, SLEPc, Basix, gmsh and MPI.
 
 gmsh makes the meshes, Basix gives points of integration and nodes of reference cells, PETSc
 factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. DOLFINx compiles
-what sections and shells state in UFL, evaluates it (spaces.py) and assembles it (surface.py).
+what sections, shells and solids state in UFL, evaluates it (spaces.py) and assembles it
+(surface.py, solids.py).
 
 If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it. Each name below loads its part of the stack

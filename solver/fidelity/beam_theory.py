@@ -76,7 +76,7 @@ class BeamTheory:
                 f"width {b:.3g} mm, thickness {t:.3g} mm, first frequency of a wall about "
                 f"{self.local_hz:.3g} Hz, "
             )
-            other = "a shell body" if self.walls.thin else "a solid body (imported)"
+            other = "a shell body" if self.walls.thin else "a solid body"
         numbers = ", ".join(f"{name} {value:.1e}" for name, value in self.values.items())
         text = (
             f"beam theory of {self.name} ({size}length {1e3 * self.length:.4g} mm): "

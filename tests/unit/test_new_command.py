@@ -16,6 +16,7 @@ RUNS = {
     "arm": ["base"],
     "robot-arm": ["flexible", "rigid"],
     "panel": ["base"],
+    "bracket": ["base"],
     "pendulum": ["stiff", "soft"],
     "blade": ["base"],
 }

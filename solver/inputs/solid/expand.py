@@ -49,6 +49,7 @@ def solid_table(table: dict[str, Any], file: Path) -> tuple[SolidDescription, So
         "mesh": mesh,  # type: ignore[typeddict-item]
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "regions": {name: plain_table(region) for name, region in description.regions.items()},
+        "allow": description.allow,
     }
 
 

@@ -199,6 +199,7 @@ class SolidTable(TypedDict):
     mesh: SolidMeshTable
     materials: dict[str, Any]
     regions: dict[str, Any]
+    allow: NotRequired[list[str]]
 
 
 class SolidAnalysis(TypedDict):

@@ -1,0 +1,96 @@
+"""Descriptions of solids: keys, references, and the specification that they become."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.solid.expand import solid_spec, solid_table
+from plymotion.solver.inputs.solid.reference import solid_page
+from plymotion.solver.package.body.specification import SolidSpecification
+from plymotion.solver.package.common.table_form import check_form
+
+PLY = {
+    **{"kind": "orthotropic", "E1": 120e9, "E2": 9e9, "E3": 9e9, "G12": 5e9, "G13": 5e9},
+    **{"G23": 3e9, "nu12": 0.3, "nu13": 0.3, "nu23": 0.4, "rho": 1600.0},
+}
+PIN = {"bore": {"radius": 0.006, "point": [0.0, 0.0, 0.0], "direction": [0.0, 0.0, 1.0]}}
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """A description beside a STEP file, whose content only the FE side reads."""
+    (tmp_path / "part.step").write_text("ISO-10303-21;\nLENGTH_UNIT\n")
+    return tmp_path / "part.toml"
+
+
+def described(**more: Any) -> dict[str, Any]:
+    """A description that is right."""
+    return {
+        "mesh": {"file": "part.step", "size": 0.004},
+        "materials": {"steel": {"kind": "isotropic", "E": 210e9, "nu": 0.3, "rho": 7850.0}},
+        "regions": {"all": {"material": "steel"}},
+        **more,
+    }
+
+
+def test_a_cad_file_and_a_material_are_a_specification(file: Path) -> None:
+    spec = solid_spec(file.with_name("part.step"), "steel", 0.003)
+    check_form(spec, SolidSpecification)
+    assert spec["solid"]["mesh"]["size"] == 0.003
+    (material,) = spec["solid"]["materials"].values()
+    assert (material["E"], material["nu"], material["rho"]) == (210e9, 0.3, 7850.0)
+    own = solid_spec(file.with_name("part.step"), "1e9,0.4,1100", None)
+    (material,) = own["solid"]["materials"].values()
+    assert (material["E"], material["nu"], material["rho"]) == (1e9, 0.4, 1100.0)
+
+
+def test_units_are_metres_and_unused_materials_stay_out(file: Path) -> None:
+    (file.parent / "part.brep").write_text("DBRep_DrawableShape")
+    table = described(mesh={"file": "part.brep", "unit": "in"})
+    table["materials"]["ply"] = PLY
+    _, solid = solid_table(table, file)
+    assert solid["mesh"]["unit"] == 0.0254
+    assert list(solid["materials"]) == ["steel"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"mesh": {"file": "no.step"}}, 'mesh.file = "no.step": there is no file'),
+        ({"mesh": {"file": "part.step", "unit": "mm"}}, 'mesh.unit = "mm": expected none'),
+        ({"mesh": {"file": "part.step", "size": 0.0}}, "mesh.size = 0.0"),
+        ({"mesh": {"file": "part.step", "sise": 1.0}}, "mesh.sise: unknown key"),
+        ({"mesh": {"file": "part.step", "parameters": {"n": 1.0}}}, "mesh.parameters: expected"),
+        ({"regions": {"all": {"material": "stel"}}}, "did you mean 'steel'?"),
+        ({"supports": ["pin"]}, 'supports = "pin": no such interface'),
+        ({"interfaces": {"pin": {}}}, "expected one of bore, plane, at; found none"),
+        ({"interfaces": {"pin": {**PIN, "at": "lug"}}}, "found bore and at"),
+        (
+            {"interfaces": {"pin": {"plane": {"point": [0.0] * 3, "normal": [0.0] * 3}}}},
+            "interfaces.pin.plane",
+        ),
+        ({"interfaces": {"pin": PIN}, "loads": {"a": {"b": {"at": "pin"}}}}, "with `force`"),
+        (
+            {"interfaces": {"pin": PIN}, "loads": {"a": {"b": {"gravity": [0.0, 0.0, 1.0]}}}},
+            "supports: missing",
+        ),
+        (
+            {"materials": {"steel": PLY}},
+            "regions.all.axis: missing, needed for the directions of an orthotropic material",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_with_file_and_key(
+    change: dict[str, Any], words: str, file: Path
+) -> None:
+    with pytest.raises(InputError) as error:
+        solid_table(described(**change), file)
+    assert str(error.value).startswith(f"{file}: ")
+    assert words in str(error.value)
+
+
+def test_the_manual_is_that_of_the_models(repository: Path) -> None:
+    """`make docs` has been run."""
+    assert (repository / "docs" / "solid-description.md").read_text() == solid_page()
