@@ -1,6 +1,7 @@
 """From the free matrices of any code to a modal package: the one reduction of all sources."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -11,6 +12,7 @@ from ... import __version__
 from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Interface, ModalPackage
+from ...solver.package.body.second_order import MOST_MODES
 from ..modes import Algebra, HeldDofs, MeanAxis, ModeError, Modes, StaticLoad, completed
 from .direct import Direct, Solver
 from .free_body import DIRECTIONS, FreeBody
@@ -18,6 +20,7 @@ from .inertia import Inertia, inertia
 from .layups import recovered
 from .links import Constrained, Link, constrained, links
 from .refusals import check_free_body
+from .second_order import bent_body, second_order_sums
 from .spec import Reduction
 from .units import sizes
 from .vibrations import vibrations
@@ -32,6 +35,7 @@ def reduce_body(
     table: Reduction,
     tell: Tell = lambda _: None,
     solver: Callable[[Array], Solver] = Direct,
+    second_order: Callable[[Array], Array] | None = None,
 ) -> ModalPackage:
     """Modal package of a body from its free matrices.
 
@@ -41,6 +45,7 @@ def reduce_body(
     table : interfaces, reference condition and modes (docs/exchange.md)
     tell : called with the name of each step
     solver : made with the places of the dofs
+    second_order : forces of pairs of modes, of a body of three dofs per node (second_order.py)
 
     Raises
     ------
@@ -57,14 +62,24 @@ def reduce_body(
     every = links(body, table["interfaces"], length)
     parts = constrained(body, every)
     try:
-        modes = _modes(body, table, every, parts, tell, solver(parts.places))
+        modes, condition = _modes(body, table, every, parts, tell, solver(parts.places))
     except ModeError as error:
         raise InputError(f"{body.where}: {error}") from error
     tell("inertia invariants")
     U = np.asarray(parts.T @ modes.columns_B)
     shapes = np.zeros((U.shape[1], len(body.nodes), 6))
     shapes[:, body.dof_node, body.dof_direction] = U.T
-    return _package(body, table, every, modes, U, shapes, inertia(body, shapes))
+    package = _package(body, table, every, modes, U, shapes, inertia(body, shapes))
+    if second_order is None or not 0 < U.shape[1] <= MOST_MODES:
+        return package
+    tell("second-order displacements")
+    bent = bent_body(body, every, parts, condition, U, second_order(U))
+    interfaces = tuple(
+        replace(interface, H_B=H[:3], H_psi_B=H[3:])
+        for interface, H in zip(package.interfaces, bent.of_link, strict=True)
+    )
+    sums = second_order_sums(body, U, bent.h)
+    return replace(package, interfaces=interfaces, second_order=sums)
 
 
 def _modes(
@@ -74,7 +89,7 @@ def _modes(
     parts: Constrained,
     tell: Tell,
     direct: Solver,
-) -> Modes:
+) -> tuple[Modes, HeldDofs | MeanAxis]:
     K, M = (parts.T.T @ A @ parts.T for A in (body.K, body.M))
     algebra = Algebra(direct.solve, direct.negative_pivots)
     kind = table["reference"]["kind"]
@@ -104,7 +119,7 @@ def _modes(
     kept = vibrations(condition, count, direct, participation, name_of, body.where)
     loads = _loads(table, every, parts)
     tell(f"{len(loads)} static shapes")
-    return completed(condition, kept, loads, participation)
+    return completed(condition, kept, loads, participation), condition
 
 
 def _six_dofs(parts: Constrained) -> IntArray:

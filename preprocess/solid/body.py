@@ -2,6 +2,7 @@
 
 import dataclasses
 import time
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..provenance import body_provenance
 from .analysis import accurate_model, findings
 from .model import Mumps
 from .recovery import surface
+from .second_order import second_order_forces
 
 
 def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
@@ -48,7 +50,8 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
         "damping_ratio": table["damping_ratio"],
     }
     try:
-        package = reduce_body(model.body, reduction, solver=Mumps)
+        bending = partial(second_order_forces, model) if table.get("second_order") else None
+        package = reduce_body(model.body, reduction, solver=Mumps, second_order=bending)
     except InputError as error:
         raise SpecError(str(error)) from error
     n = len(model.body.nodes)

@@ -67,6 +67,7 @@ modes = [
 [variants.solid.bodies.bar]
 kind = "solid"
 solid = "bar.toml"
+second_order = true
 interfaces = { root = { at = "left" }, tip = { at = "right", link = "average" } }
 [ground.hinge]
 position = [0.0, 0.0, 0.0]
@@ -90,6 +91,7 @@ component = "z"
 kind = "strength_ratio"
 body = "bar"
 [solver]
+geometric_stiffening = true
 start = "equilibrium"
 t_end = 0.3
 output_step = 0.001

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import beam_body
+from section_specs import rectangle_spec
 from solid_samples import ALUMINIUM, bar, bracket, model_of, step_file, thin_rib
 
 from plymotion.preprocess import fenicsx
@@ -89,6 +91,36 @@ def test_surface_stress_of_a_bent_bar(bar_file: Path) -> None:
         along[middle], expected[middle], rtol=0, atol=0.02 * np.abs(expected).max()
     )
     assert package.laminates[0].materials["alloy"]["strength"] == {"yield_stress": 250e6}
+
+
+def test_second_order_displacements_are_those_of_the_beam(bar_file: Path) -> None:
+    """The shortening of the bent bar, at its tip and in its sums; nothing of it is linear."""
+    modes = MODES[:1]
+    found = build_body(bar_body(bar_file, modes=modes, second_order=True))
+    beam = build_body(
+        beam_body(
+            body="bar",
+            length=LENGTH,
+            elements=16,
+            section=rectangle_spec(WIDTH, HEIGHT, ALUMINIUM),
+            modes=modes,
+        )
+    )
+    assert found.second_order is not None
+    assert beam.second_order is not None
+    for one, other in zip(found.interfaces, beam.interfaces, strict=True):
+        if one.name == "tip":
+            assert one.H_B is not None
+            assert other.H_B is not None
+            shortening = np.diag(other.H_B[0])
+            assert (shortening < 0.0).all()
+            np.testing.assert_allclose(np.diag(one.H_B[0]), shortening, rtol=2e-2)
+    for sums in ("Z0_B", "Z1_B"):
+        a, b = (getattr(p.second_order, sums) for p in (found, beam))
+        along = (0,) if sums == "Z0_B" else (0, 0)
+        np.testing.assert_allclose(np.diag(a[along]), np.diag(b[along]), rtol=2e-2)
+    squares = [np.einsum("iiii->i", p.second_order.G4) for p in (found, beam)]
+    np.testing.assert_allclose(squares[0], squares[1], rtol=5e-2)
 
 
 def hexahedra(file: Path) -> None:

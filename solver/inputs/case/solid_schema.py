@@ -36,3 +36,8 @@ class SolidBody(Reducible, Deformed):
     interfaces: dict[Name, SolidInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
     )
+    second_order: bool = Field(
+        default=False,
+        description="second-order displacements of the modes, which geometric stiffening needs "
+        "(docs/stiffening.md)",
+    )

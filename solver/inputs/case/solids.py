@@ -46,6 +46,8 @@ def solid_body_spec(
         "damping_ratio": body.damping_ratio,
         "interfaces": {k: plain_table(v) for k, v in body.interfaces.items()},
     }
+    if body.second_order:
+        spec["second_order"] = True
     return spec, [file, Path(solid["mesh"]["file"])]
 
 

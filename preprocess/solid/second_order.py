@@ -1,0 +1,30 @@
+"""Work of the second-order strains of pairs of modes on the stresses of a solid."""
+
+import numpy as np
+import ufl
+
+from ...solver.math.arrays import Array
+from ..exchange.second_order import pairs
+from .forms import STIFFNESS_DEGREE, column, strain
+from .model import SolidModel
+
+
+def second_order_forces(model: SolidModel, U: Array) -> Array:
+    """Forces g of each pair of modes i <= j, (3 n, pairs): see exchange/second_order.py.
+
+    Parameters
+    ----------
+    U : (3 n, m) displacements of the nodes in the modes
+    """
+    space = model.space
+    C, v = space.of_cells(model.materials.C), ufl.TestFunction(space.space)
+    one, other = space.field(), space.field()
+    product = ufl.grad(one).T * ufl.grad(other)
+    dx = ufl.dx(metadata={"quadrature_degree": STIFFNESS_DEGREE[model.mesh.plain.cell]})
+    vector = space.vectors(ufl.inner(C * strain(v), column(ufl.sym(product))) * dx)
+    found = np.empty((len(U), len(pairs(U.shape[1])[0])))
+    for k, (i, j) in enumerate(zip(*pairs(U.shape[1]), strict=True)):
+        space.fill(one, U[:, i].reshape(-1, 3))
+        space.fill(other, U[:, j].reshape(-1, 3))
+        found[:, k] = vector()
+    return found
