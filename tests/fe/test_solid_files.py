@@ -219,6 +219,34 @@ def test_ten_million_unknowns_are_refused_before_meshing(tmp_path: Path) -> None
         model_of(file, 0.0005)
 
 
+def test_faces_that_intersect_are_refused(tmp_path: Path) -> None:
+    """A box whose top is pushed through its bottom at one corner."""
+    top = [(0, 0, 1), (1, 0, 1), (1, 1, -1), (0, 1, 1)]
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), *top]
+    faces = [(1, 2, 3), (1, 3, 4), (5, 6, 7), (5, 7, 8)]
+    faces += [(1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 4, 8), (3, 8, 7)]
+    faces += [(4, 1, 5), (4, 5, 8)]
+    edges: dict[tuple[int, int], int] = {}
+    lines = [f"Point({i}) = {{{x}, {y}, {z}}};" for i, (x, y, z) in enumerate(corners, 1)]
+    for number, face in enumerate(faces, 1):
+        loop = []
+        for a, b in zip(face, (*face[1:], face[0]), strict=True):
+            if (b, a) in edges:
+                loop.append(-edges[b, a])
+            else:
+                new = edges.setdefault((a, b), len(edges) + 1)
+                loop.append(new)
+        lines.append(f"Curve Loop({number}) = {{{', '.join(map(str, loop))}}};")
+        lines.append(f"Plane Surface({number}) = {{{number}}};")
+    curves = [f"Line({n}) = {{{a}, {b}}};" for (a, b), n in edges.items()]
+    shell = ", ".join(str(n) for n in range(1, len(faces) + 1))
+    solid = [f"Surface Loop(1) = {{{shell}}};", "Volume(1) = {1};", "Mesh.MeshSizeMax = 0.5;"]
+    file = tmp_path / "box.geo"
+    file.write_text("\n".join([*lines[:8], *curves, *lines[8:], *solid]) + "\n")
+    with pytest.raises(SolidError, match="expected faces that do not intersect"):
+        model_of(file, 0.5, unit=1.0)
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(SolidError, match=r"no\.step.*no such file"):
         model_of(tmp_path / "no.step", 0.01)
