@@ -34,7 +34,9 @@ from ...solver.math.disk_cache import DiskCache
 from .spaces import basix_ufl, quiet
 from .stack import HELP, MPI, MissingFenicsx, dolfinx
 
-OPTIMISATION = "-O1"  # of the lists: -O2 compiles half as long again and runs 5 % faster
+# Of the lists. With -O2 they compile half as long again and run 5 % faster; with Python's own -g
+# and warnings two and a half times as long.
+OPTIONS = ["-O1", "-g0", "-w"]
 POINT = np.array([[0.25, 0.25]])  # anywhere: rows are the same in all of a cell
 
 # Newer versions of FFCx have a seventh argument, which older functions ignore.
@@ -184,7 +186,7 @@ def compiled(
     text, jit = (ufl.as_vector(rows), POINT), dolfinx.jit.ffcx_jit
     known = inspect.signature(jit).parameters
     options = "jit_options" if "jit_options" in known else "jit_params"
-    arguments = {options: {"cffi_extra_compile_args": [OPTIMISATION]}}
+    arguments = {options: {"cffi_extra_compile_args": OPTIONS}}
     with quiet():
         try:
             found, module, _ = jit(MPI.COMM_SELF, text, **arguments)
