@@ -114,6 +114,12 @@ def _parser() -> argparse.ArgumentParser:
         _add_section_options(section)
         section.set_defaults(run=_section if name == "section" else _section_batch)
     _add_shell(commands)
+    ahead = commands.add_parser(
+        "compile",
+        help="compile all forms ahead of the first analysis",
+        description="Compile all forms of sections and shells ahead of the first analysis.",
+    )
+    ahead.set_defaults(run=_compile, no_scripts=False)
     return parser
 
 
@@ -184,6 +190,13 @@ def _shell(options: argparse.Namespace) -> int:
         print("error: --out: expected one SPEC.json; several need --out-dir", file=sys.stderr)
         return 2
     return run_shells(options)
+
+
+def _compile(_options: argparse.Namespace) -> int:
+    from .ahead import compile_ahead
+
+    compile_ahead(print)
+    return 0
 
 
 def _section_batch(options: argparse.Namespace) -> int:
