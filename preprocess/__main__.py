@@ -166,6 +166,9 @@ def _add_section_options(parser: argparse.ArgumentParser) -> None:
         "--no-estimate", action="store_true", help="skip the error estimate (faster)"
     )
     parser.add_argument(
+        "--verify", action="store_true", help="compute K by a second method as well, and compare"
+    )
+    parser.add_argument(
         "--shard", type=shard, default=(1, 1), metavar="k/N", help="only the k-th of N shares"
     )
     parser.add_argument("--json", action="store_true", help="print one line of JSON per section")

@@ -36,6 +36,7 @@ from .space import SectionSpace
 from .spec import check_spec
 from .timoshenko import shear_centre, tension_centre
 from .twist import TwistedStrains
+from .verification import verified
 
 MOST_STEPS = 25  # of refinement
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
@@ -50,6 +51,7 @@ def analyse(
     estimate: bool = True,
     accuracy: float | None = None,
     recovery_degree: int | None = None,
+    verify: bool = False,
     team: fenicsx.Team = fenicsx.ALONE,
     progress: Progress | None = None,
 ) -> SectionFile:
@@ -64,6 +66,7 @@ def analyse(
     accuracy : refine the mesh until the estimate, scaled by sqrt(K_ii K_jj), is below this
     recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
         instead of all integration points
+    verify : compute K by a second method as well (verification.py)
     team : processes that all call this with the same arguments and share the work; each gets
         the whole result
     progress : called with one line at the beginning of each step
@@ -166,6 +169,17 @@ def analyse(
         del problem, lay, result, solved  # their memory serves the next step
         problem = SectionProblem(mesh, degree, team).like(coarser)
         del coarser
+    second = None
+    if verify:
+        begin("verification")
+        second = verified(
+            result.space,
+            lay.stiffness,
+            result.K,
+            prismatic=curvature_of(spec) is None,
+            own=degree_of(spec) is None,
+        )
+        warnings += second.warnings
     warnings += coarse_warnings(solved.error, result.K, spec["mesh"])
     begin("recovery")
     density = lay.density
@@ -205,6 +219,7 @@ def analyse(
             "dofs": problem.space.n_dof,
             "degree": problem.space.degree,
             "refinements": steps,
+            "verification": None if second is None else second.words,
             "round_off": None
             if result.round_off is None
             else float(scaled(result.round_off, result.K).max()),

@@ -15,7 +15,7 @@ class SectionFiles(AnalysedFiles[SectionFile]):
 
     Parameters
     ----------
-    estimate, accuracy : of `analyse`; they are inputs like the specification itself
+    estimate, accuracy, verify : of `analyse`; they are inputs like the specification itself
     ranks, progress : see `AnalysedFiles`
     """
 
@@ -24,16 +24,20 @@ class SectionFiles(AnalysedFiles[SectionFile]):
         *,
         estimate: bool = True,
         accuracy: float | None = None,
+        verify: bool = False,
         ranks: Ranks | None = None,
         progress: Callable[[str], None] | None = None,
     ) -> None:
         super().__init__(ranks, progress)
         self.estimate = estimate
         self.accuracy = accuracy
+        self.verify = verify
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
         """Hash of all inputs of a section file."""
         options = {"estimate": self.estimate, "accuracy": self.accuracy}
+        if self.verify:
+            options["verify"] = True
         version = list(SECTION_FORMAT_VERSION)
         return fingerprint({"spec": spec, "options": options, "format": version})
 
@@ -46,6 +50,7 @@ class SectionFiles(AnalysedFiles[SectionFile]):
             "section",  # the same for all sections: it is part of the key of a cached mesh
             estimate=self.estimate,
             accuracy=self.accuracy,
+            verify=self.verify,
             progress=self.progress,
             **team,
         )

@@ -24,6 +24,7 @@ def run_sections(options: argparse.Namespace, *, pool: bool) -> int:
         product = SectionFiles(
             estimate=not options.no_estimate,
             accuracy=options.accuracy,
+            verify=options.verify,
             ranks=ranks,
             progress=progress,
         )

@@ -1,4 +1,4 @@
-"""E, H, L of the section against the same integrals by NumPy alone (tests/section_judge.py)."""
+"""E, H, L of the section against the same integrals by NumPy alone (verification.py)."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 import ufl
-from section_judge import matrices
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
@@ -19,6 +18,7 @@ from plymotion.preprocess.section.pattern import Pattern
 from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.space import SectionSpace, is_curved
 from plymotion.preprocess.section.twist import TwistedStrains
+from plymotion.preprocess.section.verification import matrices
 
 MESHES = Path(__file__).resolve().parents[2] / "meshes"
 PLY = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
@@ -78,14 +78,14 @@ def test_matrices_are_those_of_the_judge(name: str) -> None:
     # another material in every cell, so that symmetry does not hide errors
     factor = 1.0 + np.random.default_rng(1).random(space.n_cell)
     C = factor[:, None, None] * C_30
-    agree(space, SectionOperators(space), C, *matrices(space, C))
+    agree(space, SectionOperators(space), C, *matrices(space, C[:, None]))
 
 
 def test_twisted_strains_are_those_of_the_judge() -> None:
     space = SectionSpace(cells_of_plain(triangles(2)))
     C = (1.0 + np.random.default_rng(1).random(space.n_cell))[:, None, None] * C_30
     k = np.array([0.5, 0.3, -0.4])
-    agree(space, TwistedStrains(space, k), C, *matrices(space, C, k))
+    agree(space, TwistedStrains(space, k), C, *matrices(space, C[:, None], k))
 
 
 def torsion_of_a_square() -> float:

@@ -46,7 +46,8 @@ def run_section(options: argparse.Namespace) -> int:
         return code
 
     options.out = options.out or FOLDER
-    words = [word for word in ("--no-estimate", "--force") if getattr(options, _name(word))]
+    flags = ("--no-estimate", "--verify", "--force")
+    words = [word for word in flags if getattr(options, _name(word))]
     if options.accuracy is not None:
         words += ["--accuracy", repr(options.accuracy)]
     if options.batch and options.to:

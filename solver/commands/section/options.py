@@ -54,6 +54,9 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
         help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
     )
     what.add_argument("--no-estimate", action="store_true", help="skip the error estimate (faster)")
+    what.add_argument(
+        "--verify", action="store_true", help="compute K by a second method as well, and compare"
+    )
     add_shared(what, "figures", help="draw figures (default: for FILE without --json)")
     add_shared(what, "force", "check")
     what.add_argument(

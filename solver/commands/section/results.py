@@ -41,6 +41,7 @@ class SectionResults:
     warnings: tuple[dict[str, str], ...]  # {"code", "message"}
     dofs: int
     seconds: float  # time of the analysis
+    verification: str | None  # of K by a second method
     refinements: list[dict[str, float]]  # refine, dofs, error, seconds of each step
     initial_curvature: Array | None = None  # (3,) k1, k2, k3; None: prismatic   [rad/m]
 
@@ -81,5 +82,6 @@ def read_results(file: Path) -> SectionResults:
             dofs=int(provenance.get("dofs", 0)),
             seconds=float(provenance.get("seconds", 0.0)),
             initial_curvature=data.get("initial_curvature"),
+            verification=provenance.get("verification"),
             refinements=list(provenance.get("refinements", [])),
         )

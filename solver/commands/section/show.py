@@ -58,6 +58,7 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
         else results.initial_curvature.tolist(),
         # a code's axes are a permutation and reversal of ours: magnitudes do not change
         "error_estimate": None if error is None else np.abs(convert(error, code)).tolist(),
+        "verification": results.verification,
         "dofs": results.dofs,
         "seconds": results.seconds,
         "warnings": list(results.warnings),
@@ -147,6 +148,8 @@ def _effort(results: SectionResults) -> list[str]:
         lines.append(
             f"{'Error estimate':16}{scaled[i, j]:.1e} of {size} in {entry} ({what}), less elsewhere"
         )
+    if results.verification is not None:
+        lines.append(f"{'Second method':16}{results.verification}")
     steps = results.refinements
     cost = f"{results.dofs} unknowns, {results.seconds:.2f} s"
     lines.append(f"{'Effort':16}{cost}" + (", refined in steps:" if len(steps) > 1 else ""))

@@ -303,6 +303,13 @@ SECTION_CODES = (
         1e-3,
     ),
     _code(
+        "verification-differs",
+        "`--verify`: K by the second method is another one",
+        "difference above {limit:g} of sqrt(K_ii K_jj)",
+        "report the section to the developers",
+        1e-6,
+    ),
+    _code(
         "accuracy-not-met",
         "the next refinement would be too large: the accuracy asked for is not reached",
         "more than {limit:g} unknowns after the next refinement",
