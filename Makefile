@@ -84,8 +84,8 @@ FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpret
     $(addprefix solver/commands/fenicsx_side/,interpreter.py fenicsx_probe.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(EMPTY)
 	@PYTHONPATH=. $(PY) tools/find_fenicsx.py $@
-	@$(FE_PYTHON) -m plymotion.preprocess.section.ahead || \
-	    echo "setup: sections compile what they need when they need it"
+	@$(FE_PYTHON) -m plymotion.preprocess compile || \
+	    echo "setup: analyses compile what they need when they need it"
 
 COMPILED := build/compiled
 $(COMPILED): $(HOT_SOURCES) $(LIGHT)

@@ -116,8 +116,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_shell(commands)
     ahead = commands.add_parser(
         "compile",
-        help="compile all forms ahead of the first analysis",
-        description="Compile all forms of sections and shells ahead of the first analysis.",
+        help="compile what DOLFINx needs, ahead of the first analysis",
+        description="Compile what sections, shells and solids need, ahead of their first analysis.",
     )
     ahead.set_defaults(run=_compile, no_scripts=False)
     return parser

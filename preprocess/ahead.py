@@ -1,28 +1,23 @@
-"""Compile what DOLFINx needs of sections and shells, before their first analysis.
+"""Compile what DOLFINx needs of sections, shells and solids, before their first analysis.
 
-An analysis compiles what it lacks by itself, once a machine; the C compiler takes 0.2 to 3 s for
-each expression. This does it for all cells and elements that descriptions name without unusual
-settings (higher degrees, other rules), on all cores.
+An analysis compiles what it lacks by itself, once a machine; the C compiler takes 0.1 to 7 s for
+each text. `make fenicsx` and `python -m plymotion.preprocess compile` do it on all cores, for all
+cells and elements that descriptions name without unusual settings (higher degrees, other rules).
 """
 
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from itertools import product
 from multiprocessing import get_context
 
 import numpy as np
 
 from ..solver.math.cores import cores
 from ..solver.package.body.schema import MASS_FORMS
+from .fenicsx import NODES, PlainMesh
 
-DEGREES = (2, 3)  # of the field of a section, and of its error estimate
-RECOVERY_DEGREE = 3  # of the rule of stress recovery in packages
-CURVATURE = np.array([0.1, 0.02, 0.03])
-NODES = {  # of one cell, corners, middles of the edges, centre
-    0: [[0, 0], [2, 0], [0, 2], [1, 0], [1, 1], [0, 1]],
-    1: [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]],
-}
+SOLIDS = ("tetrahedron", "hexahedron")
+Task = tuple[Callable[..., None], tuple[object, ...]]
 
 
 def compile_ahead(say: Callable[[str], None]) -> None:
@@ -33,47 +28,50 @@ def compile_ahead(say: Callable[[str], None]) -> None:
     MissingFenicsx : FEniCSx or a C compiler is missing.
     """
     begin = time.perf_counter()
-    tasks = [*_of_shells(), *_of_sections()]
+    tasks = [*_of_shells(), *((section, (cell,)) for cell in NODES)]
+    tasks += [(solid, (cell,)) for cell in SOLIDS]
     with ProcessPoolExecutor(cores(), get_context("spawn")) as pool:
-        for done in [pool.submit(task, *words) for task, *words in tasks]:
+        for done in [pool.submit(task, *words) for task, words in tasks]:
             done.result()
-    say(f"{len(tasks)} sets of forms ready in {time.perf_counter() - begin:.1f} s")
+    say(f"texts of {len(tasks)} cells and elements ready in {time.perf_counter() - begin:.1f} s")
 
 
-def _of_sections() -> list[tuple]:  # type: ignore[type-arg]
-    rules = [(d, 2 * d + more) for d in DEGREES for more in (0, 2)]
-    rules += [(DEGREES[0], RECOVERY_DEGREE)]
-    return [(section, kind, *rule) for kind, rule in product(NODES, [*rules, (None, None)])]
+def section(cell: str) -> None:
+    """Compile the functions, and the strains of twisted beams, of a straight and a curved cell.
 
-
-def section(kind: int, degree: int | None, rule: int | None) -> None:
-    """Compile the functions, and the strains of twisted beams, of one kind of cell."""
-    from .section.cells import ABSENT, MOST_NODES, CellMesh
+    For a field of the default degree 2 and for its estimate, which also takes it at the points of
+    degree 3.
+    """
+    from .section.cells import FULL, KINDS, CellMesh
     from .section.space import SectionSpace
     from .section.twist import TwistedStrains
 
-    points = np.array(NODES[kind], dtype=float)
-    nodes = np.full((1, MOST_NODES), ABSENT)
-    nodes[0, : len(points)] = np.arange(len(points))
-    zero = np.zeros(1, dtype=np.int64)
-    space = SectionSpace(CellMesh(points, nodes, zero + kind, zero, ("all",)), degree, rule)
-    _ = TwistedStrains(space, CURVATURE).S
+    kind = np.array([KINDS.index(cell)])
+    nodes = np.arange(9)[None, :]
+    nodes[0, FULL[kind[0]] :] = -1
+    for bulge in (0.0, 0.1):
+        points = NODES[cell] / 2.0
+        points[len(points) // 2, 1] -= bulge  # the middle of the first edge
+        mesh = CellMesh(points, nodes, kind, np.zeros(1, dtype=np.int64), ("",))
+        coarse, rich = (SectionSpace(mesh, degree) for degree in (2, 3))
+        for space in (coarse, rich, SectionSpace(mesh, 2, rich.quadrature_degree)):
+            TwistedStrains(space, np.zeros(3)).S.sum()
 
 
-def _of_shells() -> list[tuple]:  # type: ignore[type-arg]
+def _of_shells() -> list[Task]:
     from .shell.drilling import DRILLINGS
     from .shell.membranes import MEMBRANES
     from .shell.plates import PLATES
     from .shell.quads import QUADS
 
-    lists = [(4, "quadrilateral", name) for name in QUADS]
+    lists = [(4, "quadrilateral", name) for name in QUADS]  # first: they take longest
     lists += [(3, "plate", name) for name in PLATES]
     lists += [(3, "membrane", name) for name in MEMBRANES]
     lists += [(3, "drilling", name) for name in DRILLINGS]
     for k in (3, 4):
         lists += [(k, "mass", form) for form in MASS_FORMS]
         lists += [(k, "geometric", ""), (k, "pressure", "")]
-    return [(shell, *words) for words in lists]
+    return [(shell, words) for words in lists]
 
 
 def shell(k: int, kind: str, name: str) -> None:
@@ -81,3 +79,16 @@ def shell(k: int, kind: str, name: str) -> None:
     from .shell.pairs import kernel_of
 
     kernel_of(k, (kind, name))
+
+
+def solid(cell: str) -> None:
+    """Compile stiffness and mass of a solid."""
+    from .fenicsx.solids import SolidSpace
+    from .solid.cells import reference_nodes
+    from .solid.forms import mass, stiffness
+
+    points = reference_nodes(cell)
+    rows = np.arange(len(points))[None, :]
+    space = SolidSpace(PlainMesh(points, rows, cell, 2, np.zeros(1, dtype=np.int64), ("",)))
+    space.matrix(stiffness(space.space, space.of_cells(np.eye(6)[None]), cell))
+    space.matrix(mass(space.space, space.of_cells(np.ones(1))))
