@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from ..solver.package.body.schema import MASS_FORMS
 from .fenicsx import NODES, PlainMesh
 
 SOLIDS = ("tetrahedron", "hexahedron")
-Task = tuple[Callable[..., None], tuple[object, ...]]
 
 
 def compile_ahead(say: Callable[[str], None]) -> None:
@@ -28,10 +28,10 @@ def compile_ahead(say: Callable[[str], None]) -> None:
     MissingFenicsx : FEniCSx or a C compiler is missing.
     """
     begin = time.perf_counter()
-    tasks = [*_of_shells(), *((section, (cell,)) for cell in NODES)]
-    tasks += [(solid, (cell,)) for cell in SOLIDS]
+    tasks: list[tuple[Any, ...]] = [(shell, *words) for words in lists_of_shells()]
+    tasks += [(section, cell) for cell in NODES] + [(solid, cell) for cell in SOLIDS]
     with ProcessPoolExecutor(cores(), get_context("spawn")) as pool:
-        for done in [pool.submit(task, *words) for task, words in tasks]:
+        for done in [pool.submit(*task) for task in tasks]:
             done.result()
     say(f"texts of {len(tasks)} cells and elements ready in {time.perf_counter() - begin:.1f} s")
 
@@ -58,20 +58,21 @@ def section(cell: str) -> None:
             TwistedStrains(space, np.zeros(3)).S.sum()
 
 
-def _of_shells() -> list[Task]:
+def lists_of_shells() -> list[tuple[int, str, str]]:
+    """Arguments of `shell` for all elements; those that take longest come first."""
     from .shell.drilling import DRILLINGS
     from .shell.membranes import MEMBRANES
     from .shell.plates import PLATES
     from .shell.quads import QUADS
 
-    lists = [(4, "quadrilateral", name) for name in QUADS]  # first: they take longest
+    lists = [(4, "quadrilateral", name) for name in QUADS]
     lists += [(3, "plate", name) for name in PLATES]
     lists += [(3, "membrane", name) for name in MEMBRANES]
     lists += [(3, "drilling", name) for name in DRILLINGS]
     for k in (3, 4):
         lists += [(k, "mass", form) for form in MASS_FORMS]
         lists += [(k, "geometric", ""), (k, "pressure", "")]
-    return [(shell, words) for words in lists]
+    return lists
 
 
 def shell(k: int, kind: str, name: str) -> None:

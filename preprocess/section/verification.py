@@ -62,7 +62,8 @@ def verified(space: SectionSpace, C: Array, K: Array, *, prismatic: bool, own: b
     ):
         if there:
             return Verified(None, f"not done for {what}", [])
-    other = central_stiffness(*matrices(space, C), np.column_stack([space.x2, space.x3]))
+    E, H, L = matrices(space, C)
+    other = central_stiffness(E, H, L, np.column_stack([space.x2, space.x3]))
     size = np.sqrt(np.diag(K))
     difference = float(np.abs((other - K) / np.outer(size, size)).max())
     warnings = []
@@ -135,10 +136,10 @@ def central_stiffness(E: Any, H: Any, L: Any, places: Array) -> Array:
     places : (n, 2) positions of the unknowns [m]
     """
     n, (y, z) = len(places), places.T
-    Z = np.zeros((n, 3, 6))
-    Z[:, 0, 0] = Z[:, 1, 1] = Z[:, 2, 2] = 1.0
-    Z[:, 1, 3], Z[:, 2, 3], Z[:, 0, 4], Z[:, 0, 5] = -z, y, z, -y
-    Z = Z.reshape(3 * n, 6)
+    rigid = np.zeros((n, 3, 6))
+    rigid[:, 0, 0] = rigid[:, 1, 1] = rigid[:, 2, 2] = 1.0
+    rigid[:, 1, 3], rigid[:, 2, 3], rigid[:, 0, 4], rigid[:, 0, 5] = -z, y, z, -y
+    Z = rigid.reshape(3 * n, 6)
     T = np.zeros((6, 6))
     T[4, 2], T[5, 1] = 1.0, -1.0
     HZ, LZ = H @ Z, L @ Z
