@@ -11,7 +11,7 @@ import numpy as np
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from .errors import MeshError
-from .gmsh_alone import define
+from .gmsh_alone import define, read
 from .gmsh_model import check_finite
 from .gmsh_script import check_count, gmsh_session, opened
 from .plain import PlainMesh
@@ -92,7 +92,7 @@ def _model(path: Path, metres: float | None, parameters: Mapping[str, Any]) -> I
         try:
             if path.suffix == ".geo":
                 define(parameters)
-                gmsh.merge(str(path))
+                read(str(path))
             else:
                 _import(path, metres)
         except MeshError:

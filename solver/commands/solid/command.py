@@ -10,6 +10,7 @@ from ..described.entries import entries_of
 from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import file_lines, show_each
+from .options import FOLDER
 from .show import solid_text
 
 
@@ -39,6 +40,7 @@ def run_solid(options: argparse.Namespace) -> int:
     def show(made: list[Made], _: list[Request]) -> int:
         return show_each(made, table_of, text_of, as_json=options.json)
 
+    options.out = options.out or FOLDER
     return run_described(
         "solid",
         entries_of(options.files),
