@@ -41,9 +41,9 @@ class SectionResults:
     warnings: tuple[dict[str, str], ...]  # {"code", "message"}
     dofs: int
     seconds: float  # time of the analysis
-    verification: str | None  # of K by a second method
     refinements: list[dict[str, float]]  # refine, dofs, error, seconds of each step
     initial_curvature: Array | None = None  # (3,) k1, k2, k3; None: prismatic   [rad/m]
+    verification: str | None = None  # outcome of `--verify`
 
     @property
     def scaled_error(self) -> Array | None:
