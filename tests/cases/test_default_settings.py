@@ -22,7 +22,7 @@ from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.preparation import prepare
 
 ROOT = Path(__file__).parents[2]
-# With [fidelity], two large packages for each body; a solid of 7 MB, which runs in `make test-cases`.
+# With [fidelity], two large packages for each body; a solid of 7 MB (make test-cases runs it).
 NOT_SHIPPED = {"planned-arm", "suspension-arm"}
 CASES = [
     (file.parent.name, run)
