@@ -217,8 +217,12 @@ def parser() -> CommandParser:
     add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
     add_merge_command(commands, _merge)
-    ahead = commands.add_parser("compile", help="compile the step loops before the first run")
-    ahead.add_argument("--all", action="store_true", help="also that of generalized-alpha")
+    ahead = commands.add_parser("compile", help="compile before the first run")
+    ahead.add_argument(
+        "--all",
+        action="store_true",
+        help="also that of generalized-alpha, and what FEniCSx needs of bodies",
+    )
     ahead.set_defaults(command=_compile)
     completion = commands.add_parser(
         "completion", help="print the completion of commands and options for a shell"
@@ -297,7 +301,11 @@ def _chart(options: argparse.Namespace) -> int:
 def _compile(options: argparse.Namespace) -> int:
     from .commands.compile import compile_ahead
 
-    print(compile_ahead(everything=options.all))
+    print(compile_ahead(everything=options.all), flush=True)
+    if options.all:
+        from .commands.fenicsx_side.launch import compile_forms
+
+        print(compile_forms())
     return 0
 
 

@@ -14,6 +14,9 @@ from typing import Any
 
 import plymotion
 
+from ...errors import InputError
+from .interpreter import find_interpreter
+
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
 # Variables of this process's MPI job, if any; a worker must not join it.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
@@ -54,6 +57,24 @@ def environment(folder: Path) -> dict[str, str]:
     variables |= ONE_RANK
     variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads do not help with small matrices
     return variables
+
+
+def compile_forms() -> str:
+    """Compile what DOLFINx needs of all sections, shells and solids; say what was done.
+
+    Raises
+    ------
+    InputError : the compilation fails.
+    """
+    try:
+        command = [find_interpreter(), "-P", "-m", "plymotion.preprocess", "compile"]
+    except InputError:
+        return "no Python with FEniCSx found: nothing is compiled for DOLFINx"
+    with importable() as folder:
+        done = subprocess.run(command, env=environment(folder), capture_output=True, text=True)
+    if done.returncode:
+        raise InputError(f"compile: {done.stderr.strip()}")
+    return done.stdout.strip()
 
 
 class Preprocessor:
