@@ -45,6 +45,7 @@ LIMITS = {
     "no-room": ("solver/commands/blade/command.py", "REMOVED"),
     "differs-from-file": ("solver/commands/blade/given.py", "DIFFERENT"),
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
+    "verification-differs": ("preprocess/section/verification.py", "LARGEST"),
 }
 MAKERS = {"_warning", "add_warning"}  # functions that take a code first
 

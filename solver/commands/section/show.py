@@ -58,7 +58,7 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
         else results.initial_curvature.tolist(),
         # a code's axes are a permutation and reversal of ours: magnitudes do not change
         "error_estimate": None if error is None else np.abs(convert(error, code)).tolist(),
-        "verification": results.verification,
+        **({"verification": results.verification} if results.verification else {}),
         "dofs": results.dofs,
         "seconds": results.seconds,
         "warnings": list(results.warnings),
