@@ -41,9 +41,11 @@ def hold(folder: Path) -> IO[bytes]:
 
 
 def _remove_incomplete(folder: Path) -> None:
-    for source in folder.glob("*.c"):
-        name = source.name.removesuffix(".c")
-        complete = source.with_name(f"{name}.c.cached")
-        if not (complete.exists() and any(folder.glob(f"{name}.*so"))):
-            for file in [complete, *folder.glob(f"{name}.*")]:
-                file.unlink(missing_ok=True)
+    names = set(os.listdir(folder))  # once: a pattern for each form would read it as often
+    libraries = {name.split(".")[0] for name in names if name.endswith("so")}
+    for source in sorted(name for name in names if name.endswith(".c")):
+        name = source.removesuffix(".c")
+        if not (f"{source}.cached" in names and name in libraries):
+            for file in names:
+                if file.startswith(f"{name}."):
+                    (folder / file).unlink(missing_ok=True)
