@@ -13,7 +13,6 @@ unknowns are vectors in E, three and three components of an `Argument` that is c
 
 import ctypes
 import hashlib
-import inspect
 import os
 import platform
 import shlex
@@ -31,7 +30,7 @@ import ufl
 
 from ...solver.math.arrays import Array
 from ...solver.math.disk_cache import DiskCache
-from .spaces import basix_ufl, quiet
+from .spaces import JIT, JIT_OPTIONS, element_of, quiet
 from .stack import HELP, MPI, MissingFenicsx, dolfinx
 
 # Of the lists. With -O2 they compile half as long again and run 5 % faster; with Python's own -g
@@ -143,14 +142,8 @@ class Symbols(NamedTuple):
 
 def symbols(cell: str, columns: int, unknowns: int) -> Symbols:
     """Symbols of triangles or quadrilaterals in space."""
-    if basix_ufl is not None:
-        domain = ufl.Mesh(basix_ufl.element("Lagrange", cell, 1, shape=(3,)))
-        constant = [basix_ufl.element("DG", cell, 0, shape=(n,)) for n in (columns, unknowns)]
-    else:
-        shape = ufl.Cell(cell, geometric_dimension=3)
-        domain = ufl.Mesh(ufl.VectorElement("Lagrange", shape, 1, dim=3))
-        family = "DQ" if cell == "quadrilateral" else "DG"
-        constant = [ufl.VectorElement(family, shape, 0, dim=n) for n in (columns, unknowns)]
+    domain = ufl.Mesh(element_of(cell, 1, (3,), 3))
+    constant = [element_of(cell, 0, (n,), 3, dg=True) for n in (columns, unknowns)]
     table, rows = (ufl.FunctionSpace(domain, element) for element in constant)
     # FFCx of DOLFINx 0.5 makes no valid name in C of a number above 9, which UFL would count up to
     only = ufl.Coefficient(table, count=0)
@@ -184,9 +177,7 @@ def compiled(
     library()  # without a compiler it has the better message
     rows = [*stresses, *strains, *coupling, *others]
     text, jit = (ufl.as_vector(rows), POINT), dolfinx.jit.ffcx_jit
-    known = inspect.signature(jit).parameters
-    options = "jit_options" if "jit_options" in known else "jit_params"
-    arguments = {options: {"cffi_extra_compile_args": OPTIONS}}
+    arguments = {JIT_OPTIONS: {**JIT, "cffi_extra_compile_args": OPTIONS}}
     with quiet():
         try:
             found, module, _ = jit(MPI.COMM_SELF, text, **arguments)

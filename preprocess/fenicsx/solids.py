@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.math.arrays import Array, IntArray
+from ...solver.math.arrays import Array
 from .plain import PlainMesh
 from .spaces import (
+    assembled,
     cell_dofs,
     cell_function,
+    compiled_form,
     labelled_mesh,
+    nodes_of_cells,
     original_cells,
-    quiet,
     vector_space,
 )
 from .stack import dolfinx
@@ -36,18 +38,9 @@ class SolidSpace:
         self.space = vector_space(self._mesh, 2, 3)
         self.n_node = len(plain.points)
         self._cells = original_cells(self._mesh)
-        self._row = self._rows()
-
-    def _rows(self) -> IntArray:
-        """Row of the mesh for each node of the space: geometry and space share the element."""
-        geometry = self._mesh.geometry
-        table = geometry.dofmap
-        if hasattr(table, "offsets"):  # AdjacencyList: all cells are of one kind
-            table = np.asarray(table.array).reshape(len(table.offsets) - 1, -1)
-        given = np.asarray(geometry.input_global_indices, dtype=np.int64)
-        rows = np.empty(self.n_node, dtype=np.int64)
-        rows[cell_dofs(self.space).ravel()] = given[np.asarray(table).ravel()]
-        return rows
+        # row of the mesh for each node of the space: geometry and space share the element
+        self._row = np.empty(self.n_node, dtype=np.int64)
+        self._row[cell_dofs(self.space)] = nodes_of_cells(self._mesh)
 
     def of_cells(self, values: Array) -> Any:
         """A coefficient with a constant tensor in each cell of the plain mesh, (c, ...)."""
@@ -63,21 +56,13 @@ class SolidSpace:
 
     def matrix(self, form: Any) -> sp.csr_matrix:
         """A bilinear form, (3 n, 3 n), node by node."""
-        with quiet():
-            compiled = dolfinx.fem.form(form)
-        found = dolfinx.fem.petsc.assemble_matrix(compiled)
-        found.assemble()
-        indptr, indices, data = found.getValuesCSR()
-        shape = found.getSize()
-        found.destroy()
-        A = sp.csr_matrix((data, indices, indptr), shape=shape).tocoo()
+        A = assembled(form).tocoo()
         order = (3 * self._row[:, None] + np.arange(3)).ravel()
-        return sp.csr_matrix((A.data, (order[A.row], order[A.col])), shape=shape)
+        return sp.csr_matrix((A.data, (order[A.row], order[A.col])), shape=A.shape)
 
     def vectors(self, form: Any) -> Callable[[], Array]:
         """Assembles a linear form with the present values of its fields, (3 n,)."""
-        with quiet():
-            compiled = dolfinx.fem.form(form)
+        compiled = compiled_form(form)
         order = (3 * self._row[:, None] + np.arange(3)).ravel()
 
         def vector() -> Array:

@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from cffi import VerificationError
 from numpy.typing import NDArray
@@ -35,8 +36,9 @@ def _first(*names: str) -> Any:
 basix_ufl = _first("basix.ufl")  # elements without it are those of UFL
 _gmsh_bridge = _first("dolfinx.io.gmsh", "dolfinx.io.gmshio")
 _parameters = inspect.signature(dolfinx.fem.Expression).parameters
-_JIT = "jit_options" if "jit_options" in _parameters else "jit_params"
-PATIENCE = 600  # seconds to wait for a module that another process compiles
+JIT_OPTIONS = "jit_options" if "jit_options" in _parameters else "jit_params"
+# Of all that is compiled; seconds to wait for a module that another process compiles.
+JIT = {"timeout": 600}
 MOST_COORDINATES = 1000
 
 
@@ -67,14 +69,29 @@ class LabelledMesh:
         return int(self.cell_labels.size)
 
 
+def element_of(
+    cell: str, degree: int, shape: tuple[int, ...], gdim: int, *, dg: bool = False
+) -> Any:
+    """Lagrange element of scalars, vectors or tensors, discontinuous for degree 0."""
+    if basix_ufl is not None:
+        return basix_ufl.element("DG" if dg else "Lagrange", cell, degree, shape=shape)
+    on = ufl.Cell(cell, geometric_dimension=gdim)
+    family = "Lagrange"
+    if dg:
+        family = "DQ" if cell in ("quadrilateral", "hexahedron") else "DG"
+    if not shape:
+        return ufl.FiniteElement(family, on, degree)
+    if len(shape) == 1:
+        return ufl.VectorElement(family, on, degree, dim=shape[0])
+    return ufl.TensorElement(family, on, degree, shape=shape)
+
+
 def labelled_mesh(plain: PlainMesh) -> LabelledMesh:
     """Create a DOLFINx mesh on this process only; labels are rows of regions, from 1."""
     gdim = plain.points.shape[1]
-    if basix_ufl is not None:
-        domain = basix_ufl.element("Lagrange", plain.cell, plain.degree, shape=(gdim,))
-    else:
-        shape = ufl.Cell(plain.cell, geometric_dimension=gdim)
-        domain = ufl.Mesh(ufl.VectorElement("Lagrange", shape, plain.degree))
+    domain = element_of(plain.cell, plain.degree, (gdim,), gdim)
+    if basix_ufl is None:
+        domain = ufl.Mesh(domain)
     create = dolfinx.mesh.create_mesh
     keyword = "e" if "e" in inspect.signature(create).parameters else "domain"
     with quiet():
@@ -114,11 +131,7 @@ def function_space(mesh: Any, element: Any) -> Any:
 
 def vector_space(mesh: Any, degree: int, size: int) -> Any:
     """Continuous Lagrange space of `size` components."""
-    if basix_ufl is not None:
-        element = basix_ufl.element("Lagrange", cell_name(mesh), degree, shape=(size,))
-    else:
-        element = ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree, dim=size)
-    return function_space(mesh, element)
+    return function_space(mesh, element_of(cell_name(mesh), degree, (size,), mesh.geometry.dim))
 
 
 def dof_coordinates(space: Any) -> Array:
@@ -150,15 +163,7 @@ def _table(rows: Any) -> NDArray[np.int32]:
 def cell_function(mesh: Any, values: Any) -> Any:
     """A function with one constant value (or tensor) in each cell, values (n_cell, ...)."""
     table = np.asarray(values, dtype=float)
-    shape, name = table.shape[1:], cell_name(mesh)
-    if basix_ufl is not None:
-        element = basix_ufl.element("DG", name, 0, shape=shape)
-    else:
-        family = "DQ" if name in ("quadrilateral", "hexahedron") else "DG"
-        if shape:
-            element = ufl.TensorElement(family, mesh.ufl_cell(), 0, shape=shape)
-        else:
-            element = ufl.FiniteElement(family, mesh.ufl_cell(), 0)
+    element = element_of(cell_name(mesh), 0, table.shape[1:], mesh.geometry.dim, dg=True)
     found = dolfinx.fem.Function(function_space(mesh, element))
     rows = cell_dofs(found.function_space)[:, 0]
     array = found.x.array.reshape(rows.size, -1)
@@ -182,15 +187,28 @@ def separate_cells(cell: str, nodes: Array) -> Any:
     return labelled_mesh(plain).mesh
 
 
+def compiled_form(form: Any) -> Any:
+    """Compile a UFL form; the machine code is kept on disk and shared by later processes."""
+    with quiet():
+        return dolfinx.fem.form(form, **{JIT_OPTIONS: JIT})
+
+
+def assembled(form: Any) -> sp.csr_matrix:
+    """Assemble a bilinear form without boundary conditions, in the order of DOLFINx."""
+    matrix = dolfinx.fem.petsc.assemble_matrix(compiled_form(form))
+    matrix.assemble()
+    indptr, indices, data = matrix.getValuesCSR()
+    shape = matrix.getSize()
+    matrix.destroy()
+    return sp.csr_matrix((data, indices, indptr), shape=shape)
+
+
 def scalar_argument(mesh: Any, degree: int) -> Any:
     """All functions of the continuous Lagrange space of a mesh, as one UFL argument.
 
     Their order within a cell is that of `reference_nodes`.
     """
-    if basix_ufl is not None:
-        element = basix_ufl.element("Lagrange", cell_name(mesh), degree)
-    else:
-        element = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), degree)
+    element = element_of(cell_name(mesh), degree, (), mesh.geometry.dim)
     return ufl.TrialFunction(function_space(mesh, element))
 
 
@@ -222,7 +240,7 @@ def evaluated(mesh: Any, expression: Any, points: Array, cells: IntArray | None 
     own = np.argsort(original_cells(mesh)).astype(np.int32)  # DOLFINx reorders the cells
     some = own if cells is None else own[cells]
     with quiet():
-        compiled = dolfinx.fem.Expression(expression, points, **{_JIT: {"timeout": PATIENCE}})
+        compiled = dolfinx.fem.Expression(expression, points, **{JIT_OPTIONS: JIT})
     of_mesh = (mesh,) if "mesh" in inspect.signature(compiled.eval).parameters else ()
     found = compiled.eval(*of_mesh, some)
     shape = (len(some), len(points), *expression.ufl_shape)

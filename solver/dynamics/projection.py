@@ -25,10 +25,7 @@ TOLERABLE = 1e-9  # |Phi| that is accepted if round-off prevents a smaller value
 @lean
 def rounding(model: Model, y: Array) -> float:
     """Return the |Phi| [m, rad] of a state y (n,) that needs no correction."""
-    largest_position = 1.0
-    for i in range(model.n_pos):
-        largest_position = max(largest_position, abs(y[i]))
-    return CLOSED * largest_position
+    return CLOSED * max(1.0, largest(y[: model.n_pos]))
 
 
 @lean
