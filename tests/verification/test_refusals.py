@@ -37,22 +37,30 @@ def test_a_small_first_correction_is_no_divergence(runs):
 
 @pytest.mark.provokes("steps-refused")
 def test_many_refusals_are_explained(runs):
-    """With reasons and body; the remedy that the finding gives works."""
-    keys = {"t_end": 10.0, "rtol": 1e-2, "integrator": "radau", "constraints": "projection"}
+    """With reasons and body; the remedy that the finding gives works.
+
+    The steps after a singular position depend on round-off: three runs count together.
+    """
+    keys = {"rtol": 1e-2, "integrator": "radau", "constraints": "projection"}
     spec = read_run(runs["n-four-bar"] / "n-2.json")
-    spec = spec.changed({f"solver.{k}": v for k, v in keys.items()})
-    _, summary = execute(spec, progress=False)
-    cost = summary["cost"]
-    (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
-    assert finding["level"] == "note"
-    assert finding["value"] == cost["rejected"] / (cost["rejected"] + cost["steps"]) > 0.2
-    assert "Newton" in finding["message"]
-    assert finding["body"] in spec.mechanism.bodies
-    assert f"of {finding['body']}" in finding["message"]
-    step = float(finding["message"].split("max_step = ")[1].split(",")[0])
-    _, helped = execute(spec.changed({"solver.max_step": step}), progress=False)
-    assert "steps-refused" not in {w["code"] for w in helped["warnings"]}
-    assert helped["cost"]["evaluations"] < 1.1 * cost["evaluations"]
+    before = after = 0
+    for t_end in (8.0, 10.0, 12.0):
+        spec = spec.changed({f"solver.{k}": v for k, v in {**keys, "t_end": t_end}.items()})
+        _, summary = execute(spec, progress=False)
+        cost = summary["cost"]
+        (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
+        assert finding["level"] == "note"
+        assert finding["value"] == cost["rejected"] / (cost["rejected"] + cost["steps"]) > 0.2
+        assert "Newton" in finding["message"]
+        assert finding["body"] in spec.mechanism.bodies
+        assert f"of {finding['body']}" in finding["message"]
+        step = float(finding["message"].split("max_step = ")[1].split(",")[0])
+        _, helped = execute(spec.changed({"solver.max_step": step}), progress=False)
+        assert "steps-refused" not in {w["code"] for w in helped["warnings"]}
+        before += cost["evaluations"]
+        after += helped["cost"]["evaluations"]
+    assert after < 1.1 * before
+
 
 
 @pytest.mark.parametrize("ratio", [1e5, 1e9])

@@ -153,7 +153,7 @@ REFUSED = Code(
     "reasons, and the body and mode that caused most of them",
     "share of refused attempts above {limit:g}, in runs of at least 100 attempts, where a shorter "
     "longest step or another force would need fewer",
-    "`max_step` of the average step; if a vibration of no interest is the reason, "
+    "`max_step` of 1.25 average steps; if a vibration of no interest is the reason, "
     "`cutoff_frequency` or damping",
     limit=0.2,
 )
