@@ -23,12 +23,11 @@ from fidelity_figures import by, totals
 from fidelity_scenes import HELD, SCENES, Table
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.fidelity.execution import read_planned
-from plymotion.solver.fidelity.metrics import difference, scales
-from plymotion.solver.fidelity.model import with_values
-from plymotion.solver.fidelity.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.procedure import checked, plan_of
-from plymotion.solver.fidelity.trial import Trial, attempted, tried
+from plymotion.solver.fidelity.base.comparison import difference, scales
+from plymotion.solver.fidelity.base.model import with_values
+from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
+from plymotion.solver.fidelity.check.trial import Trial, attempted, tried
+from plymotion.solver.fidelity.delivery.execution import checked, plan_of, read_planned
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package.body.selection import vibrations

@@ -18,9 +18,8 @@ import numpy as np
 from fidelity import OUTPUTS, Table, asking, error, toml
 from fidelity_scenes import HELD, SCENES
 
-from plymotion.solver.fidelity.execution import read_planned
-from plymotion.solver.fidelity.metrics import difference, scales
-from plymotion.solver.fidelity.procedure import checked, plan_of
+from plymotion.solver.fidelity.base.comparison import difference, scales
+from plymotion.solver.fidelity.delivery.execution import checked, plan_of, read_planned
 
 THIRD = (
     "one-link", "one-link-soft", "resonance", "off-resonance", "spin-up", "spin-up-short",

@@ -18,7 +18,7 @@ import numpy as np
 from shell_text import replace_between
 from solver_text import machine
 
-from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.solver import Solver
 from plymotion.solver.inputs.case.specs import write_case

@@ -17,7 +17,7 @@ from solver_runs import solve
 from solver_time import rounds_until
 from tqdm import tqdm
 
-from plymotion.solver.dynamics.constraints.treatment import treated
+from plymotion.solver.dynamics.elements.constraints.treatment import treated
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic import Integrator, StopRequest, integrate
 from plymotion.solver.mechanism import build

@@ -8,7 +8,7 @@ from exudyn_plane import Plane
 from solver_exudyn import reduced
 from solver_problems import Problem, node
 
-from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.preparation import prepare
 

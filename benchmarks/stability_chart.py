@@ -20,16 +20,16 @@ from flexible_samples import Points, body_of
 from matplotlib.lines import Line2D
 from mechanism_samples import Sample, pendulum
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dense_equations import assemble, constraint_rates
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates
 from plymotion.solver.integrators.generic import (
     INTEGRATORS,
     Integrator,
     new_integrator,
 )
-from plymotion.solver.mechanism.initial import Start
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable
+from plymotion.solver.mechanism.consistent.initial import Start
 from plymotion.solver.package.common.temporary import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
 

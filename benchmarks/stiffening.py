@@ -31,14 +31,14 @@ from stiffening_samples import (  # noqa: E402
     soft_pendulum,
 )
 
-from plymotion.solver.dynamics.assembly import assemble_model  # noqa: E402
-from plymotion.solver.dynamics.derivative import derivative_into  # noqa: E402
-from plymotion.solver.dynamics.model import Model  # noqa: E402
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body  # noqa: E402
-from plymotion.solver.dynamics.workspace import Work, new_work  # noqa: E402
+from plymotion.solver.dynamics.evaluation.derivative import derivative_into  # noqa: E402
+from plymotion.solver.dynamics.model.model import Model  # noqa: E402
+from plymotion.solver.dynamics.model.workspace import Work, new_work  # noqa: E402
 from plymotion.solver.math.arrays import Array  # noqa: E402
 from plymotion.solver.math.compiled import COMPILED, jit  # noqa: E402
 from plymotion.solver.math.laws import polynomial  # noqa: E402
+from plymotion.solver.mechanism.assembly.assembly import assemble_model  # noqa: E402
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body  # noqa: E402
 
 BATCHES = 41
 CASES = (

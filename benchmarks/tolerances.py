@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from plymotion.solver.dynamics.scales import scales
+from plymotion.solver.dynamics.analysis.scales import scales
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.math.arrays import Array

@@ -13,10 +13,10 @@ import numpy as np
 from plymotion.solver.commands.modes.case import read_spec
 from plymotion.solver.commands.modes.place import at_of
 from plymotion.solver.commands.modes.state import States
-from plymotion.solver.dynamics.coordinates import position_rates
-from plymotion.solver.dynamics.evaluation import evaluate
-from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.workspace import GAMMA, PHI_T, new_work
+from plymotion.solver.dynamics.evaluation.evaluation import evaluate
+from plymotion.solver.dynamics.model.coordinates import position_rates
+from plymotion.solver.dynamics.model.model import Model
+from plymotion.solver.dynamics.model.workspace import GAMMA, PHI_T, new_work
 from plymotion.solver.linearisation.state_space import linearise
 from plymotion.solver.linearisation.turning import turning_axes
 

@@ -5,10 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from mechanism_samples import Sample
 
-from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment, treated
-from plymotion.solver.dynamics.dense_equations import assemble, constraint_rates, energies
-from plymotion.solver.dynamics.derivative import by_blocks
-from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment, treated
+from plymotion.solver.dynamics.evaluation.dense_equations import (
+    assemble,
+    constraint_rates,
+    energies,
+)
+from plymotion.solver.dynamics.evaluation.derivative import by_blocks
+from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.closures import constrained_system, projection, right_hand_side
 from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
@@ -21,7 +25,7 @@ from plymotion.solver.integrators.generic import (
     new_integrator,
 )
 from plymotion.solver.integrators.radau import Radau
-from plymotion.solver.mechanism.initial import consistent_state, redundancy
+from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
 from plymotion.solver.monitors.singularity import SingularityMonitor
 
 

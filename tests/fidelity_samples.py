@@ -7,7 +7,7 @@ import numpy as np
 from beam_samples import reduced
 from stiffening_samples import rectangle
 
-from plymotion.solver.fidelity.model import with_values
+from plymotion.solver.fidelity.base.model import with_values
 from plymotion.solver.inputs.case.rich import rich_bodies
 from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.package import ModalPackage

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 from mechanism_samples import GRAVITY, GROUND, Sample
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body
+from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic import Integrator
-from plymotion.solver.mechanism.initial import Start
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body
+from plymotion.solver.mechanism.consistent.initial import Start
 from plymotion.solver.package import read_package
 
 HAND = Path(__file__).parent / "packages/double-pendulum/hand.isotropic.vtkhdf"

@@ -6,10 +6,10 @@ import numpy as np
 from flexible_samples import Points, body_of, random_points
 from mechanism_samples import GRAVITY, GROUND, Rods, Sample
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable
 from plymotion.solver.math.laws import Law, polynomial
-from plymotion.solver.mechanism.initial import Start
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
+from plymotion.solver.mechanism.consistent.initial import Start
 
 N_MODE = 2
 

@@ -10,9 +10,9 @@ from typing import Any
 
 from ..solver.commands.cases.turn import turn
 from ..solver.errors import InputError
-from ..solver.fidelity.execution import answered, read_planned
-from ..solver.fidelity.members import checked_member, member_spec, of_model
-from ..solver.fidelity.words import answer_text
+from ..solver.fidelity.delivery.execution import answered, read_planned
+from ..solver.fidelity.delivery.members import checked_member, member_spec, of_model
+from ..solver.fidelity.delivery.words import answer_text
 from ..solver.inputs.case.specs import write_case
 from ..solver.package.common.temporary import write_text
 from ..solver.results.codes.members import PLAN_TOO_COARSE

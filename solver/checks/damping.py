@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.dense_equations import assemble
-from ..dynamics.null_space import free_motions
+from ..dynamics.analysis.rank import free_motions
+from ..dynamics.evaluation.dense_equations import assemble
 from ..math.arrays import Array
 from .finished import FinishedRun
 

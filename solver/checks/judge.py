@@ -5,23 +5,17 @@ from dataclasses import dataclass
 
 from ..results.finding import Finding
 from ..strength.found import BodyStrength
-from . import (
-    completion,
-    constraints,
-    energy,
-    growth,
-    materials,
-    modes,
-    momentum,
-    motion,
-    packages,
-    refusals,
-    stalls,
-    start,
-    stiffening,
-    strength,
-    tables,
-)
+from . import balances as constraints
+from . import balances as energy
+from . import balances as momentum
+from . import bodies as materials
+from . import bodies as packages
+from . import bodies as strength
+from . import course as completion
+from . import course as growth
+from . import course as refusals
+from . import course as stalls
+from . import modes, motion, start, stiffening, tables
 from .finished import FinishedRun
 
 Check = Callable[[FinishedRun], Iterable[Finding]]

@@ -11,7 +11,7 @@ from ..package import ModalPackage
 from ..package.section.schema import RESULTANTS
 from ..results.codes.motion import FEW_MODES
 from ..results.finding import Finding
-from .finished import ROUNDING, FinishedRun, Missing
+from .finished import NEGLIGIBLE, FinishedRun, Missing
 
 VIBRATION = ("fixed_normal", "experimental")  # kinds of modes, of package.schema.MODE_KINDS
 # Directions of the loads that deform a beam as the vibrations of a family do.
@@ -117,7 +117,7 @@ def _missed(name: str, package: ModalPackage, lost: Missing) -> Finding:
     advice = [f'modes of kind "attachment" at {at} ({" ".join(d)})' for at, d in wanted.items()]
     if not advice:
         advice = [f"more vibration modes ({', '.join(families)})"]
-    floor = ROUNDING * max(abs(lost.carried), abs(lost.whole))
+    floor = NEGLIGIBLE * max(abs(lost.carried), abs(lost.whole))
     carried, whole = (v if abs(v) > floor else 0.0 for v in (lost.carried, lost.whole))
     text = (
         f"{name}: the modes miss about {lost.share:.0%} of the static deformation (strain energy) "

@@ -5,7 +5,7 @@ from math import ceil, tau
 
 import numpy as np
 
-from ..dynamics.recover import stiffened
+from ..dynamics.analysis.recovery import stiffened
 from ..results.codes.motion import ROTATION
 from ..results.finding import Finding
 from .finished import FinishedRun

@@ -2,15 +2,15 @@
 
 from collections.abc import Iterator
 
-from ..dynamics.held import (
+from ..dynamics.analysis.held import (
     held_deformations,
     is_moving,
     joined_deformations,
     motions_without_strain,
 )
-from ..dynamics.instant import law_values
+from ..dynamics.evaluation.laws import law_values
 from ..math.arrays import Array
-from ..mechanism.initial import undeformed
+from ..mechanism.consistent.initial import undeformed
 from ..results.codes.course import LOADED_START
 from ..results.finding import Finding
 from .finished import FinishedRun

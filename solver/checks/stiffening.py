@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..dynamics.dense_equations import assemble
-from ..dynamics.model import Model
-from ..dynamics.null_space import free_motions
-from ..dynamics.recover import stiffened
-from ..dynamics.series import mass_matrices
+from ..dynamics.analysis.rank import free_motions
+from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.evaluation.dense_equations import assemble
+from ..dynamics.evaluation.series import mass_matrices
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..mechanism import build
 from ..monitors.buckling import buckling_text

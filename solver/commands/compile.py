@@ -5,28 +5,29 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics import series
-from ..dynamics.assembly import assemble_model
-from ..dynamics.bodies.marker import single_motion
-from ..dynamics.coordinates import move_rows, moved, position_rates
-from ..dynamics.dense_equations import assemble, energies, masses_and_jacobians
-from ..dynamics.derivative import derivative
-from ..dynamics.evaluation import measure_into, reads_reactions
-from ..dynamics.forces.table import KINDS as FORCE_KINDS
-from ..dynamics.independence import new_independence
-from ..dynamics.joints.table import KINDS, N_PARAMETER
-from ..dynamics.laws import law_at
-from ..dynamics.least_energy import least_energy
-from ..dynamics.model import Model, state_size
-from ..dynamics.projection import projected
-from ..dynamics.residual import residuals
-from ..dynamics.singular_value import difference, new_spectrum
-from ..dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
-from ..dynamics.workspace import spare_work
-from ..fidelity.newmark import newmark
+from ..dynamics.analysis.independence import new_independence
+from ..dynamics.analysis.projection import least_energy, projected
+from ..dynamics.analysis.rank import difference, new_spectrum
+from ..dynamics.elements.bodies.marker import single_motion
+from ..dynamics.elements.forces.table import KINDS as FORCE_KINDS
+from ..dynamics.elements.joints.table import KINDS, N_PARAMETER
+from ..dynamics.evaluation import series
+from ..dynamics.evaluation.dense_equations import assemble, energies, masses_and_jacobians
+from ..dynamics.evaluation.derivative import derivative, residuals
+from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
+from ..dynamics.evaluation.laws import law_at
+from ..dynamics.model.coordinates import move_rows, moved, position_rates
+from ..dynamics.model.model import Model, state_size
+from ..dynamics.model.workspace import spare_work
+from ..fidelity.indicators.response import newmark
 from ..inputs.case.sources import solver_sha256
 from ..integrators.closures import right_hand_side
-from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
+from ..integrators.compiled.newton.pencil import (
+    factorise_pencil,
+    new_frozen,
+    new_pencil,
+    solve_pencil,
+)
 from ..integrators.explicit_stepping import RungeKutta8Loop
 from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic import RungeKutta8, integrate
@@ -38,6 +39,8 @@ from ..math.expressions.program import value_at
 from ..math.expressions.tree import ONE
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
+from ..mechanism.assembly.assembly import assemble_model
+from ..mechanism.assembly.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..monitors.singularity import SingularityMonitor
 from ..signals.points import rotation_vectors
 from .executors.local import Local

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dynamics.joints.contract import Drive
-from ..dynamics.joints.table import CONSTRAINTS, NAMES
-from ..dynamics.model import Model
+from ..dynamics.elements.joints.contract import Drive
+from ..dynamics.elements.joints.table import CONSTRAINTS, NAMES
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..math.expressions import operations as op
 from ..math.expressions.operations import TIME

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.coordinates import moved, position_rates
-from ..dynamics.dense_equations import accelerations, assemble
-from ..dynamics.derivative import by_blocks, dense_derivative_into, derivative_into
-from ..dynamics.model import Model, state_size
-from ..dynamics.projection import projected
-from ..dynamics.workspace import spare_work
+from ..dynamics.analysis.projection import projected
+from ..dynamics.evaluation.dense_equations import accelerations, assemble
+from ..dynamics.evaluation.derivative import by_blocks, dense_derivative_into, derivative_into
+from ..dynamics.model.coordinates import moved, position_rates
+from ..dynamics.model.model import Model, state_size
+from ..dynamics.model.workspace import spare_work
 from ..math.arrays import Array
 from .generic.base import Derivative
 from .generic.constrained import ConstrainedSystem

@@ -10,7 +10,7 @@ For the case file:
     keys : `Number`s of `[solver]` that only this integrator has; keyword arguments of its
         `__init__` by the same names
     treatments : treatments of the constraints that it solves within the step
-        (IMPLICIT, dynamics/constraints/treatment.py); none: it takes all others
+        (IMPLICIT, dynamics/elements/constraints/treatment.py); none: it takes all others
     place : in the manual and in lists; those of equal place follow by name
 
 First argument, by `takes`:
@@ -19,7 +19,7 @@ First argument, by `takes`:
     "constrained"  `ConstrainedSystem` (generic/constrained.py): mass matrix, forces and
                    constraints as closures, for methods that solve the constraints with the step.
                    It belongs in generic/ too.
-    "model"        a `Model` (dynamics/model.py): for step loops that are compiled whole
+    "model"        a `Model` (dynamics/model/model.py): for step loops that are compiled whole
                    (`StepLoop`, step_loop.py). It belongs in this folder.
 
 It must have:

@@ -4,14 +4,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..dynamics.model import Model
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from .closures import projection
-from .compiled.explicit import advance_explicit, fill_polynomial
-from .compiled.explicit_workspace import (
+from .compiled.explicit import (
     STIFF_STEP,
     STIFF_TIME,
     ExplicitTableau,
+    advance_explicit,
+    fill_polynomial,
     new_explicit_workspace,
 )
 from .compiled.step_control import Ends

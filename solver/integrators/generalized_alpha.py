@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from ..dynamics.model import Model
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..math.hermite import Hermite
 from ..math.keys import Number
 from .compiled.alpha import advance_alpha
-from .compiled.alpha_workspace import new_alpha_workspace, restart_alpha
+from .compiled.alpha_stages import new_alpha_workspace, restart_alpha
 from .compiled.step_control import Ends
 from .generic.advice import SHORTER, of_choice
 from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
@@ -18,7 +18,7 @@ from .step_loop import StepLoop
 class GeneralizedAlpha(StepLoop):
     """Generalized-alpha of Arnold and Bruls for M a + Phi_q' lambda = f, Phi = 0.
 
-    Second order; q moves by the group's exponential (dynamics/coordinates.py), so that Euler
+    Second order; q moves by the group's exponential (dynamics/model/coordinates.py), so that Euler
     parameters need no constraint of their own. With spectral radius rho at infinity,
 
         alpha_m = (2 rho - 1) / (rho + 1), alpha_f = rho / (rho + 1),

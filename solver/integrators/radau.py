@@ -1,28 +1,101 @@
 """Radau IIA of order 5 for mechanisms: its options, its answer to a stall, its dense output."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.model import Model
-from ..dynamics.scales import scales
-from ..dynamics.series import driven_speeds
+from ..dynamics.analysis.scales import scales
+from ..dynamics.evaluation.evaluation import evaluate
+from ..dynamics.evaluation.series import driven_speeds
+from ..dynamics.model.model import Model
+from ..dynamics.model.workspace import new_work
 from ..math.arrays import Array
 from ..math.keys import Number
 from .compiled import step_control as codes
+from .compiled.cutoff import filter_error, new_cutoff, start_filter
 from .compiled.dependent_rows import PENALTY
+from .compiled.newton.pencil import freeze, new_frozen
 from .compiled.radau import advance
-from .compiled.radau_workspace import new_radau_workspace, restart_radau
+from .compiled.radau_workspace import MU, RadauWorkspace, new_radau_workspace, restart_radau
 from .compiled.step_control import Ends
-from .compiled.tableau import MU
-from .generic.advice import SHORTER, WANTED
+from .generic.advice import OWN, SHORTER, WANTED, Pace, Refusals
 from .generic.base import Dense
 from .generic.explicit import Powers
-from .generic.pace import OWN, Pace, Refusals
-from .ringing import kinetic_energies, ringing
 from .step_loop import ClosingLoop
-from .turning import A_TURN, GROWN, TOO_FAST, Turning, turning
+
+
+def ringing(model: Model, workspace: RadauWorkspace) -> tuple[int, float]:
+    """Return the component of the state that rings most in the last step, and its rate [rad/s].
+
+    By the cubic coefficients of the step's polynomials: of a vibration that the step resolves,
+    those of velocities are w times those of positions. Components are weighed by inertia.
+    """
+    cubic, n_pos, M = workspace.Q[2], model.n_pos, workspace.frozen.M
+    size = np.zeros(model.n_vel)
+    for i, j in enumerate(model.vel_start):
+        for k in range(int(model.plan.size[i])):
+            size[j + k] = M[i, k, k] * cubic[n_pos + j + k] ** 2
+    most = int(np.argmax(size))
+    i = int(np.searchsorted(model.vel_start, most, side="right")) - 1
+    k, a = most - int(model.vel_start[i]), int(model.pos_start[i])
+    turns, j = 3 <= k < 6, n_pos + most
+    q = a + k + (1 if k > 5 else 0)
+    swing = 2.0 * cubic[a + 3 : a + 7] if turns else cubic[q : q + 1]
+    speed = cubic[j - k + 3 : j - k + 6] if turns else cubic[j : j + 1]
+    size_q, size_v = float(np.linalg.norm(swing)), float(np.linalg.norm(speed))
+    return j, size_v / size_q if size_q > 0.0 else 0.0
+
+
+def kinetic_energies(
+    model: Model, least: Array, t: float, y: Array, cutoff: float
+) -> tuple[float, float]:
+    """Return the kinetic energy of vibrations above a cutoff [rad/s], and of all motion [J].
+
+    In state y (n,) at t [s], by the filter that takes such vibrations out of errors: motion without
+    stiffness is not among them, however fast it is. `least` (n_e,): as of `new_cutoff`.
+    """
+    work, frozen = new_work(model), new_frozen(model)
+    evaluate(model, work, t, y)
+    freeze(model, work, t, y, frozen)
+    memory = new_cutoff(model, frozen, least.copy())
+    start_filter(model, frozen, memory, cutoff)
+    filter_error(model, memory, cutoff, y)
+    found = np.zeros(2)
+    for i, j in enumerate(np.asarray(model.vel_start) + model.n_pos):
+        size, lead = int(model.plan.size[i]), int(model.plan.lead[i])
+        M = frozen.M[i, :size, :size]
+        lower = np.tril(M, -1)
+        lower[:, lead:] = 0.0
+        v = y[j : j + size]
+        for k, w in enumerate((v - memory.error[j : j + size], v)):
+            found[k] += w @ lower @ w + 0.5 * (np.diag(M) * w) @ w
+    return float(found[0]), float(found[1])
+
+
+A_TURN = 0.1  # rad in a step, from which on the rotation itself asks for steps this short
+# Speed of a rim that no material holds [m/s]: hoops of carbon fibre burst below 3000 m/s.
+TOO_FAST = 1e4
+GROWN = 10.0  # over the speeds of the start and the drives: these are asked for, not grown
+
+
+class Turning(NamedTuple):
+    """The body that turns fastest."""
+
+    body: int
+    spin: float  # [rad/s]
+    rim: float  # spin times the radius of gyration about the frame [m/s]
+
+
+def turning(model: Model, y: Array) -> Turning:
+    """Return the body that turns fastest in state y (n,)."""
+    first = model.n_pos + np.asarray(model.vel_start)[: model.n_body]
+    spins = np.linalg.norm(y[first[:, None] + np.arange(3, 6)], axis=1)
+    body = int(np.argmax(spins))
+    square = float(np.trace(model.T00[body]) + 0.5 * np.trace(model.J0[body]))
+    radius = np.sqrt(square / model.mass[body]) if model.mass[body] > 0.0 else 0.0
+    return Turning(body, float(spins[body]), float(spins[body] * radius))
+
 
 # Cutoffs that are tried against a stall, times pi over the interval of the results.
 CUTOFFS = (10.0, 3.0, 1.0)

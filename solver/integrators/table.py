@@ -1,6 +1,6 @@
 """The integrators of this folder and of generic/ by their name in `[solver] integrator`."""
 
-from ..dynamics.constraints.treatment import IMPLICIT
+from ..dynamics.elements.constraints.treatment import IMPLICIT
 from . import __name__ as _package
 from . import __path__ as _path
 from .generic.base import Integrator

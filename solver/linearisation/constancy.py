@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..dynamics.model import Model
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from .modes import Modes
 from .state_space import StateSpace

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.coordinates import moved
-from ..dynamics.instant import with_laws
-from ..dynamics.model import Model
-from ..dynamics.reactions import DIFFERENCE
-from ..dynamics.scales import shape_sizes
+from ..dynamics.analysis.recovery import DIFFERENCE
+from ..dynamics.analysis.scales import shape_sizes
+from ..dynamics.evaluation.laws import with_laws
+from ..dynamics.model.coordinates import moved
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 
 STEP = 2e-4  # of the size of the mechanism, rad: the first that is tried

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
 
-from ..dynamics.dense_equations import assemble
-from ..dynamics.model import Model
-from ..dynamics.scales import extent
+from ..dynamics.analysis.scales import extent
+from ..dynamics.evaluation.dense_equations import assemble
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from .differences import STEP, units_of
 from .state_space import StateSpace

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..dynamics.model import Model
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..math.rotations import frame_from_axis, rotation_matrix, skew
 from ..package import ModalPackage

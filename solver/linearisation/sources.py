@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from ..dynamics.forces.contract import OfTime
-from ..dynamics.forces.table import ELEMENTS, LOADS
-from ..dynamics.joints.table import DRIVES, NAMES, position_rows
+from ..dynamics.elements.forces.contract import OfTime
+from ..dynamics.elements.forces.table import ELEMENTS, LOADS
+from ..dynamics.elements.joints.table import DRIVES, NAMES, position_rows
 from ..inputs.case.of_time import drives
 from ..mechanism import BuiltMechanism
 from .state_space import Source

@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.dense_equations import assemble
-from ..dynamics.instant import law_values
-from ..dynamics.model import Model
-from ..dynamics.null_space import FreeMotions, Rank, free_motions
-from ..dynamics.scales import extent
-from ..dynamics.series import along_solution, balance
+from ..dynamics.analysis.rank import FreeMotions, Rank, free_motions
+from ..dynamics.analysis.scales import extent
+from ..dynamics.evaluation.dense_equations import assemble
+from ..dynamics.evaluation.laws import law_values
+from ..dynamics.evaluation.series import along_solution, balance
+from ..dynamics.model.model import Model
 from ..math.arrays import Array, IntArray
 from ..signals import Recording, Sensor
 from .differences import Direction, Instant, derivatives

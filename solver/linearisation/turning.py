@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.model import Model
-from ..dynamics.series import along_solution
-from ..dynamics.spinning import Spin, spin_accelerations, spin_velocities
+from ..dynamics.evaluation.series import along_solution
+from ..dynamics.evaluation.spinning import Spin, spin_accelerations, spin_velocities
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrix, skew
 

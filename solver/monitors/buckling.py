@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dynamics.model import Model
-from ..dynamics.recover import stiffened
+from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.model.model import Model
 from ..integrators.generic import Steps, StopRequest
 from ..integrators.generic.base import Dense
 from ..math.arrays import Array, IntArray

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..dynamics.independence import scaled_jacobian_into
-from ..dynamics.model import Model
-from ..dynamics.singular_value import difference, new_spectrum, smallest_at
+from ..dynamics.analysis.independence import scaled_jacobian_into
+from ..dynamics.analysis.rank import difference, new_spectrum, smallest_at
+from ..dynamics.model.model import Model
 from ..integrators.generic import Integrator
 from ..integrators.generic.base import Dense
 from ..math.arrays import Array

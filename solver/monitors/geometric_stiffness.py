@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..dynamics import series
-from ..dynamics.bodies.second_order import stiffening_matrices
-from ..dynamics.model import Model
+from ..dynamics.elements.bodies.second_order import stiffening_matrices
+from ..dynamics.evaluation import series
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrices
 

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.energy import energies_into
-from ..dynamics.evaluation import evaluate
-from ..dynamics.independence import Independence, certificate, new_independence
-from ..dynamics.model import Model
-from ..dynamics.workspace import Work, new_work
+from ..dynamics.analysis.independence import Independence, certificate, new_independence
+from ..dynamics.evaluation.energy import energies_into
+from ..dynamics.evaluation.evaluation import evaluate
+from ..dynamics.model.model import Model
+from ..dynamics.model.workspace import Work, new_work
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 

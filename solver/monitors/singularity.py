@@ -12,10 +12,10 @@ from functools import partial
 
 import numpy as np
 
-from ..dynamics.constraints.treatment import PASSES_SINGULAR
-from ..dynamics.dependence import is_tree
-from ..dynamics.independence import CERTAIN, begin
-from ..dynamics.model import Model
+from ..dynamics.analysis.independence import CERTAIN, begin
+from ..dynamics.elements.constraints.treatment import PASSES_SINGULAR
+from ..dynamics.linear_algebra.dependence import is_tree
+from ..dynamics.model.model import Model
 from ..errors import few
 from ..integrators.generic import Steps, StopRequest
 from ..integrators.generic.steps import MOST_NOTED
@@ -45,12 +45,12 @@ class _State:
 class SingularityMonitor:
     """Find singular positions as a run goes through them, and judge how it came out.
 
-    The least pivot of H (dynamics/independence.py) certifies for most steps that no singular
-    position lies in them: that is linear in the number of bodies. A step without certificate is
-    divided; where that does not help, or where the pivot is small beside its largest in the run,
-    the smallest singular value sigma that counts is computed. It has passed through zero where
-    it falls at the beginning of a step and rises at its end, steeply enough. A mechanism without
-    loops has no singular positions.
+    The least pivot of H (dynamics/analysis/independence.py) certifies for most steps that no
+    singular position lies in them: that is linear in the number of bodies. A step without
+    certificate is divided; where that does not help, or where the pivot is small beside its largest
+    in the run, the smallest singular value sigma that counts is computed. It has passed through
+    zero where it falls at the beginning of a step and rises at its end, steeply enough. A mechanism
+    without loops has no singular positions.
     """
 
     model: Model

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..dynamics.bodies.floating_frame import centrifugal_matrix
-from ..dynamics.joints.table import RIGID
-from ..dynamics.model import GROUND, Model
+from ..dynamics.elements.bodies.floating_frame import centrifugal_matrix
+from ..dynamics.elements.joints.table import RIGID
+from ..dynamics.model.model import GROUND, Model
 from ..integrators.generic import Steps, StopRequest
 from ..integrators.generic.base import Dense
 from ..math.arrays import Array
@@ -26,7 +26,7 @@ class CarriedMass:
 def carried_masses(model: Model) -> list[CarriedMass]:
     """Rigid bodies fixed at the interfaces of flexible bodies.
 
-    Heavy point masses are such bodies (mechanism/virtual.py); T11 has the others.
+    Heavy point masses are such bodies (mechanism/building/virtual.py); T11 has the others.
     """
     found = []
     for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
@@ -62,7 +62,7 @@ class SpinMonitor:
 
     def __post_init__(self) -> None:
         self._carried = carried_masses(self.model)
-        # A stiffened body does not lose its stiffness by spinning: see stiffening.py.
+        # A stiffened body does not lose its stiffness by spinning: see indicators.py.
         stiffened = np.diff(self.model.second_start) > 0
         self._flexible = [
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]

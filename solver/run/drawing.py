@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.joints.contract import FREEDOMS
-from ..dynamics.joints.table import JOINTS
+from ..dynamics.elements.joints.contract import FREEDOMS
+from ..dynamics.elements.joints.table import JOINTS
 from ..math.arrays import Array, IntArray
 from ..math.polylines import lengths_along
 from ..math.rows import LongRows

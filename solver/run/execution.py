@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..checks.course import stall_finding
 from ..checks.finished import FinishedRun
-from ..checks.stalls import stall_finding
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.generic import Steps, StopRequest, Watch

@@ -8,7 +8,7 @@ import numpy as np
 from ..checks.finished import FinishedRun, Look
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Watch, integrate
-from ..integrators.generic.pace import Stall
+from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
 from .preparation import Prepared
 

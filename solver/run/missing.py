@@ -17,9 +17,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..checks.finished import ROUNDING, FinishedRun, Missing
-from ..dynamics import series
-from ..dynamics.model import Model
-from ..dynamics.recover import body_frames, stiffened
+from ..dynamics.analysis.recovery import body_frames, stiffened
+from ..dynamics.evaluation import series
+from ..dynamics.model.model import Model
 from ..errors import InputError
 from ..math.arrays import Array
 from ..math.rotations import skew, vectors_to_matrices

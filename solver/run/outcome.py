@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..checks.damping import loaded_damping
-from ..checks.finished import FinishedRun
+from ..checks.finished import FinishedRun, Past
 from ..checks.judge import judge
-from ..checks.past import Past
-from ..dynamics import recover
+from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism import BuiltMechanism
@@ -72,7 +71,7 @@ def collect(
     """Recover everything of interest from a finished run, and judge it.
 
     What has a row for every output time is computed block by block. Of a run whose states are
-    in a file (integrators/generic/output.py), or with many signals, it is kept in a file as well,
+    in a file (integrators/generic/drive.py), or with many signals, it is kept in a file as well,
     in `folder`. `told` hears what part of the output times is done.
     """
     model, solution = finished.model, finished.solution

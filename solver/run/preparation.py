@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
-from ..dynamics.constraints.treatment import Treatment, treated
-from ..dynamics.model import Model
-from ..dynamics.scales import scales
+from ..dynamics.analysis.scales import scales
+from ..dynamics.elements.constraints.treatment import Treatment, treated
+from ..dynamics.model.model import Model
 from ..inputs.case.of_time import is_smooth
 from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
-from ..mechanism.axis import given_spin
-from ..mechanism.initial import redundancy
-from ..mechanism.moved import moved_findings
-from ..mechanism.python_functions import Called, python_functions, require_permission
-from ..mechanism.reduced import used_packages
-from ..mechanism.start import starting_state
+from ..mechanism.building.modes import used_packages
+from ..mechanism.building.python_functions import Called, python_functions, require_permission
+from ..mechanism.consistent.initial import redundancy
+from ..mechanism.starting.moved import moved_findings
+from ..mechanism.starting.relative_equilibrium import given_spin
+from ..mechanism.starting.start import starting_state
 from ..monitors.buckling import BucklingMonitor
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor

@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics import series
-from ..dynamics.recover import body_frames, stiffened
+from ..dynamics.analysis.recovery import body_frames, stiffened
+from ..dynamics.evaluation import series
 from ..errors import InputError
 from ..math.arrays import Array
 from ..math.rotations import skew, vectors_to_matrices

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.constraint_rows import n_coupling
-from ..dynamics.quantities import ANGLE, SPIN
-from ..dynamics.series import force_sizes
+from ..dynamics.evaluation.evaluation import n_coupling
+from ..dynamics.evaluation.series import force_sizes
+from ..dynamics.model.quantities import ANGLE, SPIN
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from .recording import Recording

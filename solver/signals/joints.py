@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..dynamics.joints.contract import Angle, Displacement, Drive
-from ..dynamics.joints.table import CONSTRAINTS, COORDINATES, NAMES
-from ..dynamics.laws import law_at
+from ..dynamics.elements.joints.contract import Angle, Displacement, Drive
+from ..dynamics.elements.joints.table import CONSTRAINTS, COORDINATES, NAMES
+from ..dynamics.evaluation.laws import law_at
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
 from .recording import Recording

@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.recover import elastic_motion, stiffened
+from ..dynamics.analysis.recovery import stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
 from ..math.rotations import vector_of, vector_to_matrix, vectors_to_matrices
 from ..math.shortest_rotation import shortest_rotations
 from ..mechanism import BuiltMechanism
-from ..mechanism.build import frame_marker
+from ..mechanism.building.build import frame_marker
+from ..package.body.schema import Interface
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -26,6 +27,18 @@ POINT_UNITS = {
     "deflection": "m",
     "rotation": "rad",
 }
+
+
+def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Array, Array]:
+    """Return translation (k, 3) [m] and rotation vector (k, 3) [rad] of an interface in its body.
+
+    phi q and psi q, and with `second_order` 1/2 q' H q of both. q : (k, m) modal coordinates.
+    """
+    u, theta = q @ place.phi_B.T, q @ place.psi_B.T
+    if second_order and place.H_B is not None and place.H_psi_B is not None:
+        u = u + 0.5 * np.einsum("aij,ki,kj->ka", place.H_B, q, q, optimize=True)
+        theta = theta + 0.5 * np.einsum("aij,ki,kj->ka", place.H_psi_B, q, q, optimize=True)
+    return u, theta
 
 
 def point_values(

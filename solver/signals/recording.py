@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics import series
-from ..dynamics.bodies.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
-from ..dynamics.model import Model
+from ..dynamics.evaluation import series
+from ..dynamics.model.model import Model
+from ..dynamics.model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
 from ..math.arrays import Array
 
 MARKERS = 32  # whose motions are kept: signals of a place follow each other
@@ -57,7 +57,7 @@ class Recording:
         return self._motion(marker)[:, SPIN:ACCELERATION]
 
     def _motion(self, marker: int) -> Array:
-        """Row of dynamics/bodies/motion.py of a marker in every state, (k, 24)."""
+        """Row of dynamics/model/motion.py of a marker in every state, (k, 24)."""
         if marker not in self._motions:
             if len(self._motions) >= MARKERS:
                 self._motions.pop(next(iter(self._motions)))

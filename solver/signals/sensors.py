@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.joints.table import COORDINATES
-from ..dynamics.model import Model
+from ..dynamics.elements.joints.table import COORDINATES
+from ..dynamics.model.model import Model
 from ..inputs.case.combining import needed, with_parts
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.model import Model
+from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from .recording import Recording
 

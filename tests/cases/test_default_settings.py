@@ -9,14 +9,14 @@ from mechanism_samples import bricard, chain, four_bars, pendulum
 from stability_samples import hand
 from two_body_samples import stretching_rod, two_bodies
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.tables import ForceTable
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.solver import Solver
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.integrators.generic.pace import INTERVALS, SLOW
+from plymotion.solver.integrators.generic.advice import INTERVALS, SLOW
+from plymotion.solver.mechanism.assembly.tables import ForceTable
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.preparation import prepare

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.tables import flexible_body
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import flexible_body
 from plymotion.solver.package import read_package, validate
 from plymotion.solver.run.execution import execute, read_run
 

@@ -111,7 +111,7 @@ PLANTED = [  # folder, forbidden import, contract that it breaks
     ("preprocess", "from ..solver import dynamics", "preprocess"),
     ("preprocess", "import pydantic", "preprocess-light"),
     ("preprocess", "from petsc4py import PETSc", "fenicsx"),
-    ("solver/dynamics/bodies", "from .. import joints", "dynamics"),
+    ("solver/dynamics/elements", "from .. import analysis", "dynamics"),
     ("solver/math", "from .. import package", "layers"),
     ("solver/integrators/generic", "from ... import dynamics", "integrators"),
     ("solver/package", "import scipy", "package"),

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from source_copy import copy_with_recipes, recipe_files, recipe_lines, run_python
 
-from plymotion.solver.dynamics.forces.table import FORCES
-from plymotion.solver.dynamics.joints.contract import DrivenBy
-from plymotion.solver.dynamics.joints.table import JOINTS
+from plymotion.solver.dynamics.elements.forces.table import FORCES
+from plymotion.solver.dynamics.elements.joints.contract import DrivenBy
+from plymotion.solver.dynamics.elements.joints.table import JOINTS
 from plymotion.solver.inputs.case.solver import Solver
 from plymotion.solver.integrators.table import INTEGRATORS
 from plymotion.solver.package.shell import elements
@@ -148,7 +148,7 @@ def texts(repository) -> dict[str, str]:
 def test_one_source_file_names_a_joint(texts, kind):
     quoted = re.compile(rf"""["']{kind}["']""")
     found = [name for name, text in texts.items() if quoted.search(text)]
-    assert found == [f"solver/dynamics/joints/{kind}.py"]
+    assert found == [f"solver/dynamics/elements/joints/{kind}.py"]
 
 
 @pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force"}))
@@ -158,7 +158,7 @@ def test_one_source_file_names_a_force_element(texts, kind):
     solver = (item for item in texts.items() if item[0].startswith("solver/"))
     found = [name for name, text in solver if quoted.search(text)]
     assert len(found) == 1, found
-    assert found[0].startswith("solver/dynamics/forces/")
+    assert found[0].startswith("solver/dynamics/elements/forces/")
 
 
 def test_the_page_on_mechanisms_has_a_line_for_each_force_element(repository):

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-MOST_ROOMS, MOST_LEVELS = 20, 11
+MOST_ROOMS, MOST_LEVELS = 20, 10
 Graph = dict[str, set[str]]
 
 

@@ -16,7 +16,7 @@ from solid_prism import held_compliance
 
 from plymotion.preprocess.materials import material_from_dict
 from plymotion.preprocess.section import analyse
-from plymotion.solver.fidelity.section_ends import OTHER_END
+from plymotion.solver.fidelity.indicators.beam_theory import OTHER_END
 from plymotion.solver.inputs.section.shapes.library import expand
 
 Record = Callable[[str, Any], None]

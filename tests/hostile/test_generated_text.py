@@ -21,8 +21,8 @@ from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.commands.blade.case import TEXT
 from plymotion.solver.commands.section.summary import Row, write_summary
 from plymotion.solver.commands.section.writers.blades import write_beamdyn, write_hawc2
-from plymotion.solver.fidelity.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.plan_file import write_plan
+from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
+from plymotion.solver.fidelity.choice.plan_file import write_plan
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.common.toml_text import toml_text, toml_value
 

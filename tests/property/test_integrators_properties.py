@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from plymotion.solver.integrators.generic import INTEGRATORS, integrate, new_integrator
-from plymotion.solver.integrators.generic.bdf_formula import (
+from plymotion.solver.integrators.generic.gear import (
     corrector,
     error_weights,
     interpolation,

@@ -7,13 +7,13 @@ import numpy as np
 from case_samples import rigid, run_text
 from scipy.special import gamma
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
-from plymotion.solver.dynamics.forces.table import ELEMENTS, KINDS, MOST_ROWS, element_rows
-from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.dynamics.elements.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
+from plymotion.solver.dynamics.elements.forces.table import ELEMENTS, KINDS, MOST_ROWS, element_rows
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.radau import Radau
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body
 
 folder = Path(sys.argv[1])
 text = (

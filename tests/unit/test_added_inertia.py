@@ -6,17 +6,24 @@ from constraint_runs import new_run, prepared
 from flexible_samples import Points, body_of, random_points
 from mechanism_samples import GRAVITY, GROUND, Sample, four_bars
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.bodies.added_inertia import missing_inertia, undetermined_body
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.derivative import by_blocks, dense_derivative_into, derivative_into
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
-from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.dynamics.elements.bodies.added_inertia import (
+    missing_inertia,
+    undetermined_body,
+)
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.derivative import (
+    by_blocks,
+    dense_derivative_into,
+    derivative_into,
+)
+from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.mechanism.initial import Start, consistent_state
-from plymotion.solver.mechanism.start import starting_state
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
+from plymotion.solver.mechanism.starting.start import starting_state
 
 NONE, NOTHING = np.zeros((3, 0)), np.zeros((0, 0))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.dynamics.laws import law_at
+from plymotion.solver.dynamics.evaluation.laws import law_at
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.source_files import source_files
 from plymotion.solver.inputs.case.specs import write_case

@@ -17,7 +17,7 @@ import pytest
 from constraint_runs import prepared
 from mechanism_samples import chain
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 
 # Not `importorskip`: Numba takes long to load, and each worker of pytest reads this file.
 pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.dynamics.constraints.augmented_lagrangian import augmented_lagrangian
-from plymotion.solver.dynamics.constraints.baumgarte import stabilised
-from plymotion.solver.dynamics.constraints.minimum_norm import minimum_norm
-from plymotion.solver.dynamics.constraints.saddle_point import saddle_point
-from plymotion.solver.dynamics.constraints.scaling import row_masses, scaled_jacobian
+from plymotion.solver.dynamics.elements.constraints.augmented_lagrangian import augmented_lagrangian
+from plymotion.solver.dynamics.elements.constraints.baumgarte import stabilised
+from plymotion.solver.dynamics.elements.constraints.minimum_norm import minimum_norm
+from plymotion.solver.dynamics.elements.constraints.saddle_point import saddle_point
+from plymotion.solver.dynamics.elements.constraints.treatment import row_masses, scaled_jacobian
 
 N = 7
 

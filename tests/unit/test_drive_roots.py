@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from case_samples import rigid, run_text
 
-from plymotion.solver.dynamics.joints.table import DRIVES
+from plymotion.solver.dynamics.elements.joints.table import DRIVES
 from plymotion.solver.errors import InputError
 from plymotion.solver.math.rotations import vector_to_matrix
 

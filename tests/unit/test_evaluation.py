@@ -6,20 +6,20 @@ from constraint_runs import prepared
 from flexible_samples import random_mechanism, random_state
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import Treatment, treated
-from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.derivative import (
+from plymotion.solver.dynamics.analysis.projection import _dense_project, projected
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.derivative import (
     by_blocks,
     dense_derivative_into,
     derivative,
     derivative_into,
 )
-from plymotion.solver.dynamics.projection import _dense_project, projected
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
-from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.dynamics.model.coordinates import moved
+from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.integrators.closures import right_hand_side
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
 
 # Closed loops with surplus rows, of bodies with inertia about every axis.
 LOOPS = {

@@ -6,7 +6,7 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import chain
 from two_body_samples import two_bodies
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.closures import projection, right_hand_side
 from plymotion.solver.integrators.explicit_stepping import ExplicitLoop
 from plymotion.solver.integrators.generic import integrate, new_integrator

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from plymotion.solver.fidelity.newmark import newmark
-from plymotion.solver.fidelity.ringing import ringing
+from plymotion.solver.fidelity.indicators.response import newmark, ringing
 
 
 def test_one_mode_rings_with_the_rate_over_its_frequency():

@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.dynamics.forces.contract import N_ELEMENT_ROW, Element, Load, Number, OfTime
-from plymotion.solver.dynamics.forces.spring import spring, spring_rows
-from plymotion.solver.dynamics.forces.table import (
+from plymotion.solver.dynamics.elements.forces.contract import (
+    N_ELEMENT_ROW,
+    Element,
+    Load,
+    Number,
+    OfTime,
+)
+from plymotion.solver.dynamics.elements.forces.spring import spring, spring_rows
+from plymotion.solver.dynamics.elements.forces.table import (
     ELEMENTS,
     FIRST_LOAD,
     FORCES,
@@ -19,7 +25,7 @@ from plymotion.solver.dynamics.forces.table import (
 
 
 def _marker(rng):
-    """A row of bodies/motion.py with axes of a rotation."""
+    """A row of model/motion.py with axes of a rotation."""
     motion = rng.normal(size=24)
     motion[3:12] = np.linalg.qr(rng.normal(size=(3, 3)))[0].ravel()
     if np.linalg.det(motion[3:12].reshape(3, 3)) < 0.0:

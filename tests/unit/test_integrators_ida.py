@@ -7,7 +7,7 @@ import pytest
 from constraint_runs import new_run, prepared, run
 from mechanism_samples import chain, four_bars, pendulum
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.closures import constrained_system
 from plymotion.solver.integrators.generic import StopRequest, integrate, new_constrained_integrator

@@ -5,9 +5,9 @@ import pytest
 from constraint_runs import prepared
 from mechanism_samples import chain
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dense_equations import assemble
-from plymotion.solver.dynamics.least_energy import least_energy
+from plymotion.solver.dynamics.analysis.projection import least_energy
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble
 
 
 @pytest.mark.parametrize("given", [[], [5], [5, 11], [5, 11, 17, 23, 29]])

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from mechanism_samples import chain
 
-from plymotion.solver.dynamics import freedom
-from plymotion.solver.dynamics.dense_equations import assemble
-from plymotion.solver.dynamics.freedom import degrees_of_freedom
-from plymotion.solver.mechanism import initial
-from plymotion.solver.mechanism.initial import consistent_state, redundancy
+from plymotion.solver.dynamics.analysis import rank as freedom
+from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.mechanism.consistent import initial
+from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
 
 LINKS = 40
 

@@ -8,7 +8,7 @@ from beam_samples import CLAMPED, reduced
 from modes_samples import modes_at, rates
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.dynamics.null_space import rank_of
+from plymotion.solver.dynamics.analysis.rank import rank_of
 from plymotion.solver.package import write_package
 
 STIFFNESS = np.diag([1e5, 1e5, 1e5, 1.0, 1.0, 1.0])  # uncoupled: bends in one plane

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.dynamics.plan import Plan, make_plan
+from plymotion.solver.dynamics.model.plan import Plan, make_plan
 
 
 def _hinged(pairs: list[tuple[int, int]], seed: int | None = None) -> Plan:

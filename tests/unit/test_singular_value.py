@@ -5,12 +5,11 @@ import pytest
 from constraint_runs import prepared
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.dynamics.constraints.scaling import scaled_jacobian
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dense_equations import assemble
-from plymotion.solver.dynamics.independence import new_independence
-from plymotion.solver.dynamics.singular_value import difference, new_spectrum, smallest_at
-from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.dynamics.analysis.independence import new_independence
+from plymotion.solver.dynamics.analysis.rank import difference, new_spectrum, smallest_at
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, scaled_jacobian
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.model.workspace import new_work
 
 
 def _search(model):

@@ -11,14 +11,14 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import chain, pendulum
 from two_body_samples import torn, two_bodies
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators import step_loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic import StopRequest, integrate
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.math.laws import polynomial
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body
 
 IMPLICIT = [
     ("radau", "projection"),
@@ -248,7 +248,7 @@ import numpy as np
 from constraint_runs import new_run, prepared
 from two_body_samples import two_bodies
 from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
 rows = []

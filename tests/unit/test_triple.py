@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from flexible_samples import random_mechanism, random_state
 
-from plymotion.solver.dynamics.bodies import motion
-from plymotion.solver.dynamics.bodies.marker import marker_motion, single_motion
+from plymotion.solver.dynamics.elements.bodies.marker import marker_motion, single_motion
+from plymotion.solver.dynamics.model import motion
 from plymotion.solver.math.rotations import skew, tangent_map, vector_to_matrix
 from plymotion.solver.math.rotations import tangent_coefficients as coefficients
 from plymotion.solver.math.triple import (

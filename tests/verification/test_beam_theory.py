@@ -7,17 +7,18 @@ import pytest
 from beam_samples import reduced
 from fidelity_samples import pendulum, planned_run
 
-from plymotion.solver.fidelity.model import with_values
-from plymotion.solver.fidelity.procedure import plan_of
-from plymotion.solver.fidelity.section_ends import held_lengths, share_of_ends
-from plymotion.solver.fidelity.section_walls import (
+from plymotion.solver.fidelity.base.model import with_values
+from plymotion.solver.fidelity.delivery.execution import plan_of
+from plymotion.solver.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.fidelity.indicators.beam_theory import (
     Walls,
+    held_lengths,
     local_frequency,
     ovalisation,
+    share_of_ends,
     short_waves,
     warping_decay,
 )
-from plymotion.solver.fidelity.words import answer_text, entry
 from plymotion.solver.inputs.case.section_schema import DescribedSection
 from plymotion.solver.package import ModalPackage
 

@@ -6,18 +6,23 @@ from constraint_runs import prepared, run
 from flexible_samples import body_of, random_marker, random_points, random_state
 from mechanism_samples import bricard, chain, four_bars, pendulum
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import TREATMENTS, Treatment
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.reactions import (
+from plymotion.solver.dynamics.analysis.recovery import (
     acting,
     joint_reactions,
     momentum_balance,
     momentum_rates,
 )
-from plymotion.solver.dynamics.series import along_solution
-from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
+from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.series import along_solution
 from plymotion.solver.math import laws
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import (
+    ForceTable,
+    JointTable,
+    MarkerTable,
+    rigid_body,
+)
 
 KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")
 

@@ -8,14 +8,14 @@ import pytest
 from constraint_runs import prepared, run
 from mechanism_samples import GROUND, Rods, bricard, chain, four_bars
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import TREATMENTS, Treatment
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.reactions import joint_reactions
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.dynamics.analysis.recovery import joint_reactions
+from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
 from plymotion.solver.errors import InputError
 from plymotion.solver.math import laws
-from plymotion.solver.mechanism.initial import consistent_state, redundancy
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
 
 
 def _found(sample):

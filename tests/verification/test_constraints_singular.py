@@ -8,8 +8,8 @@ from constraint_runs import new_run, prepared, run
 from mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.derivative import by_blocks, derivative
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.derivative import by_blocks, derivative
 from plymotion.solver.integrators.generic import integrate, new_integrator
 from plymotion.solver.monitors.singularity import SingularityMonitor
 

@@ -5,10 +5,10 @@ import pytest
 from case_samples import rigid
 from coordinate_samples import DEFAULT, RADAU, force, prepared, run
 
-from plymotion.solver.dynamics import series
-from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.dense_equations import assemble
-from plymotion.solver.dynamics.reactions import momentum_balance
+from plymotion.solver.dynamics.analysis.recovery import momentum_balance
+from plymotion.solver.dynamics.evaluation import series
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.errors import InputError
 
 GROUND = "[ground.O]\nposition = [0.0, 0.0, 0.0]\n[ground.P]\nposition = [1.0, 0.0, 0.0]\n"

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from fidelity_samples import pendulum, planned_run, true_signals
 
-from plymotion.solver.fidelity.answer import Answer
-from plymotion.solver.fidelity.checking import Checking
-from plymotion.solver.fidelity.horizon import horizon
-from plymotion.solver.fidelity.metrics import difference, scales
-from plymotion.solver.fidelity.model import Rich
-from plymotion.solver.fidelity.plan import BodyPlan
-from plymotion.solver.fidelity.procedure import checked, plan_of
-from plymotion.solver.fidelity.response import modal_loads
-from plymotion.solver.fidelity.words import answer_text, entry
+from plymotion.solver.fidelity.base.comparison import difference, scales
+from plymotion.solver.fidelity.base.model import Rich
+from plymotion.solver.fidelity.base.plan import BodyPlan
+from plymotion.solver.fidelity.check.answer import Answer
+from plymotion.solver.fidelity.check.checking import Checking
+from plymotion.solver.fidelity.check.horizon import horizon
+from plymotion.solver.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.fidelity.indicators.response import modal_loads
 from plymotion.solver.math.compiled import statistics
 from plymotion.solver.mechanism import build
 

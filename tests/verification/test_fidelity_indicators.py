@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from fidelity_samples import pendulum, planned_run, true_signals
 
-from plymotion.solver.dynamics.linear_bodies import without_second_order
-from plymotion.solver.dynamics.residual import residuals
-from plymotion.solver.fidelity.metrics import difference, scales
-from plymotion.solver.fidelity.model import with_values
-from plymotion.solver.fidelity.procedure import plan_of
-from plymotion.solver.fidelity.response import samples
+from plymotion.solver.dynamics.evaluation.derivative import residuals
+from plymotion.solver.fidelity.base.comparison import difference, scales
+from plymotion.solver.fidelity.base.model import with_values
+from plymotion.solver.fidelity.delivery.execution import plan_of
+from plymotion.solver.fidelity.indicators.loaded import without_second_order
+from plymotion.solver.fidelity.indicators.response import samples
 from plymotion.solver.mechanism import build
 
 

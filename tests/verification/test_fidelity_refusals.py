@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 from fidelity_samples import pendulum, planned_run
 
-from plymotion.solver.dynamics.dense_equations import assemble, masses_and_jacobians
-from plymotion.solver.fidelity.checking import Checking
-from plymotion.solver.fidelity.model import check_plan, vibration_labels
-from plymotion.solver.fidelity.plan import BodyPlan, Plan, kind_of
-from plymotion.solver.fidelity.procedure import checked, plan_of
-from plymotion.solver.fidelity.responding import telling_times
-from plymotion.solver.fidelity.words import answer_text, entry, fidelity_line
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble, masses_and_jacobians
+from plymotion.solver.fidelity.base.model import check_plan, vibration_labels
+from plymotion.solver.fidelity.base.plan import BodyPlan, Plan, kind_of
+from plymotion.solver.fidelity.check.checking import Checking
+from plymotion.solver.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.fidelity.delivery.words import answer_text, entry, fidelity_line
+from plymotion.solver.fidelity.indicators.responding import telling_times
 
 
 def short(**fidelity):

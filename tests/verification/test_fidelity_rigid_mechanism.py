@@ -2,8 +2,8 @@
 
 from fidelity_samples import Table, pendulum, planned_run
 
-from plymotion.solver.fidelity.procedure import checked, plan_of
-from plymotion.solver.fidelity.words import answer_text, entry
+from plymotion.solver.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.fidelity.delivery.words import answer_text, entry
 from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.run.outcome import RunSpec
 

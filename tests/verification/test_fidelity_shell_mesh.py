@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from fidelity_samples import INTERFACES, pendulum, planned_run, true_signals
 
-from plymotion.solver.fidelity.answer import Answer
-from plymotion.solver.fidelity.metrics import difference, scales
-from plymotion.solver.fidelity.model import with_values
-from plymotion.solver.fidelity.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.procedure import checked, plan_of
+from plymotion.solver.fidelity.base.comparison import difference, scales
+from plymotion.solver.fidelity.base.model import with_values
+from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
+from plymotion.solver.fidelity.check.answer import Answer
+from plymotion.solver.fidelity.delivery.execution import checked, plan_of
 from plymotion.solver.inputs.case.shell_schema import ShellBody
 
 SHELL = ShellBody.model_validate(

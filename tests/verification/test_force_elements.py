@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from flexible_samples import body_of, random_marker, random_points, random_state
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.dense_equations import assemble, energies
-from plymotion.solver.dynamics.derivative import derivative
-from plymotion.solver.dynamics.forces.table import FIRST_LOAD, KINDS, N_PARAMETER
-from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.dynamics.elements.forces.table import FIRST_LOAD, KINDS, N_PARAMETER
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.evaluation.derivative import derivative
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body
 
 ELASTIC = {
     "spring": (40.0, 0.0, 0.7),

@@ -7,8 +7,8 @@ from coordinate_samples import DEFAULT, RADAU, carriage, force, prepared, run, w
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from plymotion.solver.dynamics import series
-from plymotion.solver.dynamics.derivative import by_blocks, derivative
+from plymotion.solver.dynamics.evaluation import series
+from plymotion.solver.dynamics.evaluation.derivative import by_blocks, derivative
 from plymotion.solver.errors import InputError
 
 G = 9.81

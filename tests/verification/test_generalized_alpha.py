@@ -13,14 +13,18 @@ from mechanism_samples import GROUND, Sample, chain, pendulum
 from stability_samples import hand, stepped
 from two_body_samples import two_bodies
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble, constraint_rates
-from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import (
+    accelerations,
+    assemble,
+    constraint_rates,
+)
+from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.initial import Start
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
+from plymotion.solver.mechanism.consistent.initial import Start
 
 BUSHING = (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, 10.0, 20.0, 30.0, 1.0, 2.0, 3.0)
 SAMPLES = {

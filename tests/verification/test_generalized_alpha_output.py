@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from case_samples import HEAD, rigid
 
-from plymotion.solver.dynamics.series import balance
+from plymotion.solver.dynamics.evaluation.series import balance
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator

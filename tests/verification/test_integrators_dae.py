@@ -6,12 +6,12 @@ from constraint_runs import new_run, prepared, run
 from mechanism_samples import Sample, bricard, chain, pendulum
 from two_body_samples import stretching_rod
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic import INTEGRATORS, integrate, new_integrator
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.initial import Start
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.consistent.initial import Start
 
 FORMULATIONS = ("ggl", "index3")
 

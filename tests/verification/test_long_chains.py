@@ -6,13 +6,13 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import bricard, chain, four_bars, pendulum
 from two_body_samples import two_bodies
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dependence import REGULAR, is_tree
-from plymotion.solver.dynamics.derivative import derivative_into
-from plymotion.solver.dynamics.freedom import degrees_of_freedom
-from plymotion.solver.dynamics.joints.table import DRIVES, NAMES
-from plymotion.solver.dynamics.series import along_solution
-from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.joints.table import DRIVES, NAMES
+from plymotion.solver.dynamics.evaluation.derivative import derivative_into
+from plymotion.solver.dynamics.evaluation.series import along_solution
+from plymotion.solver.dynamics.linear_algebra.dependence import REGULAR, is_tree
+from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.monitors.observation import observe
@@ -105,7 +105,7 @@ def test_steps_without_loops_need_no_certificate(sample, tree):
 
 def test_forces_of_a_long_chain_take_no_dense_matrices(long_chain, monkeypatch):
     """The load on its first joint at the start, when all links fall freely but the first ones."""
-    monkeypatch.setattr("plymotion.solver.dynamics.series.dense_derivative_into", None)
+    monkeypatch.setattr("plymotion.solver.dynamics.evaluation.series.dense_derivative_into", None)
     model, y0 = long_chain
     rates, multipliers = along_solution(model, np.zeros(1), y0[None, :])
     assert np.isfinite(multipliers).all()

@@ -9,8 +9,8 @@ from beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 from flexible_samples import momenta, simulate, total_energy
 
 from plymotion.solver.commands.measured_modes import experimental_package, load_measurement
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.tables import flexible_body
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import flexible_body
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 

@@ -7,10 +7,10 @@ import pytest
 from constraint_runs import new_run, prepared
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dense_equations import assemble, energies
-from plymotion.solver.dynamics.independence import CERTAIN, begin, new_independence
-from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.dynamics.analysis.independence import CERTAIN, begin, new_independence
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
@@ -175,7 +175,7 @@ def test_energies_of_a_block_are_those_of_single_states():
 @pytest.mark.parametrize("n", [1, 3, 6])
 def test_the_least_pivot_bounds_the_smallest_singular_value(n):
     """Of one state: pivots are at least the smallest eigenvalue of C C', and vanish with it."""
-    from plymotion.solver.dynamics.constraints.scaling import scaled_jacobian
+    from plymotion.solver.dynamics.elements.constraints.treatment import scaled_jacobian
 
     model, y0 = prepared(chain(n), Treatment())
     pivot = begin(model, new_work(model), new_independence(model), 0.0, y0)

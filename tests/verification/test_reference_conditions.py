@@ -23,11 +23,11 @@ from flexible_samples import momenta, simulate, total_energy
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.dense_equations import assemble
-from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.tables import flexible_body
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.rotations import rotation_matrix, skew
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import flexible_body
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from case_samples import case_runs
 
-from plymotion.solver.checks.stalls import named_motion
+from plymotion.solver.checks.course import named_motion
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.run.execution import execute, read_run
@@ -60,7 +60,6 @@ def test_many_refusals_are_explained(runs):
         before += cost["evaluations"]
         after += helped["cost"]["evaluations"]
     assert after < 1.1 * before
-
 
 
 @pytest.mark.parametrize("ratio", [1e5, 1e9])

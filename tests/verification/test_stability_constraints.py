@@ -9,8 +9,8 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import pendulum
 from stability_samples import stepped
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.dense_equations import assemble, constraint_rates
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.generic.advice import of_feedback
 

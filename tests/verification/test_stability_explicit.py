@@ -5,7 +5,7 @@ import pytest
 from constraint_runs import new_run, prepared
 from stability_samples import amplitude, hand, stepped
 
-from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic import Gear, RungeKutta5, RungeKutta8, integrate
 
 INDEX_1 = Treatment("index1")

@@ -19,11 +19,11 @@ from beam_samples import (
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.modes.reference import solve_definite
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.dense_equations import assemble
-from plymotion.solver.dynamics.model import GROUND
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.model.model import GROUND
 from plymotion.solver.math.rotations import frame_from_axis
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package.body.invariants import rigid_motions
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

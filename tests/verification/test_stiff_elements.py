@@ -10,17 +10,17 @@ from constraint_runs import new_run, prepared
 from flexible_samples import body_of, random_points
 from mechanism_samples import GRAVITY, GROUND, Sample
 
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.dense_equations import assemble, energies
-from plymotion.solver.dynamics.evaluation import evaluate
-from plymotion.solver.dynamics.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
-from plymotion.solver.dynamics.forces.table import ELEMENTS, MOST_ROWS, element_rows
-from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable
-from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.dynamics.elements.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
+from plymotion.solver.dynamics.elements.forces.table import ELEMENTS, MOST_ROWS, element_rows
+from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.evaluation.evaluation import evaluate
+from plymotion.solver.dynamics.model.coordinates import moved
+from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.mechanism.initial import Start
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
+from plymotion.solver.mechanism.consistent.initial import Start
 
 BOTH = pytest.mark.parametrize(
     ("name", "treatment"),

@@ -11,19 +11,24 @@ from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.dynamics.assembly import assemble_model
-from plymotion.solver.dynamics.bodies.marker import marker_motion
-from plymotion.solver.dynamics.bodies.second_order import stiffening_matrices
-from plymotion.solver.dynamics.dense_equations import (
+from plymotion.solver.dynamics.analysis.recovery import momentum_balance
+from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
+from plymotion.solver.dynamics.elements.bodies.second_order import stiffening_matrices
+from plymotion.solver.dynamics.evaluation.dense_equations import (
     accelerations,
     assemble,
     constraint_rates,
     energies,
 )
-from plymotion.solver.dynamics.derivative import derivative
-from plymotion.solver.dynamics.reactions import momentum_balance
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body, rigid_body
+from plymotion.solver.dynamics.evaluation.derivative import derivative
 from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
+from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly.tables import (
+    JointTable,
+    MarkerTable,
+    flexible_body,
+    rigid_body,
+)
 
 GRAVITY = (0.3, -9.81, 2.0)
 

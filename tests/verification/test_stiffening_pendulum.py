@@ -6,7 +6,7 @@ import numpy as np
 from flexible_samples import simulate
 from stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
 
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
 from plymotion.solver.monitors.geometric_stiffness import geometric_stiffness
 from plymotion.solver.monitors.spin import SpinMonitor
 

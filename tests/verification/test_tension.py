@@ -10,12 +10,12 @@ import scipy.linalg
 from crane_samples import beam_crane, rigid_crane
 from segment_samples import run_of
 
-from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.evaluation import evaluate
-from plymotion.solver.dynamics.workspace import new_work
-from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
-from plymotion.solver.integrators.compiled.tension import freeze_tension
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.evaluation import evaluate
+from plymotion.solver.dynamics.model.coordinates import moved
+from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.integrators.compiled.newton.pencil import freeze, new_frozen
+from plymotion.solver.integrators.compiled.newton.tension import freeze_tension
 from plymotion.solver.run.preparation import prepare
 
 STANDS = {"smooth_step": {"value": 0.0, "duration": 1.0}}

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...fidelity.execution import answered
-from ...fidelity.ladder import Ladder, Rung, ladder
+from ...fidelity.delivery.execution import answered
+from ...fidelity.delivery.ladder import Ladder, Rung, ladder
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from ...report.fidelity import ladder_file

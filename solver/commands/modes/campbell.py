@@ -9,7 +9,7 @@ import numpy as np
 from ...linearisation.campbell import Campbell, Crossing, Point, crossings, follow
 from ...linearisation.tracking import vectors_of
 from ...math.arrays import Array, IntArray
-from ...mechanism.initial import Start
+from ...mechanism.consistent.initial import Start
 from .found import find_modes
 from .state import State, States
 

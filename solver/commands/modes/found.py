@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.recover import body_frames
-from ...dynamics.spinning import Spin
+from ...dynamics.analysis.recovery import body_frames
+from ...dynamics.evaluation.spinning import Spin
 from ...errors import InputError, counted, few
 from ...linearisation.constancy import change_when_turned
 from ...linearisation.modes import Modes, modes_of
@@ -16,7 +16,7 @@ from ...linearisation.sources import sources_of
 from ...linearisation.state_space import StateSpace, linearise
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
-from ...mechanism.relative_equilibrium import after_turn
+from ...mechanism.starting.relative_equilibrium import after_turn
 from ...signals import sensors
 from .state import State, States
 

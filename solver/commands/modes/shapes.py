@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...dynamics.coordinates import moved
+from ...dynamics.model.coordinates import moved
 from ...math.arrays import Array
 from ...package.common.container import new_file, set_text
 from ...package.common.replaceable import is_ours

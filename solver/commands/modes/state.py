@@ -4,17 +4,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...dynamics.model import Model
-from ...dynamics.spinning import Spin
+from ...dynamics.evaluation.spinning import Spin
+from ...dynamics.model.model import Model
 from ...errors import InputError
 from ...linearisation.turning import common_spin
 from ...math.arrays import Array
 from ...mechanism import BuiltMechanism, build
-from ...mechanism.axis import given_spin, hub_axis, spin_about
-from ...mechanism.equilibrium import resting_state
-from ...mechanism.initial import Start, consistent_state
-from ...mechanism.relative_equilibrium import Steady, relative_equilibrium
-from ...mechanism.start import starting_state
+from ...mechanism.consistent.initial import Start, consistent_state
+from ...mechanism.starting.equilibrium import resting_state
+from ...mechanism.starting.relative_equilibrium import (
+    Steady,
+    given_spin,
+    hub_axis,
+    relative_equilibrium,
+    spin_about,
+)
+from ...mechanism.starting.start import starting_state
 from ...run.integration import complete
 from ...run.outcome import RunSpec
 from ...run.preparation import prepare

@@ -5,8 +5,8 @@ import json
 from pathlib import Path
 
 from ...errors import InputError
-from ...fidelity.execution import answered
-from ...fidelity.words import answer_text, entry
+from ...fidelity.delivery.execution import answered
+from ...fidelity.delivery.words import answer_text, entry
 from ...inputs.case import load_case
 from ...inputs.case.file import case_file
 from ...inputs.case.specs import write_case

@@ -188,7 +188,7 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
     if "fidelity" in summary:
-        from ...fidelity.words import fidelity_line
+        from ...fidelity.delivery.words import fidelity_line
 
         text.append(f"  {fidelity_line(summary['fidelity'])}")
     text += [f"  {line}" for line in damping_lines(summary["damping"])]

@@ -34,6 +34,6 @@ def _planned(
     file: Path, allow_doubtful: bool, spec: RunSpec, digest: str
 ) -> tuple[RunResult, dict[str, Any]]:
     """Execute a run with `[fidelity]`."""
-    from ...fidelity.execution import delivered  # most runs need no planner
+    from ...fidelity.delivery.execution import delivered  # most runs need no planner
 
     return delivered(file, spec, digest, allow_doubtful=allow_doubtful)

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ...fidelity.answer import Answer
-from ...fidelity.members import checked_member, joined, of_model, shared_plan
-from ...fidelity.plan_file import kept_plan, write_plan
-from ...fidelity.words import estimate_entry
+from ...fidelity.check.answer import Answer
+from ...fidelity.choice.plan_file import kept_plan, write_plan
+from ...fidelity.delivery.members import checked_member, joined, of_model, shared_plan
+from ...fidelity.delivery.words import estimate_entry
 from ...package import ModalPackage
 from ...package.common.temporary import write_text
 from ...results.codes.members import PLAN_TOO_COARSE

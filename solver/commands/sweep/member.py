@@ -133,7 +133,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     read = with_parts(kept, mechanism.signals)
     own = RunSpec(plan.case, plan.run, mechanism, packages.of(member.own))
     if plan.fidelity is not None:
-        from ...fidelity.members import member_spec  # most sweeps need no planner
+        from ...fidelity.delivery.members import member_spec  # most sweeps need no planner
         from .model_plan import model_plan
 
         own = member_spec(own, model_plan(plan, packages.named(plan.fidelity["base"])))

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 
 from ...errors import InputError
-from ...fidelity.model import vibration_labels
-from ...fidelity.plan import Plan as ModelPlan
-from ...fidelity.plan_file import read_plan
-from ...fidelity.procedure import flexible_names
+from ...fidelity.base.model import vibration_labels
+from ...fidelity.base.plan import Plan as ModelPlan
+from ...fidelity.choice.plan_file import read_plan
+from ...fidelity.delivery.execution import flexible_names
 from ...inputs.case.schema import Mechanism
 from ...inputs.case.segments import in_segments
 from ...package import ModalPackage

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ...dynamics.forces.table import ELEMENTS
-from ...dynamics.joints.table import JOINTS
+from ...dynamics.elements.forces.table import ELEMENTS
+from ...dynamics.elements.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials

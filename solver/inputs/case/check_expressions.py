@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...dynamics.quantities import LAST
+from ...dynamics.model.quantities import LAST
 from ...errors import InputError
 from ...math import laws
 from ...math.curves import NamedCurve

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from ...dynamics.couplings.table import COUPLINGS
-from ...dynamics.joints.table import JOINTS
+from ...dynamics.elements.couplings.table import COUPLINGS
+from ...dynamics.elements.joints.table import JOINTS
 from ...errors import InputError, nearest
 
 if TYPE_CHECKING:

@@ -1,11 +1,11 @@
-"""`[couplings.NAME]` of a case file: a table for each kind of dynamics/couplings."""
+"""`[couplings.NAME]` of a case file: a table for each kind of dynamics/elements/couplings."""
 
 from typing import TYPE_CHECKING, Annotated, Union
 
 from pydantic import Field
 
-from ...dynamics.couplings.contract import Coupling
-from ...dynamics.couplings.table import COUPLINGS
+from ...dynamics.elements.couplings.contract import Coupling
+from ...dynamics.elements.couplings.table import COUPLINGS
 from ..common.table import Name, Table
 from .keys import field_of, table_of
 from .signals import JointCoordinate

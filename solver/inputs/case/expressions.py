@@ -1,13 +1,14 @@
 """What the expressions of a case may read: parameters, joints, places and signals by name.
 
-The leaves of the tree are `Read`s; mechanism/measured.py makes coordinates of markers of them.
+The leaves of the tree are `Read`s; mechanism/building/case_tables.py makes coordinates of markers
+of them.
 """
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...dynamics.joints.table import JOINTS
+from ...dynamics.elements.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ...math.curves import NamedCurve, curve_of_table
 from ...math.expressions import operations as op
@@ -34,7 +35,7 @@ WORDS = (
     "signal",
 )
 OF_MOTION = ("joint", "place", "spin", "length")  # kinds of `Read` with a rate
-REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/quantities.py
+REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/model/quantities.py
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...dynamics.forces.contract import BOTH, ROTATION, Terms
-from ...dynamics.forces.table import COORDINATE_FORCES
-from ...dynamics.joints.contract import ANGLE, Z
-from ...dynamics.joints.table import JOINTS
+from ...dynamics.elements.forces.contract import BOTH, ROTATION, Terms
+from ...dynamics.elements.forces.table import COORDINATE_FORCES
+from ...dynamics.elements.joints.contract import ANGLE, Z
+from ...dynamics.elements.joints.table import JOINTS
 from ...errors import InputError
 from ...math.expressions import operations as op
 from ...math.expressions.tree import Node, constant

@@ -1,11 +1,12 @@
-"""`[forces.NAME]` of a case file: a table for each kind of dynamics/forces, made from its keys."""
+"""`[forces.NAME]` of a case file: a table for each kind of dynamics/elements/forces, made from its
+keys."""
 
 from typing import TYPE_CHECKING, Annotated, Literal, Union
 
 from pydantic import Field, model_validator
 
-from ...dynamics.forces.contract import CoordinateForce, Element, ForceElement, Load
-from ...dynamics.forces.table import FORCES
+from ...dynamics.elements.forces.contract import CoordinateForce, Element, ForceElement, Load
+from ...dynamics.elements.forces.table import FORCES
 from ..common.table import Name, Table, unit
 from .keys import GlobalDirection, field_of, table_of
 from .laws import LoadLaw

@@ -1,12 +1,13 @@
-"""`[joints.NAME]` of a case file: a table for each joint of dynamics/joints, made from its keys."""
+"""`[joints.NAME]` of a case file: a table for each joint of dynamics/elements/joints, made from its
+keys."""
 
 from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import Field
 from pydantic.fields import FieldInfo
 
-from ...dynamics.joints.contract import Angle, DrivenBy, Joint, Key
-from ...dynamics.joints.table import JOINTS
+from ...dynamics.elements.joints.contract import Angle, DrivenBy, Joint, Key
+from ...dynamics.elements.joints.table import JOINTS
 from ..common.table import Table
 from .keys import field_of, table_of
 from .laws import RotationDrive, TranslationDrive

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from ...dynamics.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
-from ...dynamics.joints.contract import DrivenBy
-from ...dynamics.joints.table import JOINTS
+from ...dynamics.elements.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
+from ...dynamics.elements.joints.contract import DrivenBy
+from ...dynamics.elements.joints.table import JOINTS
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from ...dynamics.joints.table import COORDINATES
+from ...dynamics.elements.joints.table import COORDINATES
 from ...strength import CRITERIA
 from ..common.table import Name, Pair, Table, Vector, unit
 from .combined import DifferenceSignal, Measured, NormSignal

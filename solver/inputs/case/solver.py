@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field, create_model
 
-from ...dynamics.constraints.treatment import Treatment
+from ...dynamics.elements.constraints.treatment import Treatment
 from ...integrators.table import INTEGRATORS
 from ..common.table import Table, Vector, unit
 from .keys import GlobalDirection, field_of

@@ -7,12 +7,12 @@ step.
 
 import numpy as np
 
-from ...dynamics.block_vectors import flatten, inflate, row_products
-from ...dynamics.derivative import accelerate
-from ...dynamics.elimination import solve
-from ...dynamics.evaluation import evaluate, evaluate_rates, largest_left
-from ...dynamics.model import Model
-from ...dynamics.workspace import PHI, PHI_T
+from ...dynamics.elements.block_vectors import flatten, inflate, row_products
+from ...dynamics.evaluation.derivative import accelerate
+from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
+from ...dynamics.linear_algebra.elimination import solve
+from ...dynamics.model.model import Model
+from ...dynamics.model.workspace import PHI, PHI_T
 from ...math.arrays import Array
 from ...math.compiled import lean
 from ..generic.alpha_scheme import (
@@ -24,12 +24,20 @@ from ..generic.alpha_scheme import (
     TOLERANCE,
     Scheme,
 )
-from .alpha_stages import accept, correction_size, interpolate, local_error, place, predict
-from .alpha_workspace import AlphaWorkspace
+from .alpha_stages import (
+    AlphaWorkspace,
+    accept,
+    correction_size,
+    interpolate,
+    local_error,
+    place,
+    predict,
+)
 from .closing import close
-from .elements import element_residual
-from .feedback import scale_feedback
-from .pencil import factorise_feedback, factorise_pencil, fed_back, freeze
+from .newton.elements import element_residual
+from .newton.feedback import scale_feedback
+from .newton.pencil import factorise_feedback, factorise_pencil, fed_back, freeze
+from .newton.tension import judge, update_tension
 from .residual import inertia_residual
 from .stages import finite
 from .step_control import (
@@ -56,7 +64,6 @@ from .step_control import (
     next_step,
     refuse,
 )
-from .tension import judge, update_tension
 
 
 @lean

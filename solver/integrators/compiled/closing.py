@@ -8,16 +8,16 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
-from ...dynamics.block_vectors import flatten, largest
-from ...dynamics.coordinates import move
-from ...dynamics.elimination import solve
-from ...dynamics.evaluation import evaluate, evaluate_rates, largest_left
-from ...dynamics.model import Model
-from ...dynamics.projection import SPARED, TOLERABLE, rounding
-from ...dynamics.workspace import PHI, Work
+from ...dynamics.analysis.projection import SPARED, TOLERABLE, rounding
+from ...dynamics.elements.block_vectors import flatten, largest
+from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
+from ...dynamics.linear_algebra.elimination import solve
+from ...dynamics.model.coordinates import move
+from ...dynamics.model.model import Model
+from ...dynamics.model.workspace import PHI, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
-from .pencil import Frozen, Pencil, factorise_pencil, freeze
+from .newton.pencil import Frozen, Pencil, factorise_pencil, freeze
 from .step_control import EVALUATIONS, FACTORISATIONS, JACOBIANS
 
 MAX_ITERATIONS = 4

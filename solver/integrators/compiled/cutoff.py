@@ -17,15 +17,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics.elimination import solve
-from ...dynamics.energy import energies_into
-from ...dynamics.evaluation import evaluate
-from ...dynamics.model import Model, state_size
-from ...dynamics.workspace import Work
+from ...dynamics.evaluation.energy import energies_into
+from ...dynamics.evaluation.evaluation import evaluate
+from ...dynamics.linear_algebra.elimination import solve
+from ...dynamics.model.model import Model, state_size
+from ...dynamics.model.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import lean, structure
 from ...math.rotations import along_parameters
-from .pencil import Frozen, Pencil, factorise_pencil, new_pencil, spin_of
+from .newton.pencil import Frozen, Pencil, factorise_pencil, new_pencil, spin_of
 
 PASSES = 3
 

@@ -12,12 +12,11 @@ with the softness e of the matrices and the predicted multipliers lambda_p. The 
 the rows without e: where rows are independent, lambda_p is right up to the error of a prediction.
 """
 
-from ...dynamics.elimination import solve
-from ...dynamics.model import Model
+from ...dynamics.linear_algebra.elimination import solve
+from ...dynamics.model.model import Model
 from ...math.compiled import inlined
-from .pencil import Frozen, factorise_feedback, factorise_pencil
-from .radau_workspace import RadauWorkspace
-from .tableau import MU, NU
+from .newton.pencil import Frozen, factorise_feedback, factorise_pencil
+from .radau_workspace import MU, NU, RadauWorkspace
 
 # Of the softness, relative to the mass that a row moves. More: Newton's iteration needs shorter
 # steps. Less: multipliers of rows that are nearly dependent are those of the last step.

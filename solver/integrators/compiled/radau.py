@@ -6,14 +6,15 @@ Equations II, section IV.8, is the source of the transformation, the error estim
 control of steps.
 """
 
-from ...dynamics.model import Model
+from ...dynamics.model.model import Model
 from ...math.arrays import Array
 from ...math.compiled import lean
 from .closing import close
 from .cutoff import energy, filter_error, start_filter
 from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
-from .pencil import freeze, solve_pencil
-from .radau_workspace import RadauWorkspace
+from .newton.pencil import freeze, solve_pencil
+from .newton.tension import judge, update_tension
+from .radau_workspace import MU, NU, C, RadauWorkspace
 from .residual import residual
 from .stages import (
     accept,
@@ -59,8 +60,6 @@ from .step_control import (
     next_step,
     refuse,
 )
-from .tableau import MU, NU, C
-from .tension import judge, update_tension
 
 MAX_ITERATIONS = 10
 DIVERGES = 10.0  # the second correction over the first

@@ -4,13 +4,13 @@ Implicit steps need no accelerations: they ask how far M vdot + Phi_q' lambda = 
 Phi_q vdot = gamma are from being met. That spares a factorisation of the mass matrix.
 """
 
-from ...dynamics.coordinates import rates_into
-from ...dynamics.evaluation import auxiliary_rates_into, evaluate, evaluate_rates
-from ...dynamics.model import Model
-from ...dynamics.workspace import GAMMA, PHI, PHI_T, Work
+from ...dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate, evaluate_rates
+from ...dynamics.model.coordinates import rates_into
+from ...dynamics.model.model import Model
+from ...dynamics.model.workspace import GAMMA, PHI, PHI_T, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from .elements import element_residual
+from .newton.elements import element_residual
 
 
 @lean

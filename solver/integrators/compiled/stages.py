@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from ...dynamics.model import Model
+from ...dynamics.model.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined
-from .radau_workspace import RadauWorkspace
+from .radau_workspace import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, RadauWorkspace, T
 from .residual import inertia_residual
 from .step_control import Options
-from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T
 
 
 @inlined

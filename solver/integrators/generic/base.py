@@ -15,9 +15,8 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.keys import Number
 from . import advice
-from .first_step import first_step_size
-from .norm import ErrorNorm
-from .pace import OWN, Pace, Refusals, Stall
+from .advice import OWN, Pace, Refusals, Stall
+from .norm import ErrorNorm, first_step_size
 
 Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]

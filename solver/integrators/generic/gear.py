@@ -10,9 +10,84 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.keys import Number
 from .base import Dense, Derivative, Integrator
-from .bdf_formula import corrector, error_weights, interpolation, predictor
-from .jacobian import difference_jacobian, increments
 from .newton import SimplifiedNewton
+
+
+def predictor(s: Sequence[float]) -> list[float]:
+    """Weights that extrapolate the polynomial through the past points s to the new one."""
+    weights = []
+    for i, s_i in enumerate(s):
+        w = 1.0
+        for j, s_j in enumerate(s):
+            if j != i:
+                w *= s_j / (s_j - s_i)
+        weights.append(w)
+    return weights
+
+
+def corrector(s: Sequence[float]) -> tuple[float, list[float]]:
+    """Derivative at the new point of the polynomial through it and the k past points s.
+
+    Returns c_0 and b (k) with h y'(t_new) = c_0 (y_new - sum b_i y_i); sum b_i = 1.
+    """
+    c_0 = sum(1.0 / s_i for s_i in s)
+    return c_0, [w / (s_i * c_0) for w, s_i in zip(predictor(s), s, strict=True)]
+
+
+def error_weights(s: Sequence[float]) -> list[float]:
+    """Weights on (new, past points s) of the local error of the formula of order len(s) - 1.
+
+    The error is h times the defect of the formula in y' = f: the divided difference over all
+    the points times the distances to the new point, the farthest left out, times h.
+    """
+    points = [0.0, *s]
+    scale = 1.0
+    for s_i in s[:-1]:
+        scale *= s_i
+    weights = []
+    for i, s_i in enumerate(points):
+        w = scale
+        for j, s_j in enumerate(points):
+            if j != i:
+                w /= s_j - s_i
+        weights.append(w)
+    return weights
+
+
+def interpolation(x: float, points: Sequence[float]) -> list[float]:
+    """Weights of the polynomial through `points`, taken at x."""
+    return predictor([p - x for p in points])
+
+
+ROOT_EPSILON = float(np.sqrt(np.finfo(float).eps))
+
+
+def increments(y: Array, change: Array, rtol: float, atol: Array) -> Array:
+    """Increment of each component, (n,): root of machine epsilon times the component's size.
+
+    Its size is the largest of |y|, the change it makes in one step, and atol / rtol, below
+    which it does not count; 1 where all are zero.
+    """
+    size = np.maximum(np.abs(y), np.abs(change))
+    floor = np.where(np.isfinite(atol), atol, 0.0) / rtol
+    size = np.maximum(size, floor)
+    size[~(size > 0)] = 1.0
+    delta = ROOT_EPSILON * size
+    return (y + delta) - y
+
+
+def difference_jacobian(f: Derivative, t: float, y: Array, f_y: Array, delta: Array) -> Array:
+    """df/dy by forward differences, (n, n), from f_y = f(t, y) and n more evaluations."""
+    J = np.empty((y.size, y.size), order="F")
+    moved = y.copy()
+    for j in range(y.size):
+        moved[j] = y[j] + delta[j]
+        J[:, j] = f(t, moved)
+        moved[j] = y[j]
+    J -= f_y[:, None]
+    J /= delta
+    return J
+
 
 HIGHEST_ORDER = 5
 HIGHEST_FIXED_ORDER = 6  # to show what it does; unstable from w h = 0.84 on

@@ -1,6 +1,6 @@
-"""The size of a local error: weighted root mean square, largest over the blocks of y."""
+"""The size of a local error, and of a first step that follows from it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import sqrt
 
 import numpy as np
@@ -58,3 +58,35 @@ class ErrorNorm:
         squares = np.add.reduceat(weighted * weighted, self._starts)
         squares /= self._sizes
         return sqrt(squares.max())
+
+
+def first_step_size(
+    derivative: Callable[[float, Array], Array],
+    t: float,
+    y: Array,
+    rate: Array,
+    norm: ErrorNorm,
+    order: int,
+    span: float,
+    max_step: float,
+) -> float:
+    """Return the size of the first step [s] of a method of this order; one evaluation.
+
+    Parameters
+    ----------
+    derivative : f(t, y) -> (n,)
+    y, rate : (n,) state and its rate at t [s]
+    span : length of the run [s]
+    """
+    weight = norm.weight(y, y)
+    size_y = norm(y * weight)
+    size_f = norm(rate * weight)
+    h = 0.01 * size_y / size_f if min(size_y, size_f) > 1e-5 else 1e-6
+    h = max(min(h, span, max_step), 1e-300)  # f may be beyond all measure
+    change = norm((derivative(t + h, y + h * rate) - rate) * weight) / h
+    if not np.isfinite(change):
+        return 0.01 * h
+    largest = max(size_f, change)
+    if largest <= 1e-15:
+        return min(100 * h, span)
+    return min(100 * h, (0.01 / largest) ** (1 / (order + 1)), span)

@@ -80,7 +80,7 @@ def material_from_dict(
     Parameters
     ----------
     table : E, nu, rho of an isotropic material, or the nine constants and rho of an orthotropic
-        one; "name" and "strength" (see strength.py) are allowed and ignored
+        one; "name" and "strength" (see bodies.py) are allowed and ignored
     where : file and key of the table, for messages
     massless : the density may be 0
 

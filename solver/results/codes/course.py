@@ -112,7 +112,7 @@ FEEDBACK = Code(
     limit=0.06,
 )
 
-# Steps that are tiny beside what is asked of the run (integrators/generic/pace.py).
+# Steps that are tiny beside what is asked of the run (integrators/generic/advice.py).
 VIBRATION_DAMPED = Code(
     "vibration-damped",
     "warning",

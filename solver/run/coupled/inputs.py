@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...dynamics.forces.contract import OfTime
-from ...dynamics.forces.table import ELEMENTS, LOADS
-from ...dynamics.instant import law_values
-from ...dynamics.joints.contract import Displacement, DrivenBy
-from ...dynamics.joints.table import JOINTS
-from ...dynamics.model import Model
+from ...dynamics.elements.forces.contract import OfTime
+from ...dynamics.elements.forces.table import ELEMENTS, LOADS
+from ...dynamics.elements.joints.contract import Displacement, DrivenBy
+from ...dynamics.elements.joints.table import JOINTS
+from ...dynamics.evaluation.laws import law_values
+from ...dynamics.model.model import Model
 from ...inputs.case.of_time import drives, is_along, is_load, law
 from ...math.arrays import Array
 from ...math.laws import N_COEFFICIENT
@@ -85,7 +85,7 @@ def _actuator(kind: str) -> str:
 def shift_law(model: Model, number: int, by: float) -> None:
     """Add a constant to a law, in the arrays of the model; one by an expression becomes a parabola.
 
-    What the law does later stays known to the scales of the run (dynamics/scales.py).
+    What the law does later stays known to the scales of the run (dynamics/analysis/scales.py).
     """
     if model.quantities.law[number] >= 0:
         value, rate, acceleration = law_values(model, 0.0)[number]

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.model import Model
+from ...dynamics.model.model import Model
 from ...errors import InputError
 from ...integrators.choice import make_integrator
 from ...integrators.generic import Integrator

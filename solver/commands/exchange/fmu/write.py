@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ....errors import InputError
-from ....mechanism.python_functions import calling_forces
+from ....mechanism.building.python_functions import calling_forces
 from ....package.common.temporary import temporary_sibling
 from ....run.coupled import Stepper
 from ....run.execution import read_run

@@ -1,0 +1,1 @@
+"""What follows from the equations in one state: rank, scales, reactions, projection."""

@@ -1,0 +1,74 @@
+"""Loads that would deform bodies which do not deform: those of a mechanism held as it is."""
+
+import numpy as np
+
+from ...math.arrays import Array
+from ..elements.constraints.treatment import scaled_jacobian
+from ..evaluation.dense_equations import assemble
+from ..evaluation.series import along_solution
+from ..model.model import Model
+from .rank import free_motions, rank_of
+
+_HEAVY = 1e8  # modal mass over that of the model: bodies then move as if rigid
+
+
+def held_deformations(model: Model, t: float, y: Array) -> list[Array]:
+    """Return, for each body, the change of its modal coordinates (m,) that its loads call for.
+
+    The mechanism moves from state y (n,) with the shapes that its bodies have there. The loads
+    on the modes are those of this motion: weight, forces, inertia, and reactions of the joints.
+    The change is K^-1 times these loads; of a body in static equilibrium it is zero.
+    """
+    heavy = model._replace(M_qq=_HEAVY * model.M_qq, alpha=0.0, beta=0.0, penalty=0.0)
+    rates, _ = along_solution(heavy, np.array([t]), y[None, :])
+    found: list[Array] = []
+    for i in range(model.n_body):
+        m, square = int(model.n_mode[i]), int(model.square_start[i])
+        j = model.n_pos + int(model.vel_start[i]) + 6
+        block = slice(square, square + m * m)
+        loads = heavy.M_qq[block].reshape(m, m) @ rates[0, j : j + m]
+        found.append(np.asarray(np.linalg.solve(model.K_qq[block].reshape(m, m), loads)))
+    return found
+
+
+def motions_without_strain(model: Model, t: float, y: Array) -> int:
+    """Return how many independent motions the joints leave to bodies that do not deform."""
+    frames = np.ravel(np.asarray(model.vel_start)[: model.n_body, None] + np.arange(6))
+    Phi_q = assemble(model, t, y).Phi_q[:, frames]
+    if not Phi_q.size:
+        return int(frames.size)
+    C = scaled_jacobian(Phi_q, model.inertia_scale[frames])
+    s: Array = np.asarray(np.linalg.svd(C, compute_uv=False), dtype=float)
+    return int(frames.size) - rank_of(s, len(Phi_q)).value
+
+
+def joined_deformations(model: Model, t: float, y: Array, rigid: int) -> list[Array]:
+    """Return `held_deformations` that keep the joints of an over-constrained loop closed.
+
+    What such joints share of a load follows from the deformation of the bodies: by the joints of
+    bodies that hold their shape it is not determined, and no motion is left once they have
+    deformed. So the shapes change along vibrations of the mechanism. The `rigid` slowest of them
+    are its motion: see `motions_without_strain`, of a state before the deformation. Dense.
+    """
+    equations = assemble(model, t, y)
+    motions = free_motions(equations, model.inertia_scale)
+    Z, M, K = motions.Z, equations.M, np.zeros((model.n_vel, model.n_vel))
+    parts = []
+    for i in range(model.n_body):
+        m, square = int(model.n_mode[i]), int(model.square_start[i])
+        part = slice(int(model.vel_start[i]) + 6, int(model.vel_start[i]) + 6 + m)
+        K[part, part] = model.K_qq[square : square + m * m].reshape(m, m)
+        parts.append(part)
+    root = np.linalg.inv(np.linalg.cholesky(Z.T @ M @ Z))
+    values, vectors = np.linalg.eigh(root @ (Z.T @ K @ Z) @ root.T)
+    X, stiffness = (Z @ root.T @ vectors)[:, rigid:], values[rigid:]
+    a = motions.P @ equations.gamma  # what joints and drives prescribe, with least deformation
+    a -= X @ ((X.T @ (K @ a)) / stiffness)
+    change = X @ ((X.T @ (equations.f - M @ a)) / stiffness)
+    return [np.asarray(change[part]) for part in parts]
+
+
+def is_moving(model: Model, y: Array, *, at_most: float = 1e-9) -> bool:
+    """Tell whether a body moves in state y (n,): speed above `at_most` [m/s, rad/s, 1/s]."""
+    velocities = y[model.n_pos : model.n_pos + model.n_vel]
+    return bool(np.max(np.abs(velocities), initial=0.0) > at_most)

@@ -1,0 +1,1 @@
+"""What a mechanism is made of: bodies, joints, couplings, forces, treatments of constraints."""

@@ -1,0 +1,12 @@
+"""Baumgarte stabilisation: feedback of position and velocity violations. Paper: Eq. (13)."""
+
+from ....math.arrays import Array
+
+
+def stabilised(gamma: Array, Phi: Array, Phi_d: Array, alpha: float, beta: float) -> Array:
+    """Return gamma = gamma* - 2 alpha Phidot - beta^2 Phi, (n,). Paper: Eq. (13).
+
+    For alpha = beta a violation decays with critical damping and the time
+    constant 1/alpha. Explicit steps require beta h below about 2.
+    """
+    return gamma - 2.0 * alpha * Phi_d - beta * beta * Phi

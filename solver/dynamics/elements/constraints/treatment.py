@@ -1,0 +1,121 @@
+"""Treatments of the constraints, their parameters, and the scaled constraint equations."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ....errors import did_you_mean
+from ....math.arrays import Array
+from ...model.model import Model
+
+IMPLICIT = ("ggl", "index3")  # solved within the step, by integrators that say so
+# In the order of docs/constraints.md.
+TREATMENTS = ("index1", "baumgarte", "augmented-lagrangian", "projection", *IMPLICIT)
+# The others divide by a singular value that is zero there.
+PASSES_SINGULAR = ("augmented-lagrangian", "projection", *IMPLICIT)
+
+
+class TreatmentKeys(Protocol):
+    """The keys of `[solver]` that a treatment is made from: those of `Treatment`."""
+
+    @property
+    def constraints(self) -> str:
+        """One of `TREATMENTS`."""
+
+    @property
+    def alpha(self) -> float:
+        """Of baumgarte [1/s]."""
+
+    @property
+    def beta(self) -> float:
+        """Of baumgarte [1/s]."""
+
+    @property
+    def penalty(self) -> float:
+        """Of augmented-lagrangian [-]."""
+
+    @property
+    def frequency(self) -> float:
+        """Of augmented-lagrangian [1/s]."""
+
+    @property
+    def ratio(self) -> float:
+        """Of augmented-lagrangian [-]."""
+
+
+@dataclass(frozen=True)
+class Treatment:
+    """Name and parameters; those of other treatments have no effect.
+
+    Raises ValueError : unknown name, with the nearest known one.
+    """
+
+    name: str = "projection"
+    alpha: float = 5.0  # Baumgarte                            [1/s]
+    beta: float = 5.0  # Baumgarte                             [1/s]
+    penalty: float = 1e7  # augmented Lagrangian, relative to the effective mass of a row [-]
+    frequency: float = 30.0  # augmented Lagrangian: W         [1/s]
+    ratio: float = 1.0  # augmented Lagrangian: xi             [-]
+    multiplier_tolerance: float = 1e-12  # of the iteration, relative
+    multiplier_iterations: int = 20
+
+    def __post_init__(self) -> None:
+        if self.name not in TREATMENTS:
+            raise ValueError(
+                f"constraints: expected one of {', '.join(TREATMENTS)}, got {self.name!r}"
+                f"{did_you_mean(self.name, TREATMENTS)}"
+            )
+
+    @classmethod
+    def of(cls, solver: TreatmentKeys) -> "Treatment":
+        """Return the treatment that `[solver]` of a case asks for."""
+        return cls(
+            name=solver.constraints,
+            alpha=solver.alpha,
+            beta=solver.beta,
+            penalty=solver.penalty,
+            frequency=solver.frequency,
+            ratio=solver.ratio,
+        )
+
+
+def treated(model: Model, treatment: Treatment) -> Model:
+    """Return the model with the parameters of a treatment."""
+    alpha = beta = penalty = 0.0
+    if treatment.name == "baumgarte":
+        alpha, beta = treatment.alpha, treatment.beta
+    elif treatment.name == "augmented-lagrangian":
+        alpha, beta = treatment.ratio * treatment.frequency, treatment.frequency
+        penalty = treatment.penalty
+    elif treatment.name == "projection":
+        # The same solution, which handles singular positions, without feedback.
+        penalty = treatment.penalty
+    return model._replace(
+        alpha=float(alpha),
+        beta=float(beta),
+        penalty=float(penalty),
+        multiplier_tolerance=float(treatment.multiplier_tolerance),
+        multiplier_iterations=int(treatment.multiplier_iterations),
+    )
+
+
+def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
+    """Return the effective mass of each constraint row, (n_c,): 1 / sum_j Phi_ij^2 / scale_j.
+
+    [kg] for a distance, [kg m2] for an angle; zero for a zero row.
+    """
+    mobility = (Phi_q * Phi_q) @ (1.0 / inertia_scale)
+    masses = np.zeros(mobility.shape[0])
+    np.divide(1.0, mobility, out=masses, where=mobility > 0.0)
+    return masses
+
+
+def scaled_jacobian(Phi_q: Array, inertia_scale: Array) -> Array:
+    """Return C (n_c, n): rows of length one in the metric of the inertia.
+
+    C = D Phi_q S^-1/2 with D^2 = `row_masses` and S = diag(inertia_scale): it does not depend on
+    the units of rows and coordinates, so a singular value of 1e-8 has the same meaning everywhere.
+    """
+    root = np.sqrt(row_masses(Phi_q, inertia_scale))
+    return root.reshape(-1, 1) * Phi_q / np.sqrt(inertia_scale)

@@ -1,0 +1,22 @@
+"""Row of a coupling: coordinates of several pairs of markers; evaluation.py fills it.
+
+It stands among the joints as one of a single row, between the markers of its first coordinate.
+"""
+
+from ....math.arrays import Array
+from ....math.compiled import jit
+from .contract import CouplingKind
+
+
+@jit
+def coupled_angles(rows: Array, k: int, one: Array, two: Array) -> None:
+    """Leave row k as it is."""
+
+
+@jit
+def coupled_lengths(rows: Array, k: int, one: Array, two: Array) -> None:
+    """Leave row k as it is."""
+
+
+ANGLES = CouplingKind("coupled angles", coupled_angles, "r", ())
+LENGTHS = CouplingKind("coupled lengths", coupled_lengths, "d", ())

@@ -1,0 +1,1 @@
+"""Linear systems with the structure of a mechanism, solved body by body."""

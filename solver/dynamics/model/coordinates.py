@@ -1,0 +1,71 @@
+"""Position coordinates of a system: their rates, and finite increments.
+
+Velocities are not the rates of the position coordinates: a rotation has three velocities and four
+Euler parameters. All code that moves a mechanism by increments of its velocity coordinates uses
+these functions, so that Euler parameters keep their norm.
+"""
+
+import numpy as np
+
+from ...math.arrays import Array
+from ...math.compiled import inlined, lean
+from ...math.rotations import along_parameters
+from .model import Model
+
+
+@inlined
+def rates_into(model: Model, y: Array, out: Array) -> None:
+    """Fill the rates of positions of state y in out; the rest of out does not change."""
+    for i in range(model.n_body):
+        a, j, m = model.pos_start[i], model.n_pos + model.vel_start[i], model.n_mode[i]
+        for k in range(3):
+            out[a + k] = y[j + k]
+        w0, w1, w2 = 0.5 * y[j + 3], 0.5 * y[j + 4], 0.5 * y[j + 5]
+        rates = along_parameters(y, a + 3, w0, w1, w2)
+        out[a + 3], out[a + 4], out[a + 5], out[a + 6] = rates
+        for k in range(m):
+            out[a + 7 + k] = y[j + 6 + k]
+
+
+def position_rates(model: Model, positions: Array, velocities: Array) -> Array:
+    """Return the rates (n_pos,) of positions (n_pos,) at velocities (n_vel,)."""
+    out = np.empty(model.n_pos)
+    rates_into(model, np.concatenate((positions, velocities)), out)
+    return out
+
+
+def moved(model: Model, positions: Array, step: Array) -> Array:
+    """Return positions (n_pos,) moved by a step (n_vel,) of the velocity coordinates.
+
+    Translations [m] and modes are added. A rotation vector in body axes [rad] rotates the body by
+    the exponential map. The resulting Euler parameters have norm one.
+    """
+    out = positions.copy()
+    move(model, out, step)
+    return out
+
+
+@lean
+def move_rows(model: Model, y: Array, steps: Array) -> None:
+    """Move the positions in each row of y (k, n_pos or more) in place by steps (k, n_vel)."""
+    for k in range(y.shape[0]):
+        move(model, y[k], steps[k])
+
+
+@lean
+def move(model: Model, y: Array, step: Array) -> None:
+    """Move the positions in y (n_pos or more) in place; see `moved`."""
+    for i in range(model.n_body):
+        a, j, m = model.pos_start[i], model.vel_start[i], model.n_mode[i]
+        for k in range(3):
+            y[a + k] += step[j + k]
+        for k in range(m):
+            y[a + 7 + k] += step[j + 6 + k]
+        w0, w1, w2 = step[j + 3], step[j + 4], step[j + 5]
+        half = 0.5 * np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+        ratio = 0.5 * np.sin(half) / half if half > 1e-8 else 0.5
+        p0, p1, p2, p3 = along_parameters(y, a + 3, ratio * w0, ratio * w1, ratio * w2)
+        c = np.cos(half)
+        p0, p1, p2, p3 = p0 + c * y[a + 3], p1 + c * y[a + 4], p2 + c * y[a + 5], p3 + c * y[a + 6]
+        scale = 1.0 / np.sqrt(p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3)
+        y[a + 3], y[a + 4], y[a + 5], y[a + 6] = p0 * scale, p1 * scale, p2 * scale, p3 * scale

@@ -1,0 +1,1 @@
+"""A plan, its base motion, its models, and how two runs are compared."""

@@ -1,0 +1,1 @@
+"""From an accuracy to a delivered result, for runs, sweeps and charts."""

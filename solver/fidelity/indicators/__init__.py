@@ -1,0 +1,1 @@
+"""What a plan leaves out, and what that costs in each signal."""

@@ -1,0 +1,1 @@
+"""Newton's matrix of implicit steps, and what forces add to it."""

@@ -1,0 +1,257 @@
+"""Forces that read other coordinates or reactions, in Newton's matrix.
+
+A force F along a coordinate may follow other coordinates e_m (a controller, an expression), also by
+its own states, and the multipliers (friction in a bearing). Its change
+
+    w(x, mu) = sum (F_e + s F_v) g_m x - F_v g_m rho + F_lambda mu,
+
+with F_z (phi_e + s phi_v) / (s - phi_z) more for each state z (coupled_states.py), would fill the
+matrices, and make them unsymmetric. So it is added as a matrix of the rank of the forces that have
+it (formula of Woodbury): with the answers (x_k, mu_k) of the pencil to a unit of force k,
+
+    x = x_0 + sum c_k x_k,   c_k = w_k(x_0, mu_0) + sum_j w_k(x_j, mu_j) c_j.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....dynamics.evaluation.evaluation import reaction_slope
+from ....dynamics.linear_algebra.elimination import solve
+from ....dynamics.model.model import Model
+from ....dynamics.model.workspace import Factors, Work
+from ....math.arrays import Array
+from ....math.compiled import inlined, lean, structure
+from ....math.expressions.program import NO_SEED, evaluated
+from .coupled_states import OF_FORCE
+
+BY_VALUE, BY_RATE = 0, 1
+
+
+@structure
+class Feedback(NamedTuple):
+    """Slopes at one place of a step: of -F of the r forces `feedback`, then of the rates of the
+    states `coupled_state`."""
+
+    fed: Array  # (r + nc, 2, nb, n) by value and by rate of other coordinates
+    by_reactions: Array  # (r, n_c) by the multipliers
+
+
+@structure
+class Answers(NamedTuple):
+    """Answers of a pencil to a unit of each force with feedback."""
+
+    x: Array  # (r, nb, n)
+    mu: Array  # (r, n_r)
+    inverse: Array  # (r, 2 r) right half: inverse of 1 - w_k(x_j)
+    change: Array  # (r,)
+
+
+def new_feedback(model: Model) -> Feedback:
+    """Return memory."""
+    r, n_coupled = model.quantities.feedback.shape[0], model.quantities.coupled_force.shape[0]
+    rows = r + n_coupled if r else 0
+    return Feedback(
+        np.zeros((rows, 2, model.n_body, model.plan.widest)), np.zeros((r, model.n_constraint))
+    )
+
+
+def new_answers(model: Model, one: Any) -> Answers:
+    """Return memory of the type of `one`."""
+    r, n_r = model.quantities.feedback.shape[0], model.plan.newton.place.shape[0]
+    return Answers(
+        np.zeros((r, model.n_body, model.plan.widest)) * one,
+        np.zeros((r, n_r)) * one,
+        np.zeros((r, 2 * r)) * one,
+        np.zeros(r) * one,
+    )
+
+
+@lean
+def freeze_feedback(model: Model, work: Work, t: float, feedback: Feedback) -> None:
+    """Fill the slopes at the last evaluation, at time t."""
+    q, fed, by_reactions = model.quantities, feedback.fed, feedback.by_reactions
+    n_force = q.feedback.shape[0]
+    fed[:] = 0.0
+    by_reactions[:] = 0.0
+    for i in range(q.fed_row.shape[0]):
+        row, m = q.fed_row[i], q.fed_coordinate[i]
+        if row < n_force:
+            p, sign = q.force[q.feedback[row]], -1.0
+        else:
+            p, sign = q.rate[q.coupled_state[row - n_force]], 1.0
+        found = evaluated(q.programs, p, t, work.quantity, 2 * m, 2 * m + 1, q.stack)
+        for side in range(2):
+            marker = q.marker[m, side]
+            body = model.marker_body[marker]
+            if body >= 0:
+                for b in range(model.plan.size[body]):
+                    moved = 0.0
+                    for a in range(6):
+                        moved += work.g[m, 6 * side + a] * work.J_m[marker, a, b]
+                    fed[row, BY_VALUE, body, b] += sign * found[1] * moved
+                    fed[row, BY_RATE, body, b] += sign * found[2] * moved
+    first = work.quantity.shape[0] - q.reaction_kind.shape[0]
+    for i in range(n_force):
+        p = q.force[q.feedback[i]]
+        for r in range(q.reaction_kind.shape[0]):
+            found = evaluated(q.programs, p, t, work.quantity, first + r, NO_SEED, q.stack)
+            if found[1] != 0.0:
+                joint = q.reaction_joint[r]
+                for row in range(model.joint_row[joint], model.joint_row[joint + 1]):
+                    by_reactions[i, row] -= found[1] * reaction_slope(model, work, r, row)
+
+
+@lean
+def scale_feedback(feedback: Feedback, factor: float) -> None:
+    """Multiply the slopes by coordinates, for a pencil that is multiplied by `factor`.
+
+    Multipliers are those of that pencil: slopes by reactions stay.
+    """
+    fed = feedback.fed
+    for i in range(fed.shape[0]):
+        for j in range(fed.shape[1]):
+            for k in range(fed.shape[2]):
+                for b in range(fed.shape[3]):
+                    fed[i, j, k, b] *= factor
+
+
+@inlined
+def followed(s: complex, of: Array, x: Array, rho: Array, lagging: float) -> complex:
+    """Return (by value + s by rate) x - lagging by rate rho of one row of `fed`."""
+    total = 0.0 * s
+    for i in range(x.shape[0]):
+        for b in range(x.shape[1]):
+            a, c = of[BY_VALUE, i, b], of[BY_RATE, i, b]
+            if a != 0.0 or c != 0.0:
+                total += (a + s * c) * x[i, b] - lagging * c * rho[i, b]
+    return total
+
+
+@inlined
+def change_of_force(
+    model: Model,
+    feedback: Feedback,
+    auxiliary: Array,
+    coupled: Array,
+    i: int,
+    s: complex,
+    x: Array,
+    rho: Array,
+    lagging: float,
+    mu: Array,
+) -> complex:
+    """Return w of feedback i."""
+    q, fed = model.quantities, feedback.fed
+    total = followed(s, fed[i], x, rho, lagging)
+    for row in range(feedback.by_reactions.shape[1]):
+        total += feedback.by_reactions[i, row] * mu[row]
+    for p in range(q.coupled_force.shape[0]):
+        if q.coupled_force[p] == q.feedback[i]:
+            moved = followed(s, fed[q.feedback.shape[0] + p], x, rho, lagging)
+            total += coupled[p, OF_FORCE] * moved / (s - auxiliary[q.coupled_state[p]])
+    return total
+
+
+@lean
+def answer_forces(
+    model: Model,
+    factors: Factors,
+    softness: Array,
+    load: Array,
+    gamma: Array,
+    feedback: Feedback,
+    auxiliary: Array,
+    coupled: Array,
+    s: complex,
+    answers: Answers,
+) -> None:
+    """Fill the answers of a factorised pencil to the forces with feedback; load, gamma get 0."""
+    q, plan = model.quantities, model.plan
+    n = q.feedback.shape[0]
+    first = model.n_constraint + plan.added_start[model.n_body]
+    load[:] = 0.0
+    for i in range(n):
+        row = first + plan.element_start[q.feedback[i]]
+        gamma[:] = 0.0
+        gamma[row] = -softness[row]
+        solve(plan, plan.newton, factors, load, gamma, answers.x[i], answers.mu[i])
+    gamma[:] = 0.0
+    both = answers.inverse
+    both[:] = 0.0
+    for i in range(n):
+        for j in range(n):
+            x, mu = answers.x[j], answers.mu[j]
+            w = change_of_force(model, feedback, auxiliary, coupled, i, s, x, x, 0.0, mu)
+            both[i, j] = -w
+        both[i, i] += 1.0
+        both[i, n + i] = 1.0
+    _invert(both)
+
+
+@lean
+def add_feedback(
+    model: Model,
+    feedback: Feedback,
+    auxiliary: Array,
+    coupled: Array,
+    s: complex,
+    answers: Answers,
+    x: Array,
+    rho: Array,
+    mu: Array,
+) -> None:
+    """Add what forces with feedback do to the answer x (nb, n), mu (n_r,) of a pencil."""
+    n = model.quantities.feedback.shape[0]
+    for i in range(n):
+        answers.change[i] = change_of_force(
+            model, feedback, auxiliary, coupled, i, s, x, rho, 1.0, mu
+        )
+    for i in range(n):
+        c = 0.0 * s
+        for j in range(n):
+            c += answers.inverse[i, n + j] * answers.change[j]
+        for body in range(x.shape[0]):
+            for b in range(x.shape[1]):
+                x[body, b] += c * answers.x[i, body, b]
+        for row in range(mu.shape[0]):
+            mu[row] += c * answers.mu[i, row]
+
+
+@lean
+def move_fed_states(
+    model: Model,
+    feedback: Feedback,
+    auxiliary: Array,
+    s: complex,
+    x: Array,
+    rho: Array,
+    delta: Array,
+) -> None:
+    """Add to delta (n,) what states follow of coordinates other than their force's own."""
+    q, first = model.quantities, model.n_pos + model.n_vel
+    for p in range(q.coupled_force.shape[0]):
+        j = q.coupled_state[p]
+        moved = followed(s, feedback.fed[q.feedback.shape[0] + p], x, rho, 1.0)
+        delta[first + j] += moved / (s - auxiliary[j])
+
+
+@lean
+def _invert(both: Array) -> None:
+    """Reduce [A 1] (n, 2 n) to [1 A^-1]; not-a-number where A has no inverse."""
+    n = both.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(both[i, k]) > abs(both[best, k]):
+                best = i
+        for j in range(2 * n):
+            both[k, j], both[best, j] = both[best, j], both[k, j]
+        d = both[k, k]
+        for j in range(2 * n):
+            both[k, j] = both[k, j] / d if abs(d) > 0.0 else np.nan
+        for i in range(n):
+            c = both[i, k]
+            if i != k and abs(c) > 0.0:
+                for j in range(2 * n):
+                    both[i, j] -= c * both[k, j]

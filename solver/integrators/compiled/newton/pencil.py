@@ -1,0 +1,328 @@
+"""Newton's matrix of an implicit step, with the structure of a mechanism.
+
+Of the derivatives of the equations only what can be stiff is kept: stiffness K and damping D of
+the modes, that of rotations by tension (tension.py) in K where it is in use, and those of the force
+elements, sum g'(k + s c) g. With a rate of s per change
+(s = gamma / h, real or complex), a change x of positions along the velocity coordinates, delta v
+of velocities and mu of multipliers answers residuals
+
+    R = f - M vdot - Phi_q' lambda,   c = gamma - Phi_q vdot,   rho = G^+ (G v - qdot)
+
+by one system of the same structure as that of the mass matrix:
+
+    (s^2 M + s D + K) x + Phi_q' mu + g' m = R + s M rho + D rho,
+    Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
+    g x - m / (k + s c) = (e + c g rho) / (k + s c),
+    delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
+    delta z of auxiliary states as in coupled_states.py,
+
+with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
+iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
+elements are unknowns of the iteration like multipliers, m being their change and e what they
+leave of the law of the element (elements.py): an element as stiff as a constraint is a constraint
+to it.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....dynamics.linear_algebra.dependence import REGULAR, rows_depend
+from ....dynamics.linear_algebra.elimination import factorise, solve
+from ....dynamics.linear_algebra.mass_solution import add_inertia, soften
+from ....dynamics.model.model import Model, state_size
+from ....dynamics.model.workspace import Factors, Work, new_factors, place_added_rows
+from ....math.arrays import Array
+from ....math.compiled import inlined, lean, structure
+from ....math.rotations import along_parameters
+from .coupled_states import freeze_states, hold_states, left_of_states, move_states
+from .elements import freeze_elements
+from .feedback import (
+    Answers,
+    Feedback,
+    add_feedback,
+    answer_forces,
+    freeze_feedback,
+    move_fed_states,
+    new_answers,
+    new_feedback,
+)
+from .tension import add_tension
+
+NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
+
+
+@structure
+class Pencil(NamedTuple):
+    """Factors for one s, and a right-hand side with its answer."""
+
+    factors: Factors
+    load: Array  # (nb, n) R
+    gamma: Array  # (n_r,) c of constraints and e of force elements; afterwards 0 beyond constraints
+    r: Array  # (n,) r_q and r_z
+    rho: Array  # (nb, n)
+    x: Array  # (nb, n)
+    delta: Array  # (n,) answer in the coordinates of y
+    mu: Array  # (n_r,)
+    softness: Array  # (n_r,) of the rows of plan.newton
+    answers: Answers  # to forces that read other coordinates (feedback.py)
+
+
+@structure
+class Frozen(NamedTuple):
+    """Mass matrix, Jacobian, stiffness of elements and Euler parameters at one place of a step."""
+
+    M: Array  # (nb, n, n) lower triangles
+    J: Array  # (nb, n, r) of the rows of plan.newton
+    softness: Array  # (n_c,) of constraints
+    p: Array  # (nb, 4)
+    stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
+    damping: Array  # (n_e,) [N s/m, N m s/rad]
+    auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
+    coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
+    feedback: Feedback
+    tension: Array  # (nb, n, n) of rotations and modes, lower triangles; 0: not in use (tension.py)
+
+
+def new_pencil(model: Model, one: Any) -> Pencil:
+    """Return memory of the type of `one`."""
+    nb, n, n_r = model.n_body, model.plan.widest, model.plan.newton.place.shape[0]
+    n_y = state_size(model)
+    return Pencil(
+        new_factors(model, model.plan.newton, one),
+        np.zeros((nb, n)) * one,
+        np.zeros(n_r) * one,
+        np.zeros(n_y) * one,
+        np.zeros((nb, n)) * one,
+        np.zeros((nb, n)) * one,
+        np.zeros(n_y) * one,
+        np.zeros(n_r) * one,
+        np.zeros(n_r) * one,
+        new_answers(model, one),
+    )
+
+
+def new_frozen(model: Model) -> Frozen:
+    """Return memory; the rows of added inertia are filled once for all."""
+    plan = model.plan
+    nb, n, n_e = model.n_body, plan.widest, plan.element_row.shape[0]
+    frozen = Frozen(
+        np.zeros((nb, n, n)),
+        np.zeros((nb, n, plan.newton.most_rows)),
+        np.zeros(model.n_constraint),
+        np.zeros((nb, 4)),
+        np.zeros(n_e),
+        np.zeros(n_e),
+        np.zeros(model.n_aux),
+        np.zeros((model.quantities.coupled_force.shape[0], 3)),
+        new_feedback(model),
+        np.zeros((nb, n, n)),
+    )
+    place_added_rows(model, frozen.J)
+    return frozen
+
+
+@inlined
+def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None:
+    """Keep what the last evaluation, at time t in state y, has filled."""
+    plan, row_start = model.plan, model.plan.row_start
+    frozen.softness[:] = 0.0
+    for i in range(plan.size.shape[0]):
+        n, r = plan.size[i], row_start[i + 1] - row_start[i]
+        M, J, M_0, J_0 = work.M[i], work.J[i], frozen.M[i], frozen.J[i]
+        for a in range(n):
+            M_0[a, a] = M[a, a]
+            for b in range(min(a, plan.lead[i])):
+                M_0[a, b] = M[a, b]
+            for p in range(r):
+                J_0[a, p] = J[a, p]
+        for k in range(4):
+            frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
+    if plan.element_row.shape[0] > 0:
+        freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
+    if model.n_aux > 0:
+        freeze_states(model, work, t, frozen.auxiliary, frozen.coupled)
+    if model.quantities.feedback.shape[0] > 0:
+        freeze_feedback(model, work, t, frozen.feedback)
+
+
+@lean
+def factorise_pencil(
+    model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
+) -> None:
+    """Factorise mass M + damping D + stiffness K, of modes and elements, with the constraints.
+
+    Rows that depend on each other are softened as in `factorise_mass` (mass_solution.py).
+    """
+    _factorise(model, frozen, pencil, mass, damping, stiffness)
+    if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
+        if rows_depend(model, model.plan.newton, pencil.factors, frozen.J, pencil.softness):
+            soften(model, frozen.J, frozen.softness)
+        _factorise(model, frozen, pencil, mass, damping, stiffness)
+
+
+@inlined
+def _factorise(
+    model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
+) -> None:
+    plan, softness, n_c = model.plan, pencil.softness, model.n_constraint
+    for i in range(plan.size.shape[0]):
+        n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
+        L, M = pencil.factors.L[i], frozen.M[i]
+        for a in range(n):
+            L[a, a] = mass * M[a, a]
+            for b in range(min(a, plan.lead[i])):
+                L[a, b] = mass * M[a, b]
+        for a in range(m):
+            for b in range(0 if plan.lead[i] > 6 else a, a + 1):
+                k = two + a * m + b
+                L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
+        s_squared = abs(mass / stiffness)
+        add_tension(frozen.tension[i], M, n, plan.lead[i], s_squared, stiffness, L)
+        add_inertia(model, i, mass, L, softness)
+    fed = mass + 2.0 * model.alpha * damping + model.beta**2 * stiffness
+    for k in range(n_c):
+        softness[k] = frozen.softness[k] / fed
+    first = n_c + plan.added_start[model.n_body]
+    for k in range(frozen.stiffness.shape[0]):
+        softness[first + k] = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
+    s = damping / stiffness if abs(damping) > 0.0 else abs(mass / stiffness) ** 0.5
+    hold_states(model, frozen.auxiliary, frozen.coupled, s, stiffness, first, softness)
+    for k in range(first, first + frozen.stiffness.shape[0]):
+        hold = softness[k]
+        softness[k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
+    factorise(plan, plan.newton, pencil.factors, frozen.J, softness)
+
+
+@inlined
+def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
+    """Answer the forces with feedback, after `factorise_pencil` with mass s^2 and damping s."""
+    if model.quantities.feedback.shape[0] > 0:
+        answer_forces(
+            model,
+            pencil.factors,
+            pencil.softness,
+            pencil.load,
+            pencil.gamma,
+            frozen.feedback,
+            frozen.auxiliary,
+            frozen.coupled,
+            s,
+            pencil.answers,
+        )
+
+
+@inlined
+def fed_back(
+    model: Model, frozen: Frozen, pencil: Pencil, s: complex, x: Array, rho: Array
+) -> None:
+    """Add what forces with feedback do to the answer x (nb, n) and pencil.mu of the pencil."""
+    add_feedback(
+        model,
+        frozen.feedback,
+        frozen.auxiliary,
+        frozen.coupled,
+        s,
+        pencil.answers,
+        x,
+        rho,
+        pencil.mu,
+    )
+
+
+@lean
+def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
+    """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r.
+
+    After `factorise_feedback` with the same s.
+    """
+    load, rho, x, gamma, r, delta = (
+        pencil.load,
+        pencil.rho,
+        pencil.x,
+        pencil.gamma,
+        pencil.r,
+        pencil.delta,
+    )
+    n_pos, plan = model.n_pos, model.plan
+    row_start, body_row = plan.row_start, plan.body_row
+    fed = s + 2.0 * model.alpha
+    n_c = model.n_constraint
+    e = n_c + plan.added_start[model.n_body]  # first row of the force elements
+    for i in range(plan.size.shape[0]):
+        n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
+        a = model.pos_start[i]
+        spin_of(frozen.p[i], r, a + 3, rho[i])
+        for k in range(3):
+            rho[i, k] = r[a + k]
+        for k in range(m):
+            rho[i, 6 + k] = r[a + 7 + k]
+        M, J, first = frozen.M[i], frozen.J[i], row_start[i]
+        count = row_start[i + 1] - first
+        for k in range(n):
+            z = s * rho[i, k]
+            w = load[i, k] + M[k, k] * z
+            for b in range(min(k, plan.lead[i])):
+                w += M[k, b] * s * rho[i, b]
+                load[i, b] += M[k, b] * z
+            load[i, k] = w
+            for p in range(count):
+                gamma[body_row[first + p]] += J[k, p] * fed * rho[i, k]
+        for k in range(m):
+            w = load[i, 6 + k]
+            for b in range(m):
+                w += model.D_qq[two + k * m + b] * rho[i, 6 + b]
+            load[i, 6 + k] = w
+    c = 1.0 / (s * s + 2.0 * model.alpha * s + model.beta**2)
+    for k in range(n_c):
+        gamma[k] *= c
+    for k in range(model.force_kind.shape[0]):
+        begin, end = plan.element_start[k], plan.element_start[k + 1]
+        for side in range(2):
+            first = plan.element_side[k, side]
+            if first >= 0:
+                body = model.marker_body[model.force_marker[k, side]]
+                J = frozen.J[body]
+                for p in range(end - begin):
+                    for b in range(plan.size[body]):
+                        lost = frozen.damping[begin + p] * rho[body, b]
+                        gamma[e + begin + p] += J[b, first + p] * lost
+    left_of_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, s, e, gamma)
+    for k in range(frozen.damping.shape[0]):
+        gamma[e + k] *= pencil.softness[e + k]
+    solve(plan, plan.newton, pencil.factors, load, gamma, x, pencil.mu)
+    for k in range(n_c, gamma.shape[0]):
+        gamma[k] = 0.0
+    feeds = model.quantities.feedback.shape[0] > 0
+    if feeds:
+        fed_back(model, frozen, pencil, s, x, rho)
+    move_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, x, s, delta)
+    if feeds:
+        move_fed_states(model, frozen.feedback, frozen.auxiliary, s, x, rho, delta)
+    c = 1.0 / s
+    for i in range(plan.size.shape[0]):
+        m = model.n_mode[i]
+        a, j = model.pos_start[i], n_pos + model.vel_start[i]
+        for k in range(plan.size[i]):
+            delta[j + k] = s * x[i, k] - rho[i, k]
+        for k in range(3):
+            delta[a + k] = x[i, k]
+        for k in range(m):
+            delta[a + 7 + k] = x[i, 6 + k]
+        for k in range(3):
+            x[i, 3 + k] -= rho[i, 3 + k] * c
+        # E x / 2: the change of Euler parameters by a small rotation
+        turned = along_parameters(frozen.p[i], 0, 0.5 * x[i, 3], 0.5 * x[i, 4], 0.5 * x[i, 5])
+        for k in range(4):
+            delta[a + 3 + k] = turned[k] + r[a + 3 + k] * c
+
+
+@inlined
+def spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
+    """rho[3:6] = 2 E' r[a:a+4] / p'p: the rotation that changes Euler parameters so."""
+    e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
+    c = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    r0, r1, r2, r3 = r[a], r[a + 1], r[a + 2], r[a + 3]
+    rho[3] = c * (-e1 * r0 + e0 * r1 + e3 * r2 - e2 * r3)
+    rho[4] = c * (-e2 * r0 - e3 * r1 + e0 * r2 + e1 * r3)
+    rho[5] = c * (-e3 * r0 + e2 * r1 - e1 * r2 + e0 * r3)

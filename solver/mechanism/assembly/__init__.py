@@ -1,0 +1,1 @@
+"""From readable tables of a mechanism to the arrays of its model."""

@@ -1,0 +1,1 @@
+"""From the tables of a case to the readable tables of a mechanism."""
