@@ -1,14 +1,12 @@
 """Result files of a batch of analyses: one file for each specification."""
 
 import dataclasses
-import json
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from ..solver.errors import PackageError
-from ..solver.package.common.container import get_text, open_file
+from ..solver.package.fingerprint import has_fingerprint
 from ..solver.package.section.schema import SectionFile
 from ..solver.package.shell.schema import ShellFile
 
@@ -83,7 +81,7 @@ class AnalysedFiles(Generic[Result]):
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
         """True if the target was made from the same inputs; the same on all ranks."""
-        same = self.ranks.rank == 0 and stored_fingerprint(target) == self.fingerprint(spec)
+        same = self.ranks.rank == 0 and has_fingerprint(target, self.fingerprint(spec))
         return bool(self.ranks.broadcast(same))
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
@@ -97,16 +95,3 @@ class AnalysedFiles(Generic[Result]):
         finally:
             self.ranks.barrier()
         return f"{result.provenance['dofs']} dofs", result.warnings
-
-
-def stored_fingerprint(target: Path) -> str | None:
-    """Stored fingerprint of a section or shell file; None for any other file.
-
-    Only the header is read: a file gets its name only when it is complete.
-    """
-    try:
-        with open_file(target, PackageError) as file:
-            found = json.loads(get_text(file, "provenance", "{}")).get("fingerprint")
-    except (PackageError, ValueError):
-        return None
-    return str(found)

@@ -6,12 +6,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..solver.errors import PackageError
-from ..solver.package.body.io import read_package
 from ..solver.package.body.schema import ModalPackage
+from ..solver.package.fingerprint import fingerprint, has_fingerprint
 from ..solver.package.validation import write_valid
 from .batch import build_all
-from .fingerprint import fingerprint
 from .reporting import build_from_stdin, reporter
 
 
@@ -36,13 +34,7 @@ class BodyPackages:
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
         """True if the target is a valid package made from the same inputs."""
-        if not target.exists():
-            return False
-        try:
-            stored = read_package(target).provenance.get("fingerprint")
-        except PackageError:
-            return False  # damaged or older: build it again
-        return stored == fingerprint(spec)
+        return has_fingerprint(target, fingerprint(spec))
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, list[dict[str, str]]]:
         """Build and write the package."""

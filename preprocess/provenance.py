@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 from typing import Any
 
 from .. import __version__
+from ..solver.package.fingerprint import fingerprint
 from . import fenicsx
-from .fingerprint import fingerprint
 
 LONGEST = 40_000  # characters of a specification in a package; an attribute has at most 60 000
 

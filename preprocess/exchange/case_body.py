@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...solver.errors import InputError
+from ...solver.math.digests import file_sha256
 from ...solver.package import ModalPackage
 from ...solver.package.body.specification import ImportedSpecification
-from ...solver.package.common.file_digests import file_sha256
 from ...solver.package.common.table_form import SpecError, check_form
-from ..fingerprint import fingerprint
+from ...solver.package.fingerprint import fingerprint
 from .import_file import check_table, package_of
 
 

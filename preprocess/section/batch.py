@@ -4,10 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ...solver.package.fingerprint import fingerprint
 from ...solver.package.section.io import write_section
 from ...solver.package.section.schema import SECTION_FORMAT_VERSION, SectionFile
 from ..analysed_files import AnalysedFiles, Ranks
-from ..fingerprint import fingerprint
 
 
 class SectionFiles(AnalysedFiles[SectionFile]):

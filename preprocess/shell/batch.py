@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from ...solver.package.fingerprint import fingerprint
 from ...solver.package.shell.io import write_shell
 from ...solver.package.shell.schema import SHELL_FORMAT_VERSION, ShellFile
 from ..analysed_files import AnalysedFiles
-from ..fingerprint import fingerprint
 
 
 class ShellFiles(AnalysedFiles[ShellFile]):

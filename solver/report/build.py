@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..package.common.file_digests import file_sha256
+from ..math.digests import file_sha256, sources_sha256
 from ..package.common.temporary import write_text
 from .balance import draw_balance
 from .comparison import draw_comparison
-from .drawings import Drawing, draw_all, drawn_before, is_up_to_date, remember, sources, version
+from .drawings import Drawing, draw_all, drawn_before, is_up_to_date, remember, version
 from .exposure import draw_exposure
 from .fidelity import ladder_file, with_ladder
 from .motion import draw_motion
@@ -115,7 +115,7 @@ def _content(
     results : digest of result.vtkhdf, by run
     """
     found = hashlib.sha256(json.dumps([runs, case, results, version() if figures else ""]).encode())
-    found.update(sources("**/*"))
+    found.update(sources_sha256("solver/report").encode())
     for run in runs:
         own = case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"
         for file in (*own, ladder_file(case_dir, run)):

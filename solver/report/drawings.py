@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ..interrupts import ignore, shielded
 from ..math.cores import cores
-from ..package.common.file_digests import files_sha256
+from ..math.digests import sources_sha256
 from ..package.common.temporary import write_text
 from .style import house_style
 
@@ -108,7 +108,7 @@ def _key(drawing: Drawing) -> str:
     found = hashlib.sha256(drawing.content.encode())
     found.update(drawing.draw.__name__.encode())
     found.update(version().encode())
-    found.update(sources())
+    found.update(sources_sha256("solver/report").encode())
     return found.hexdigest()
 
 
@@ -119,11 +119,3 @@ def version() -> str:
         return importlib.metadata.version("matplotlib")
     except importlib.metadata.PackageNotFoundError:
         return ""
-
-
-@cache
-def sources(pattern: str = "*.py") -> bytes:
-    """Digest of files of this package: by default those that draw the figures."""
-    room = Path(__file__).parent
-    found = [file for file in room.glob(pattern) if file.is_file() and file.suffix != ".pyc"]
-    return files_sha256({str(file.relative_to(room)): file for file in found}).encode()

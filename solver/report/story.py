@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
-from ..package.common.file_digests import file_sha256
+from ..math.digests import file_sha256
 from ..results import ResultError, RunResult, Signal, read_result, read_summary
 
 MOST_SIGNALS = 700  # of a run: NUMBERS / FEWEST of embed/histories.py

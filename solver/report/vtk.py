@@ -13,9 +13,9 @@ import h5py
 import numpy as np
 
 from ..math.arrays import Array, IntArray
+from ..math.digests import file_sha256
 from ..math.rotations import rotation_matrices
 from ..package.common.container import new_file, set_text
-from ..package.common.file_digests import file_sha256
 from ..package.common.identity import write_file_checksum
 from ..package.shell.cells import TRIANGLE
 from ..results import BodyGeometry, read_result

@@ -11,10 +11,10 @@ from vtk_samples import Player
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import PackageError
+from plymotion.solver.math.digests import file_sha256
 from plymotion.solver.math.rotations import rotation_matrix
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.container import get_text
-from plymotion.solver.package.common.file_digests import file_sha256
 from plymotion.solver.package.common.identity import check_file_checksum
 from plymotion.solver.results import RunResult, read_result
 from plymotion.solver.strength.beam_bodies import body_strength

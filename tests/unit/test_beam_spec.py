@@ -10,9 +10,9 @@ from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.beam.spec_modes import ModeSpec, Reference
-from plymotion.preprocess.fingerprint import fingerprint
 from plymotion.preprocess.modes import ModeRequest
 from plymotion.solver.package.common.table_form import SpecError
+from plymotion.solver.package.fingerprint import fingerprint
 
 
 def spec(**changes: Any) -> dict[str, Any]:

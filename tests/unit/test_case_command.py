@@ -5,13 +5,14 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.cases import finished
+from plymotion.solver.math import digests
 
 CASE = Path("cases/double-pendulum/case.toml").resolve()
 PACKAGES = Path("tests/packages/double-pendulum").resolve()
@@ -184,7 +185,8 @@ def test_a_checkout_without_symbolic_links_is_identified(tmp_path, monkeypatch):
         (tmp_path / part).mkdir()
         (tmp_path / part / "one.py").write_text("1")
         (tmp_path / "plymotion" / part).write_text(f"../{part}")  # what git leaves for a link
-    monkeypatch.setattr(finished.plymotion, "__file__", str(tmp_path / "plymotion/__init__.py"))
-    before = finished._program.__wrapped__()
-    (tmp_path / "solver/one.py").write_text("22")
-    assert finished._program.__wrapped__() != before
+    monkeypatch.setattr(digests, "_ROOT", tmp_path)  # solver/math/digests.py is two folders below
+    program = partial(digests.sources_sha256.__wrapped__, "solver", "preprocess", "meshes")
+    before = program()
+    (tmp_path / "solver/one.py").write_text("2")  # of the same size
+    assert program() != before

@@ -1,19 +1,17 @@
 """The record of a finished command: if its inputs and results are as they were, nothing is to do.
 
-Files are compared by size and time, as make does. A change of either only leads to the comparison
-by content that every stage does for itself.
+Files of the user are compared by size and time, as make does: results may be large. A change of
+either only leads to the comparison by content that every stage does for itself.
 """
 
-import hashlib
 import json
 import os
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import cache
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import plymotion
+from ...math.digests import sources_sha256
 
 RECORD = "finished.json"
 MOST = 32  # commands that are remembered for a folder
@@ -80,6 +78,11 @@ def note_finished(
     write_text(out / RECORD, json.dumps({"commands": recent}) + "\n", own=True)
 
 
+def _program() -> list[str]:
+    """Return the digest of all sources, and the Python that runs them."""
+    return [sources_sha256("solver", "preprocess", "meshes"), sys.version, sys.prefix]
+
+
 def _commands(out: Path) -> dict[str, Any]:
     try:
         found = json.loads((out / RECORD).read_text(encoding="utf-8"))["commands"]
@@ -113,26 +116,3 @@ def state_since(file: Path, begin: int) -> list[int]:
         return state_of(file) if os.stat(file).st_ctime_ns < begin else [-1]
     except OSError:
         return [-1]
-
-
-@cache
-def _program() -> str:
-    """Digest of sizes and times of all sources, and of the Python that runs them."""
-    home = os.path.dirname(os.path.abspath(plymotion.__file__))
-    digest = hashlib.sha256(f"{sys.version} {sys.prefix} {home}".encode())
-    # A checkout without symbolic links has the folders beside `plymotion`.
-    beside = not os.path.isdir(os.path.join(home, "solver"))
-    for part in ("solver", "preprocess", "meshes"):
-        folder = os.path.join(os.path.dirname(home) if beside else home, part)
-        for file, state in sorted(_files(folder)):
-            digest.update(f"{file} {state}".encode())
-    return digest.hexdigest()
-
-
-def _files(folder: str) -> Iterator[tuple[str, list[int]]]:
-    for entry in os.scandir(folder):
-        if entry.is_dir() and entry.name != "__pycache__":
-            yield from _files(entry.path)
-        elif entry.is_file():
-            found = entry.stat()
-            yield entry.path, [found.st_size, found.st_mtime_ns]

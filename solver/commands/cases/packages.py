@@ -1,32 +1,24 @@
 """Packages of a case, built in the Python with FEniCSx unless they are up to date."""
 
-import hashlib
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-import plymotion
-
 from ...errors import InputError, few
 from ...inputs.case.run_table import package_entries
-from ...inputs.case.specs import dump
 from ...math.cores import cores
-from ...package.common.file_digests import files_sha256
 from ...package.common.plain_data import canonical
 from ...package.common.replaceable import refuse_link
 from ...package.common.shares import by_mesh
-from ...package.common.temporary import write_text
+from ...package.fingerprint import fingerprint, has_fingerprint
 from ..executors.executor import Executor
 from ..executors.local import Local
 from ..fenicsx_side.launch import Line
 from ..fenicsx_side.workers import make_all, start_of
-from .finished import state_of
 
 Entry = dict[str, Any]  # file and digests of a package, as a run file has them
-STAMP = "packages.record"  # of each package: what it was built from, and the file that was left
 
 
 class BodiesFailed(InputError):
@@ -105,41 +97,34 @@ def build_packages(
     BodiesFailed
         A body cannot be built. The others are built.
     """
-    before, now = _read(folder / STAMP), {spec.stem: _inputs(spec) for spec in specs}
-    wanted = [
-        spec
-        for spec in specs
-        if before.get(spec.stem) != [now[spec.stem], state_of(folder / f"{spec.stem}.vtkhdf")]
-    ]
+    tables = {spec: json.loads(spec.read_text(encoding="utf-8")) for spec in specs}
+    wanted = {
+        spec: table
+        for spec, table in tables.items()
+        if not has_fingerprint(folder / f"{spec.stem}.vtkhdf", fingerprint(table))
+    }
     if not wanted:
         return []
-    refuse_link(folder / STAMP)
+    refuse_link(folder / "any")
     folder.mkdir(parents=True, exist_ok=True)
     failed: list[Path] = []
 
     def done(spec: Path, line: Line) -> None:
         _show(spec, line, quiet=quiet)
-        file = folder / f"{spec.stem}.vtkhdf"
-        if line["status"] == "failed" or not file.is_file():
+        if line["status"] == "failed" or not (folder / f"{spec.stem}.vtkhdf").is_file():
             failed.append(spec)
-            return
-        before[spec.stem] = [now[spec.stem], state_of(file)]
 
     start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
-    try:
-        groups = by_mesh((spec, _mesh_of(spec)) for spec in wanted)
-        make_all(groups, start, executor=place, done=done, progress=lambda _: None)
-    finally:
-        write_text(folder / STAMP, dump(before), own=True)
+    groups = by_mesh((spec, _mesh_of(table)) for spec, table in wanted.items())
+    make_all(groups, start, executor=place, done=done, progress=lambda _: None)
     if failed:
         names = few([spec.stem for spec in failed])
         raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")
     return [spec.stem for spec in wanted]
 
 
-def _mesh_of(spec: Path) -> str:
+def _mesh_of(table: Mapping[str, Any]) -> str:
     """Text that is equal for bodies of equal sections, which one process analyses once."""
-    table = json.loads(spec.read_text(encoding="utf-8"))
     return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell", "solid")])
 
 
@@ -155,26 +140,3 @@ def _show(spec: Path, line: Line, *, quiet: bool) -> None:
         print(line["defect"], end="", file=sys.stderr)
         print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
     print(f"error: {spec}: {line['error']}", file=sys.stderr)
-
-
-def _read(file: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
-
-
-def _inputs(spec: Path) -> str:
-    """Digest of a specification and of all sources that a package depends on."""
-    return hashlib.sha256(_sources() + spec.read_bytes()).hexdigest()
-
-
-@cache
-def _sources() -> bytes:
-    """Digest of the preprocessor, and of the parts of the solver that it imports."""
-    home = Path(plymotion.__file__).resolve().parent
-    folders = ("preprocess", "meshes", "solver/package", "solver/math")
-    files = [file for folder in folders for file in (home / folder).rglob("*")]
-    found = {f.relative_to(home).as_posix(): f for f in files if f.suffix in (".py", ".geo")}
-    return files_sha256(found).encode()

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, nearest, under
+from ...math.digests import file_sha256
 from ...package.body.specification import ImportedSpecification
-from ...package.common.file_digests import file_sha256
 from ..common import read_toml
 from .body_schema import ImportedBody
 

@@ -8,12 +8,12 @@ import os
 import platform
 import sys
 from functools import cache
-from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
 
+from ..digests import sources_sha256
 from .versions import numba_version
 
 
@@ -32,7 +32,6 @@ def environment() -> str:
     import llvmlite
     import llvmlite.binding as llvm
 
-    machinery = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
     settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
     return digest(
         numba_version(),
@@ -43,7 +42,7 @@ def environment() -> str:
         llvm.get_host_cpu_name(),
         llvm.get_host_cpu_features().flatten(),
         *settings,
-        *machinery,
+        sources_sha256("solver/math/compiled"),
     )
 
 

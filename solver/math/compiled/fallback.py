@@ -3,13 +3,12 @@
 Slow: every function is compiled again with each one that calls it.
 """
 
-import hashlib
 import os
 import shutil
-from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from ..digests import sources_sha256
 from .parts import FAST_MATH, Part
 from .store import folder
 from .versions import import_numba
@@ -54,11 +53,8 @@ def _numba() -> Any:
     where = folder()
     if _dispatchers or where is None:
         return numba
-    found = hashlib.sha256()
-    for room in ("math", "dynamics", "integrators"):
-        for source in sorted((Path(__file__).parents[2] / room).rglob("*.py")):
-            found.update(source.read_bytes())
-    cache = where.parent / f"numba-{found.hexdigest()[:16]}"
+    sources = sources_sha256("solver/math", "solver/dynamics", "solver/integrators")
+    cache = where.parent / f"numba-{sources[:16]}"
     try:
         cache.mkdir(mode=0o700, exist_ok=True)
     except OSError:  # compile in every process

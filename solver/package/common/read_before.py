@@ -13,12 +13,12 @@ import hashlib
 import importlib
 import json
 import sys
-from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from ...math.digests import sources_sha256
 from ...math.disk_cache import DiskCache
 
 MOST_FILES, MOST_BYTES = 200, 800_000_000
@@ -27,15 +27,9 @@ _PACKAGE = __name__.removesuffix("common.read_before")  # whose dataclasses the 
 _OBJECTS = DiskCache("packages", MOST_FILES, MOST_BYTES)
 
 
-@cache
 def _reader() -> bytes:
     """Return what the reading depends on, apart from the file."""
-    root = Path(__file__).resolve().parents[1]
-    digest = hashlib.sha256(f"{sys.version} {np.__version__}".encode())
-    for source in sorted(root.rglob("*.py")):
-        digest.update(source.relative_to(root).as_posix().encode())
-        digest.update(source.read_bytes())
-    return digest.digest()
+    return f"{sys.version} {np.__version__} {sources_sha256('solver/package')}".encode()
 
 
 def key_of(path: Path) -> str | None:
