@@ -9,11 +9,12 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ..errors import did_you_mean
 
 COMMAND = "COMMAND"  # what --help and messages call a command
+EXECUTORS = ("local", "dask", "mpi")
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
 
 
@@ -73,19 +74,80 @@ class CommandParser(argparse.ArgumentParser):
         return {}
 
 
-def add_case_options(parser: argparse._ActionsContainer) -> None:
+def add_command(commands: Any, name: str, call: str, help: str, **texts: str) -> Any:
+    """Add a subcommand to an argument parser and return its parser.
+
+    Parameters
+    ----------
+    call : the function that executes it, `module:name` below this folder; imported for the call
+    texts : its description and epilog
+    """
+    formatter = argparse.RawDescriptionHelpFormatter
+    parser = commands.add_parser(name, help=help, formatter_class=formatter, **texts)
+    parser.set_defaults(command=call)
+    return parser
+
+
+def flag(group: Any, name: str, help: str) -> None:
+    """Add an option without a value to a parser or a group of it."""
+    group.add_argument(f"--{name}", action="store_true", help=help)
+
+
+def add_case_options(group: Any) -> None:
     """Add --coarse and --packages to the arguments of a command that reads a case."""
-    parser.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
-    add_packages(parser)
+    flag(group, "coarse", "apply the [coarse] variant")
+    add_packages(group)
 
 
-def add_packages(parser: argparse._ActionsContainer) -> None:
+def add_packages(group: Any) -> None:
     """Add --packages to the arguments of a command that reads a case."""
-    parser.add_argument(
-        "--packages",
-        type=Path,
-        metavar="DIR",
-        help="folder of ready packages: none is built, FEniCSx is not needed",
+    text = "folder of ready packages: none is built, FEniCSx is not needed"
+    group.add_argument("--packages", type=Path, metavar="DIR", help=text)
+
+
+def add_doubtful(parser: Any) -> None:
+    """Add --allow-doubtful to the arguments of a command that reads packages."""
+    flag(
+        parser,
+        "allow-doubtful",
+        "warn of packages whose numbers contradict each other (see `validate`); damaged or "
+        "unusable ones are still refused",
+    )
+
+
+def add_no_scripts(group: Any) -> None:
+    """Add --no-scripts to the arguments of a command that reads descriptions."""
+    flag(
+        group,
+        "no-scripts",
+        "refuse mesh scripts (.geo, .py), which can run any command; see docs/security.md",
+    )
+
+
+def add_report_figures(group: Any) -> None:
+    """Add the option that draws the figures of a report as files."""
+    flag(
+        group,
+        "figures",
+        "also draw the figures as PNG files, for papers; later commands keep them up to date",
+    )
+
+
+def add_executor(group: Any, what: str) -> None:
+    """Add --jobs, --executor and --scheduler to a parser or a group of it; `what` is computed."""
+    group.add_argument(
+        "--jobs", type=whole_number, metavar="N", help=f"{what} at a time (default 1)"
+    )
+    group.add_argument(
+        "--executor",
+        choices=EXECUTORS,
+        help="local: processes of this machine (default); dask: workers of a cluster, with "
+        "--scheduler; mpi: ranks of an MPI job; see docs/scale.md",
+    )
+    group.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="of a dask cluster: its address (tcp://host:8786) or its scheduler file (*.json)",
     )
 
 
@@ -96,15 +158,6 @@ def program() -> str:
         return "plymotion"
     found = shutil.which("plymotion")
     return "plymotion" if found and os.path.samefile(found, started) else shlex.quote(started)
-
-
-def add_figures(parser: argparse._ActionsContainer) -> None:
-    """Add the option that draws the figures of a report as files."""
-    parser.add_argument(
-        "--figures",
-        action="store_true",
-        help="also draw the figures as PNG files, for papers; later commands keep them up to date",
-    )
 
 
 def whole_number(text: str, least: int = 1) -> int:
@@ -133,22 +186,3 @@ def numbers(text: str) -> list[float]:
     """Return numbers separated by commas; none at all if one is no finite number."""
     found = [number(part) for part in text.split(",")]
     return found if all(map(math.isfinite, found)) else []
-
-
-def add_doubtful(parser: argparse.ArgumentParser) -> None:
-    """Add --allow-doubtful to the arguments of a command that reads packages."""
-    parser.add_argument(
-        "--allow-doubtful",
-        action="store_true",
-        help="warn of packages whose numbers contradict each other (see `validate`); damaged or "
-        "unusable ones are still refused",
-    )
-
-
-def add_no_scripts(parser: argparse.ArgumentParser) -> None:
-    """Add --no-scripts to the arguments of a command that reads descriptions."""
-    parser.add_argument(
-        "--no-scripts",
-        action="store_true",
-        help="refuse mesh scripts (.geo, .py), which can run any command; see docs/security.md",
-    )

@@ -1,5 +1,6 @@
 """Compile the step loop before the first run, so that runs in parallel need not each do it."""
 
+import argparse
 import time
 from collections.abc import Callable
 
@@ -44,6 +45,15 @@ from ..mechanism.assembly.tables import ForceTable, JointTable, MarkerTable, rig
 from ..monitors.singularity import SingularityMonitor
 from ..signals.points import rotation_vectors
 from .executors.local import Local
+from .fenicsx_side.launch import compile_forms
+
+
+def run_compile(options: argparse.Namespace) -> int:
+    """Compile the step loop; with --all also what other methods and FEniCSx need."""
+    print(compile_ahead(everything=options.all), flush=True)
+    if options.all:
+        print(compile_forms())
+    return 0
 
 
 def compile_ahead(*, everything: bool = False) -> str:

@@ -9,6 +9,14 @@ from ..errors import InputError
 FILES = {"bash": "_shtab_compgen_files", "zsh": "_files"}
 
 
+def run_completion(options: argparse.Namespace) -> int:
+    """Print the completion for a shell."""
+    from .parser import parser
+
+    print(completion(parser(), options.shell))
+    return 0
+
+
 def completion(parser: argparse.ArgumentParser, shell: str) -> str:
     """Return the script for a shell, "bash" or "zsh". Raises InputError without shtab."""
     try:

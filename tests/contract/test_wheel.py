@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.commands.new.options import STARTERS
+from plymotion.solver.commands.case_arguments import STARTERS
 
 CASE, RUN = "double-pendulum", "isotropic-soft-free-stiffened"
 

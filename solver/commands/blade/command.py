@@ -11,11 +11,11 @@ from ...errors import InputError
 from ...inputs.case.file import CASE_FILE
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
+from ..body_arguments import add_section
 from ..defect import DEFECT, report
 from ..described.screen import USER_ERROR
 from ..exit_codes import worst
 from ..section.command import run_section
-from ..section.options import add_section_command
 from .body import body_csv
 from .case import write_blade_case
 from .cells import StationMesh
@@ -141,7 +141,7 @@ def _section_options(
 ) -> argparse.Namespace:
     """The options that `plymotion section` gets."""
     parser = argparse.ArgumentParser()
-    add_section_command(parser.add_subparsers(), run_section)
+    add_section(parser.add_subparsers())
     listed = out / "stations" / "stations.txt"
     write_text(listed, "".join(f"{name}.toml\n" for name in names))
     words = ["section", "--batch", str(listed), "--out", str(out / "sections")]

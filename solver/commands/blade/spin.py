@@ -6,8 +6,8 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...package.common.temporary import write_text
+from ..case_arguments import add_modes
 from ..modes.command import run_modes
-from ..modes.options import add_modes_command
 from .errors import COUNT, error_csv, error_text, frequencies_at_rest
 from .stations import Station, complete
 from .windio import Blade
@@ -36,7 +36,7 @@ def spin_blade(
     write_text(out / FREQUENCIES, error_csv(frequencies, errors))
     print(f"\n{error_text(frequencies, errors)}\n{out / FREQUENCIES}\n")
     parser = argparse.ArgumentParser()
-    add_modes_command(parser.add_subparsers(), run_modes)
+    add_modes(parser.add_subparsers())
     words = ["modes", str(case), "--at", f"spin={speeds}", "--count", str(COUNT)]
     words += ["--out", str(out), *(["--quiet"] if quiet else [])]
     run_modes(parser.parse_args(words))

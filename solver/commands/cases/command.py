@@ -31,6 +31,15 @@ TRUSTED = ("allow_python", "allow_doubtful")
 Say = Callable[[str], None]
 
 
+def run_any(options: argparse.Namespace) -> int:
+    """Take a case to its report, or integrate run files; return the worst exit code."""
+    if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
+        return run_case(options)
+    from ..run.command import run_runs
+
+    return run_runs(options)
+
+
 def run_case(options: argparse.Namespace) -> int:
     """Take a case from its file to its report, or to its sweeps; return the worst exit code.
 

@@ -1,11 +1,18 @@
 """Report of the finished runs of a case folder, as text for the screen."""
 
+import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from ...errors import InputError
 from ...results import read_result, read_summary
+
+
+def run_report(options: argparse.Namespace) -> int:
+    """Write the report of a folder and print the table of its runs."""
+    print(report_case(options.folder, figures=options.figures, glb=options.glb, vtk=options.vtk))
+    return 0
 
 
 def report_case(

@@ -1,33 +1,12 @@
-"""The options that choose an executor."""
+"""The executor that options choose."""
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...errors import InputError
-from ..arguments import whole_number
 
 if TYPE_CHECKING:
     from .executor import Executor
-
-KINDS = ("local", "dask", "mpi")
-
-
-def add_executor(group: Any, what: str) -> None:
-    """Add --jobs, --executor and --scheduler to a parser or a group of it; `what` is computed."""
-    group.add_argument(
-        "--jobs", type=whole_number, metavar="N", help=f"{what} at a time (default 1)"
-    )
-    group.add_argument(
-        "--executor",
-        choices=KINDS,
-        help="local: processes of this machine (default); dask: workers of a cluster, with "
-        "--scheduler; mpi: ranks of an MPI job; see docs/scale.md",
-    )
-    group.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="of a dask cluster: its address (tcp://host:8786) or its scheduler file (*.json)",
-    )
 
 
 def executor_of(options: argparse.Namespace, *, threads: bool = False) -> "Executor":

@@ -8,7 +8,7 @@ from ...errors import InputError, nearest
 from ...inputs.case.file import CASE_FILE
 from ...package.common.temporary import write_text
 from ..arguments import program
-from .options import STARTERS
+from ..case_arguments import STARTERS
 
 HOME = Path(__file__).parent / "starters"
 

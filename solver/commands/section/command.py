@@ -17,12 +17,12 @@ from ...package.common.materials import MaterialError
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import share
 from ...package.section.io import read_section
+from ..body_arguments import FOLDERS
 from ..described.entries import Entry, entries_of
 from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import USER_ERROR, drawn, file_lines, show_each, tell_failure
 from .batch_list import read_list
-from .options import FOLDER
 from .ply_peaks import judged_peaks
 from .results import read_results
 from .show import section_json, section_text
@@ -45,7 +45,7 @@ def run_section(options: argparse.Namespace) -> int:
                 print(line, file=sys.stderr if options.json else sys.stdout)
         return code
 
-    options.out = options.out or FOLDER
+    options.out = options.out or FOLDERS["section"]
     flags = ("--no-estimate", "--verify", "--force")
     words = [word for word in flags if getattr(options, _name(word))]
     if options.accuracy is not None:

@@ -12,11 +12,11 @@ from ...inputs.shell.expand import load_shell
 from ...package.common.materials import MaterialError
 from ...package.shell.io import read_shell
 from ...package.shell.schema import ShellFile
+from ..body_arguments import FOLDERS
 from ..described.entries import entries_of
 from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import drawn, file_lines, show_each
-from .options import FOLDER
 from .show import shell_text
 from .show_json import shell_json
 
@@ -47,7 +47,7 @@ def run_shell(options: argparse.Namespace) -> int:
     def show(made: list[Made], _: list[Request]) -> int:
         return show_each(made, table_of, text_of, as_json=options.json)
 
-    options.out = options.out or FOLDER
+    options.out = options.out or FOLDERS["shell"]
     return run_described(
         "shell",
         entries_of(options.files),

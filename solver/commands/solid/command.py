@@ -6,11 +6,11 @@ from typing import Any, cast
 from ...errors import InputError
 from ...inputs.solid.expand import solid_spec
 from ...package.body.io import read_package
+from ..body_arguments import FOLDERS
 from ..described.entries import entries_of
 from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import file_lines, show_each
-from .options import FOLDER
 from .show import solid_text
 
 
@@ -40,7 +40,7 @@ def run_solid(options: argparse.Namespace) -> int:
     def show(made: list[Made], _: list[Request]) -> int:
         return show_each(made, table_of, text_of, as_json=options.json)
 
-    options.out = options.out or FOLDER
+    options.out = options.out or FOLDERS["solid"]
     return run_described(
         "solid",
         entries_of(options.files),

@@ -1,0 +1,346 @@
+"""Arguments of the commands that work on sections, shells, solids, blades and packages."""
+
+import argparse
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, did_you_mean
+from .arguments import (
+    add_case_options,
+    add_command,
+    add_executor,
+    add_no_scripts,
+    flag,
+    number,
+    numbers,
+    shard,
+    whole_number,
+)
+from .modes.place import at_of
+from .section.codes import CODES, OF_BLADES, TARGETS
+
+# Without --out None: a folder that the user has named may be a link.
+FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "solid")}
+EXCHANGED = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
+PACKAGE = "PACKAGE.vtkhdf"
+SECTION_TEXT = """\
+Stiffness, mass, centres and stresses of beam cross-sections. FILE is a description (TOML,
+docs/section-description.md), an input file of VABS (.dat, .sg), a folder of BECAS input, or a
+section file (.vtkhdf) to show again. It runs in the Python with FEniCSx:
+$FENICSX_PYTHON, the one that `make fenicsx` found, python3 or /usr/bin/python3.
+"""
+SECTION = """\
+Writes DIR/<name>/<name>.vtkhdf, a section file with mesh, plies, warping and stress recovery that
+ParaView opens, and figures beside it. Files made from the same description, options and sources
+are not made again, so an interrupted batch continues where it stopped.
+
+A batch (LIST) is a folder of descriptions, a pattern in quotes, a text file with one description
+per line, or a study in TOML: `sections` to vary and [[sweep]] tables of a key and its values (or a
+CSV file with a row of numbers for each). It writes DIR/summary.csv and .json.
+
+K relates [F1 F2 F3 M1 M2 M3] to [extension, shear 2, shear 3, twist, bending 2, bending 3] at the
+origin of the description; --order gives it in the order of other codes (docs/conventions.md).
+
+exit code: 0 done; 2 wrong input, the other sections of a batch are made; 130 interrupted,
+complete files are kept.
+"""
+SHELL_TEXT = """\
+Deflections, reactions, ply stresses and natural frequencies of laminated plates and shells. FILE
+is a description (TOML, docs/shell-description.md), or a shell file (.vtkhdf) to show again.
+It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found, python3 or
+/usr/bin/python3.
+"""
+SHELL = """\
+Writes DIR/<name>/<name>.vtkhdf, a shell file with mesh, laminates, displacements, resultants and
+modes that ParaView opens, and figures beside it. Files made from the same description and sources
+are not made again.
+
+exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
+kept.
+"""
+SOLID_TEXT = """\
+Mass, inertia, natural frequencies and load cases of solids. FILE is a CAD file (STEP, IGES), a
+description (TOML, docs/solids.md), or a package that this command made (.vtkhdf) to show again.
+It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found, python3 or
+/usr/bin/python3.
+"""
+SOLID = """\
+Writes DIR/<name>/<name>.vtkhdf, the modal package of the free solid: ParaView opens it, and a case
+takes it with kind = "package". Files made from the same description and sources are not made
+again.
+
+exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
+kept.
+"""
+BLADE_TEXT = """\
+Cross-sections of a rotor blade: stiffness and mass matrices of its stations from a windIO 2 file.
+The shell is meshed layer by layer to the thickness of the file, with its reinforcements, sandwich
+panels, spar caps and webs.
+"""
+BLADE = """\
+Writes in DIR:
+  stations/  a mesh and a section description of each station (docs/section-description.md)
+  sections/  a section file of each station (.vtkhdf), and summary.csv
+  blade.csv  span, chord, twist, 6x6 stiffness and mass of each station
+  beam.csv   the blade as a body of a case: kind = "beam", table = "beam.csv"
+  case.toml  this body on the turning hub of the file: plymotion modes DIR/case.toml --at spin=...
+  blade_*    with --to: stiffness, mass and geometry for another code
+  with --spin: frequencies.csv (at rest, with estimated errors), campbell.csv, .json and .png
+
+Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the suction
+side, x1 to the tip. The matrices are about the reference axis, without twist. Stations that are up
+to date are not analysed again, so an interrupted command continues where it stopped.
+
+exit code: 0 done; 2 wrong input, or a station that cannot be analysed (the others are); 130
+interrupted, complete files are kept.
+
+example:
+  plymotion blade IEA-15-240-RWT.yaml --stations 50 --jobs 2 --to beamdyn --spin 0:0.8:0.1 -o blade
+"""
+IMPORT = """\
+Make a modal package from a body of another code. FILE (TOML, docs/exchange.md) names the files,
+their units, the interfaces and the modes.
+"""
+EXPORT = """\
+Write a modal package in the format of another code: exudyn (a script that adds the body), uff
+(modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
+joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation (fmu).
+"""
+
+
+def add_section(commands: Any) -> None:
+    """Add `section` to the subcommands of an argument parser."""
+    texts = {"description": SECTION_TEXT, "epilog": SECTION}
+    title = "analyse beam cross-sections"
+    parser = add_command(commands, "section", "section.command:run_section", title, **texts)
+    add_no_scripts(parser)
+    what = parser.add_argument_group("what to make")
+    what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
+    what.add_argument("--batch", metavar="LIST", help="analyse many sections, see below")
+    text = "only the k-th of N shares of LIST"
+    what.add_argument("--shard", type=shard, metavar="k/N", help=text)
+    text = "refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A"
+    what.add_argument("--accuracy", type=_accuracy, metavar="A", help=text)
+    flag(what, "no-estimate", "skip the error estimate (faster)")
+    flag(what, "verify", "compute K by a second method as well, and compare")
+    _add_figures(what, "draw figures (default: for FILE without --json)")
+    _add_described(what, "force", "check")
+    text = (
+        "also write the input of another code: vabs and becas for each section, beamdyn and hawc2 "
+    )
+    text += "for the stations of a blade"
+    what.add_argument("--to", choices=TARGETS, help=text)
+    text = "with --to beamdyn or hawc2: position of each FILE along the blade [m]"
+    what.add_argument("--stations", type=_positions, metavar="R1,R2,...", help=text)
+    how = parser.add_argument_group("how and where")
+    _add_out(how, "section")
+    add_executor(how, "sections")
+    _add_described(how, "quiet")
+    shown = parser.add_argument_group("what to show")
+    _add_described(shown, "json")
+    text = f"order and signs of K and M: {', '.join(CODES)}"
+    shown.add_argument("--order", type=_code, default="plymotion", metavar="CODE", help=text)
+    text = "also the stresses and margins of every ply under these resultants [N, N m]; write "
+    text += "--loads=-1,... if the first is negative"
+    shown.add_argument("--loads", type=_loads, metavar="F1,F2,F3,M1,M2,M3", help=text)
+    text = (
+        "with --loads: leave out points nearer than D [m] to a re-entrant corner, where stresses "
+    )
+    text += "depend on the mesh"
+    shown.add_argument("--corner-distance", type=_distance, metavar="D", help=text)
+
+
+def add_shell(commands: Any) -> None:
+    """Add `shell` to the subcommands of an argument parser."""
+    texts = {"description": SHELL_TEXT, "epilog": SHELL}
+    title = "load cases and frequencies of laminated shells"
+    parser = add_command(commands, "shell", "shell.command:run_shell", title, **texts)
+    add_no_scripts(parser)
+    text = "shell description or shell file"
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
+    _add_out(parser, "shell")
+    _add_described(parser, "check", "json")
+    _add_figures(parser, "draw deflected shapes and modes (default: without --json)")
+    text = "load factors of linear buckling of every load case (default 4 of each), with their "
+    text += (
+        "errors by the mesh: a mesh of half the cell size, which doubles to quadruples the time "
+    )
+    text += "of this step; error = false in [buckling] leaves it out"
+    kept: dict[str, Any] = {"nargs": "?", "const": 4, "metavar": "COUNT"}
+    parser.add_argument("--buckling", type=whole_number, help=text, **kept)
+    _add_described(parser, "force", "quiet")
+    add_executor(parser, "shells")
+
+
+def add_solid(commands: Any) -> None:
+    """Add `solid` to the subcommands of an argument parser."""
+    texts = {"description": SOLID_TEXT, "epilog": SOLID}
+    title = "inertia, frequencies and load cases of solids from CAD"
+    parser = add_command(commands, "solid", "solid.command:run_solid", title, **texts)
+    add_no_scripts(parser)
+    text = "CAD file, description or package"
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
+    text = "of a CAD file: aluminium, steel, titanium, or constants in Pa and kg/m3"
+    parser.add_argument("--material", metavar="NAME|E,nu,rho", help=text)
+    text = "of the cells [m] (default: see docs/solids.md)"
+    parser.add_argument("--size", type=float, metavar="M", help=text)
+    _add_out(parser, "solid")
+    _add_described(parser, "check", "json", "force", "quiet")
+    add_executor(parser, "solids")
+
+
+def add_blade(commands: Any) -> None:
+    """Add `blade` to the subcommands of an argument parser."""
+    texts = {"description": BLADE_TEXT, "epilog": BLADE}
+    title = "cross-sections of a rotor blade from a windIO file"
+    parser = add_command(commands, "blade", "blade.command:run_blade", title, **texts)
+    text = "turbine file of windIO 2 (.yaml)"
+    parser.add_argument("file", type=Path, metavar="FILE", help=text)
+    text = "equal distances from root to tip (default: the grid of the file's chord)"
+    count = partial(whole_number, least=2)
+    parser.add_argument("--stations", type=count, metavar="N", help=text)
+    text = "these stations, 0 at the root, 1 at the tip"
+    parser.add_argument("--at", type=_places, metavar="R,R,...", help=text)
+    text = "folder (default build/blades/NAME)"
+    parser.add_argument("--out", "-o", type=Path, metavar="DIR", help=text)
+    text = "also files for beamdyn or hawc2"
+    parser.add_argument("--to", choices=OF_BLADES, metavar="CODE", help=text)
+    text = "also frequencies over the speed of the rotor [rad/s], or rpm: 0:12:1rpm"
+    parser.add_argument("--spin", type=_speeds, metavar="FIRST:LAST:STEP", help=text)
+    text = "stations at a time (default 1)"
+    parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help=text)
+    flag(parser, "no-estimate", "skip the error estimate")
+    flag(parser, "check", "write meshes and descriptions of the stations only")
+    flag(parser, "quiet", "no progress")
+
+
+def add_import(commands: Any) -> None:
+    """Add `import` to the subcommands of an argument parser."""
+    title = "make a modal package from a body of another code"
+    call = "exchange.command:run_import"
+    parser = add_command(commands, "import", call, title, description=IMPORT)
+    parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML")
+    text = "the other code (default: its key `from`)"
+    parser.add_argument("--from", dest="source", metavar="CODE", help=text)
+    _add_new_package(parser, "--out", "-o")
+    flag(parser, "quiet", "no progress")
+
+
+def add_export(commands: Any) -> None:
+    """Add `export` to the subcommands of an argument parser."""
+    title = "write a modal package in the format of another code"
+    call = "exchange.command:run_export"
+    parser = add_command(commands, "export", call, title, description=EXPORT)
+    text = "PACKAGE.vtkhdf; with --to fmu CASE.toml"
+    parser.add_argument("file", type=Path, metavar="FILE", help=text)
+    parser.add_argument("--to", dest="target", required=True, choices=EXCHANGED, help="the format")
+    text = "the new file (default: beside the package; of an FMU build/CASE/RUN.fmu)"
+    parser.add_argument("--out", "-o", type=Path, metavar="FILE", help=text)
+    fmu = parser.add_argument_group("with --to fmu")
+    fmu.add_argument("--run", metavar="NAME", help="the run (default: the only one of the case)")
+    text = (
+        "drives and forces that are inputs, such as joints.hinge.drive (default: all); the others "
+    )
+    text += "follow their laws in the case"
+    fmu.add_argument("--inputs", nargs="*", metavar="KEY", help=text)
+    add_case_options(fmu)
+    add_no_scripts(fmu)
+
+
+def add_package_commands(commands: Any) -> None:
+    """Add `experimental`, `info` and `validate` to the subcommands of an argument parser."""
+    title = "make a modal package from measured modes (docs/modes.md)"
+    parser = add_command(commands, "experimental", "packages.command:run_experimental", title)
+    text = "nodes, modes and places of a test, TOML"
+    parser.add_argument("file", type=Path, metavar="FILE", help=text)
+    _add_new_package(parser, "--out")
+    title = "show the content of a modal package"
+    parser = add_command(commands, "info", "packages.command:run_info", title)
+    parser.add_argument("package", type=Path, metavar="PACKAGE", help=PACKAGE)
+    title = "check modal packages against docs/format.md"
+    parser = add_command(commands, "validate", "packages.command:run_validate", title)
+    parser.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help=PACKAGE)
+
+
+def _add_new_package(parser: Any, *names: str) -> None:
+    parser.add_argument(*names, type=Path, required=True, metavar="PACKAGE", help=PACKAGE)
+
+
+_DESCRIBED = {
+    "check": "check descriptions, write DIR/<name>/<name>.json only",
+    "json": "numbers as JSON on standard output",
+    "force": "repeat also what has not changed",
+    "quiet": "no progress",
+}
+
+
+def _add_described(group: Any, *names: str) -> None:
+    """Add options that sections, shells and solids share."""
+    for name in names:
+        flag(group, name, _DESCRIBED[name])
+
+
+def _add_figures(group: Any, text: str) -> None:
+    group.add_argument("--figures", action=argparse.BooleanOptionalAction, help=text)
+
+
+def _add_out(group: Any, name: str) -> None:
+    text = f"folder (default {FOLDERS[name]})"
+    group.add_argument("--out", type=Path, metavar="DIR", help=text)
+
+
+def _code(text: str) -> str:
+    code = {"anba": "anba4"}.get(text, text)
+    if code not in CODES:
+        hint = did_you_mean(code, CODES)
+        raise argparse.ArgumentTypeError(f"{text!r}: expected one of {', '.join(CODES)}{hint}")
+    return code
+
+
+def _accuracy(text: str) -> float:
+    value = number(text)
+    if not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a number from 0 to 1, such as 1e-3")
+    return value
+
+
+def _positions(text: str) -> list[float]:
+    values = numbers(text)
+    if not values:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected numbers with commas [m]")
+    return values
+
+
+def _distance(text: str) -> float:
+    value = number(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a length above 0 [m]")
+    return value
+
+
+def _loads(text: str) -> list[float]:
+    values = numbers(text)
+    if len(values) != 6:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: expected six numbers with commas, F1,F2,F3,M1,M2,M3 [N, N m]"
+        )
+    return values
+
+
+def _speeds(text: str) -> str:
+    """The text as it is, if `plymotion modes --at spin=` can read it."""
+    try:
+        at_of(f"spin={text}")
+    except InputError as error:
+        words = str(error).rpartition("; ")[0] or str(error)
+        raise argparse.ArgumentTypeError(words.removeprefix("--at spin=")) from error
+    return text
+
+
+def _places(text: str) -> list[float]:
+    found = numbers(text)
+    if not found or not all(0.0 <= r <= 1.0 for r in found) or found != sorted(set(found)):
+        raise argparse.ArgumentTypeError(f"{text!r}: expected rising numbers from 0 to 1")
+    return found

@@ -1,0 +1,66 @@
+"""The command line: all commands, in the order in which a user meets them."""
+
+import argparse
+import gc
+from importlib import import_module
+
+from plymotion import __version__
+
+from ..interrupts import starting
+from . import body_arguments as bodies
+from . import case_arguments as cases
+from .arguments import COMMAND, CommandParser, add_command, flag
+
+EPILOG = """\
+examples:
+  plymotion new robot-arm                 a commented case, robot-arm/case.toml
+  plymotion robot-arm/case.toml           check, bodies, runs: build/robot-arm/report.html
+  plymotion run --help                    its options: --run, --out, --jobs, --coarse, ...
+
+exit code: 0 done; 2 something is wrong with the input; 3 a run or a member of a sweep ended early
+or is invalid, see the help of the command; 70 a defect of the program; 130, 143, 129 ended by
+Ctrl-C, TERM or HUP.
+"""
+# A case, its parts, packages, many runs, the rest.
+COMMANDS = (
+    *(cases.add_new, cases.add_check, cases.add_run, cases.add_report),
+    *(cases.add_modes, cases.add_plan, cases.add_chart),
+    *(bodies.add_section, bodies.add_shell, bodies.add_solid, bodies.add_blade),
+    *(bodies.add_import, bodies.add_export, bodies.add_package_commands),
+    *(cases.add_packages_command, cases.add_sweep, cases.add_merge),
+)
+
+
+def parser() -> CommandParser:
+    """Return the parser of all commands."""
+    parser = CommandParser(
+        prog="plymotion",
+        usage="plymotion CASE.toml | plymotion COMMAND ...",
+        description="Flexible multibody dynamics with laminated members.\n"
+        "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
+    commands = parser.add_subparsers(required=True, metavar=COMMAND, prog="plymotion")
+    for add in COMMANDS:
+        add(commands)
+    ahead = add_command(commands, "compile", "compile:run_compile", "compile before the first run")
+    flag(ahead, "all", "also that of generalized-alpha, and what FEniCSx needs of bodies")
+    title = "print the completion of commands and options for a shell"
+    completion = add_command(commands, "completion", "completion:run_completion", title)
+    completion.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")
+    parser.describe_commands()
+    return parser
+
+
+def run_command(options: argparse.Namespace) -> int:
+    """Import the function of a command and call it; return the exit code."""
+    module, name = options.command.split(":")
+    gc.disable()  # imports leave no garbage that is worth the time to look for it
+    try:
+        with starting():
+            function = getattr(import_module(f".{module}", __package__), name)
+    finally:
+        gc.enable()
+    return int(function(options))
