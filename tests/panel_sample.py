@@ -7,7 +7,7 @@ from package_samples import cantilever
 from recovery_samples import STEEL, STEEL_STRENGTH
 
 from plymotion.solver.package import Interface, ModalPackage, from_stations
-from plymotion.solver.package.body.laminate_data import CellResultants, LaminateData
+from plymotion.solver.package.body.schema import CellResultants, LaminateData
 from plymotion.solver.package.shell.schema import ShellPly
 
 WIDTH, THICKNESS = 0.08, 0.01

@@ -20,6 +20,7 @@ from plymotion.solver.package.shell.schema import (
     ShellCases,
     ShellFile,
     ShellLaminate,
+    ShellLinks,
     ShellMeshData,
     ShellModes,
     ShellPlaces,
@@ -93,7 +94,7 @@ def plate() -> ShellFile:
         ),
         materials={"cfrp": table_of(CFRP, STRENGTH), "aluminium": table_of(ALUMINIUM)},
         supports=ShellPlaces(("root",), np.array([[0.0, 0.25, 0.0]])),
-        links=ShellPlaces((), np.zeros((0, 3))),
+        links=ShellLinks((), np.zeros((0, 3))),
         cases=ShellCases(
             names=("bending", "nothing"),
             displacements_G=displacements,

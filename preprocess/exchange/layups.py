@@ -12,7 +12,7 @@ import numpy as np
 
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.laminate_data import CellResultants, LaminateData
+from ...solver.package.body.schema import CellResultants, LaminateData
 from ...solver.package.common.materials import MaterialError
 from ...solver.package.section.recovery_data import rounded
 from ..laminate import (

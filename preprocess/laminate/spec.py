@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ...solver.errors import did_you_mean
-from ...solver.package.body.laminate_data import LaminateData
+from ...solver.package.body.schema import LaminateData
 from ...solver.package.shell.schema import ShellPly
 from ..known_keys import check_keys
 from ..materials import Orthotropic

@@ -13,6 +13,7 @@ from ...solver.package.shell.schema import (
     ShellCases,
     ShellFile,
     ShellLaminate,
+    ShellLinks,
     ShellMeshData,
     ShellPlaces,
     ShellProbes,
@@ -84,7 +85,7 @@ def analyse(
             tuple(support.name for support in problem.supports),
             np.array([support.point_G for support in problem.supports]).reshape(-1, 3),
         ),
-        links=ShellPlaces(
+        links=ShellLinks(
             tuple(link.name for link in problem.links),
             np.array([link.point_G for link in problem.links]).reshape(-1, 3),
             tuple(link.kind for link in problem.links),

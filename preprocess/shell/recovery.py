@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.body.laminate_data import CellResultants, LaminateData
+from ...solver.package.body.schema import CellResultants, LaminateData
 from ...solver.package.section.recovery_data import rounded
 from .problem import ShellProblem
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.laminate_data import CellResultants, LaminateData
+from ...solver.package.body.schema import CellResultants, LaminateData
 from ...solver.package.section.recovery_data import rounded
 from ..laminate import laminate_from_dict, laminate_stiffness
 from ..materials import bond, material_from_dict

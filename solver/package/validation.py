@@ -1,31 +1,19 @@
 """Validate a package or section file and report all errors."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import h5py
 
 from ..errors import InputError, PackageError
-from .body.checks import content_findings, layout_findings
-from .body.layout import MODAL_PACKAGE, MODAL_VIEW
-from .body.plausibility import plausibility_findings
-from .body.reader import load
+from .body.io import MODAL_PACKAGE, write_package
 from .body.schema import ModalPackage
-from .body.writer import write_package
 from .common.container import get_text, open_file
 from .common.identity import FileFormat, checksum_findings, identity_notes, unit_findings
+from .common.object_file import ObjectFormat
 from .common.remark import Remark, raise_first
 from .common.temporary import temporary_sibling
-from .common.vtk_view import view_findings
-from .section.checks import (
-    section_content_findings,
-    section_layout_findings,
-    section_plausibility_findings,
-)
-from .section.io import load_section
-from .section.layout import SECTION_FILE, SECTION_VIEW
+from .section.io import SECTION_FILE
 
 __all__ = ["Remark", "validate", "write_valid"]
 
@@ -43,36 +31,6 @@ PARTS = {
 DATASET_ATTRIBUTES = ("unit", "frame", "description")
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """Checks of the files of one format, in this order."""
-
-    format: FileFormat
-    layout: Callable[[h5py.Group], list[Remark]]
-    mesh: tuple[str, str]  # group of the mesh, its nodes
-    load: Callable[[h5py.File], Any]
-    content: Callable[[Any], list[Remark]]
-    plausibility: Callable[[Any], list[Remark]]
-
-
-_MODAL = _Kind(
-    MODAL_PACKAGE,
-    layout_findings,
-    MODAL_VIEW,
-    load,
-    content_findings,
-    plausibility_findings,
-)
-_SECTION = _Kind(
-    SECTION_FILE,
-    section_layout_findings,
-    SECTION_VIEW,
-    load_section,
-    section_content_findings,
-    section_plausibility_findings,
-)
-
-
 def validate(path: str | Path) -> list[Remark]:
     """Return all findings on a modal package or a section file; it is usable without an "error".
 
@@ -83,21 +41,21 @@ def validate(path: str | Path) -> list[Remark]:
     try:
         with open_file(path, PackageError) as file:
             section = get_text(file, "format") == SECTION_FILE.format
-            kind = _SECTION if section else _MODAL
-            findings = identity_notes(path, file, kind.format)
-            layout = kind.layout(file[kind.format.group])
-            findings += layout + _attributes(file, kind.format)
-            findings += view_findings(file, *kind.mesh)
-            findings += checksum_findings(file, kind.format, whole=True)
+            known: ObjectFormat[Any] = SECTION_FILE if section else MODAL_PACKAGE
+            findings = identity_notes(path, file, known)
+            layout = known.layout_findings(file)
+            findings += layout + _attributes(file, known)
+            findings += known.view_findings(file)
+            findings += checksum_findings(file, known, whole=True)
             if any(f.level == "error" for f in layout):
                 return findings
-            package = kind.load(file)
+            package = known.load(file, known.kind)
     except PackageError as error:
         return [Remark("error", "/", str(error).removeprefix(f"{path}: "))]
-    content = kind.content(package)
+    content = known.content(package)
     findings += content
     if not any(f.level == "error" for f in content):
-        findings += kind.plausibility(package)
+        findings += known.doubts(package)
     return findings
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
-from ..package.body.laminate_data import CellResultants
+from ..package.body.schema import CellResultants
 from ..package.section.schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
 from ..strength.envelope import Place, envelope

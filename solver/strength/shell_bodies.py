@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.body.laminate_data import CellResultants, LaminateData
-from ..package.body.schema import ModalPackage
+from ..package.body.schema import CellResultants, LaminateData, ModalPackage
 from ..package.section.recovery_data import strengths
 from ..package.section.schema import Ply
 from ..package.shell.cells import cell_table, centres

@@ -185,7 +185,7 @@ print(*sys.modules)
 """
 DRAWING = {"matplotlib", "tqdm", "numba", "meshio", "pyvista", "plymotion.solver.report.build"}
 NUMBERS = {"numpy", "h5py", "scipy", "pydantic"}
-BODIES = {"plymotion.solver.package.body.reader", "plymotion.solver.package.validation"}
+BODIES = {"plymotion.solver.package.body.io", "plymotion.solver.package.validation"}
 DESCRIPTION = {"scipy", "plymotion.solver.inputs.case.load", "plymotion.solver.dynamics"}
 STARTS = [  # a command, what it must not load
     ("--help", DRAWING | NUMBERS),

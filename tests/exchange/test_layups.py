@@ -29,7 +29,7 @@ from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, validate, write_package
-from plymotion.solver.package.body.laminate_data import CellResultants
+from plymotion.solver.package.body.schema import CellResultants
 from plymotion.solver.run.execution import execute, read_run
 
 COUNT = (40, 4)

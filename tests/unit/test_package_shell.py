@@ -15,7 +15,7 @@ from recovery_samples import STEEL_STRENGTH
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
-from plymotion.solver.package.body.laminate_data import CellResultants, LaminateData
+from plymotion.solver.package.body.schema import CellResultants, LaminateData
 from plymotion.solver.strength.found import failure_text, summary
 from plymotion.solver.strength.shell_bodies import shell_strength
 

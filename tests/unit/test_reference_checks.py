@@ -8,7 +8,7 @@ from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, reduced
 from package_samples import cantilever
 
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.package.body.reference_checks import reference_findings
+from plymotion.solver.package.body.plausibility import reference_findings
 
 MODES = [{"kind": "lowest", "count": 4}, {"kind": "attachment", "at": "mid"}]
 

@@ -35,11 +35,9 @@ def results(name: str = "box", **changes: object) -> SectionResults:
         "tension_centre": np.array([1.25e-3, 0.0]),
         "mass_centre": np.array([0.0, 1e-17]),
         "warnings": ({"code": "sliver-elements", "message": "two of them"},),
-        "dofs": 6021,
-        "seconds": 0.53,
-        "refinements": [],
+        "provenance": {"dofs": 6021, "seconds": 0.53},
     }
-    return SectionResults(name, **{**values, **changes})  # type: ignore[arg-type]
+    return SectionResults(name=name, **{**values, **changes})  # type: ignore[arg-type]
 
 
 def test_screen_shows_names_units_and_no_round_off() -> None:
@@ -79,7 +77,7 @@ def test_steps_of_a_refinement_are_shown() -> None:
         {"refine": 0, "dofs": 1500, "error": 3e-3, "seconds": 0.1},
         {"refine": 1, "dofs": 6021, "error": 8e-4, "seconds": 0.53},
     ]
-    text = section_text(results(refinements=steps))
+    text = section_text(results(provenance={"refinements": steps}))
     assert "1500 unknowns   error 3.0e-03   after 0.10 s" in text
 
 

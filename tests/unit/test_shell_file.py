@@ -14,8 +14,8 @@ from shell_file_samples import plate
 
 from plymotion.solver.commands.shell.show import shell_text
 from plymotion.solver.errors import PackageError
+from plymotion.solver.package.common.dataset import layout, values
 from plymotion.solver.package.shell.io import read_shell, write_shell
-from plymotion.solver.package.shell.layout import SHELL_LAYOUT, shell_values
 from plymotion.solver.package.shell.schema import ShellFile
 
 
@@ -38,14 +38,14 @@ def same(a: Any, b: Any) -> bool:
 
 def test_round_trip(file: Path) -> None:
     shell, found = plate(), read_shell(file)
-    values, back = shell_values(shell), shell_values(found)
-    assert set(values) == set(back)
-    assert all(same(values[path], back[path]) for path in values)
+    kept, back = values(shell), values(found)
+    assert set(kept) == set(back)
+    assert all(same(kept[path], back[path]) for path in kept)
     assert found.warnings == shell.warnings
     assert found.name == shell.name
     assert [one.plies for one in found.laminates] == [one.plies for one in shell.laminates]
     with h5py.File(file) as raw:
-        for spec in SHELL_LAYOUT:
+        for spec in layout(ShellFile):
             dataset = raw["shell"][spec.path]
             assert dataset.attrs["unit"].decode() == spec.unit
             assert dataset.attrs["description"]

@@ -1,100 +1,32 @@
-"""Checks that a package must pass before the solver uses it: layout and numbers."""
+"""Checks of the numbers of a package, which the solver needs; of one with correct shapes."""
 
-from pathlib import Path
+from dataclasses import fields
+from math import isfinite
+from typing import Any
 
-import h5py
 import numpy as np
 
+from ...math.arrays import Array
+from ...math.definite import is_positive_definite
 from ..common.array_checks import (
+    ROUNDING,
+    SYMMETRY,
     finite,
     mesh_cells,
     one_of,
     positive_definite,
     rotations,
+    rows_of,
     symmetric,
 )
-from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
-from ..common.remark import Remark
-from ..section.recovery_checks import check_recovery
-from ..section.recovery_data import RECOVERY_LAYOUT, RECOVERY_SIZED_BY
-from .laminate_checks import check_cells, check_laminate
-from .laminate_data import CELL_LAYOUT, CELL_SIZED_BY, LAMINATE_LAYOUT, LAMINATE_SIZED_BY
-from .layout import (
-    BODY_LAYOUT,
-    BODY_RECOVERY_LAYOUT,
-    GROUP,
-    INTERFACE_LAYOUT,
-    SECTION_LAYOUT,
-    body_sizes,
-    body_values,
-)
-from .provenance_checks import check_provenance
-from .recovery_checks import check_stations
-from .scales import critical_damping, modal_mass_sizes
+from ..common.dataset import all_values
+from ..common.remark import Remark, Reporter
+from ..section.recovery_data import check_plies, check_recovery
+from .scales import body_size, critical_damping, modal_mass_sizes, second_order_sizes
 from .schema import MASS_FORMS, MODE_KINDS, REFERENCE_CONDITIONS, ModalPackage
-from .second_order import (
-    INTERFACE_SECOND_ORDER_LAYOUT,
-    SECOND_ORDER_LAYOUT,
-    check_second_order,
-    second_order_values,
-)
+from .second_order import modal_mass_at
 
 INTERFACE_KINDS = ("node", "average")
-SIZED_BY = {
-    "n": "mesh/nodes_B",
-    "c": "mesh/cell_types",
-    "i": "mesh/connectivity",
-    "m": "modes/shapes_B",
-}
-
-
-def layout_findings(group: h5py.Group) -> list[Remark]:
-    """Compare the datasets of /modal_package with the format: presence, type, shape."""
-    findings = missing_or_mistyped(group, BODY_LAYOUT)
-    sizes = defined_sizes(group, SIZED_BY)
-    findings += misshaped(group, BODY_LAYOUT, sizes)
-    for parent, specs, count in (
-        ("interfaces", INTERFACE_LAYOUT, {"k": "node_ids"}),
-        ("sections", SECTION_LAYOUT, {}),
-        ("laminates", LAMINATE_LAYOUT, LAMINATE_SIZED_BY),
-    ):
-        for name in group.get(parent, ()):
-            sub = group[parent][name]
-            if not isinstance(sub, h5py.Group):
-                findings.append(Remark("error", sub.name, "expected a group"))
-                continue
-            findings += missing_or_mistyped(sub, specs)
-            findings += misshaped(sub, specs, sizes | defined_sizes(sub, count))
-            if parent == "interfaces" and "second_order" in group:
-                findings += missing_or_mistyped(sub, INTERFACE_SECOND_ORDER_LAYOUT)
-                findings += misshaped(sub, INTERFACE_SECOND_ORDER_LAYOUT, sizes)
-            if parent == "sections" and "recovery" in sub:
-                findings += missing_or_mistyped(sub, RECOVERY_LAYOUT)
-                findings += misshaped(sub, RECOVERY_LAYOUT, defined_sizes(sub, RECOVERY_SIZED_BY))
-    if "second_order" in group:
-        findings += missing_or_mistyped(group, SECOND_ORDER_LAYOUT)
-        findings += misshaped(group, SECOND_ORDER_LAYOUT, sizes)
-    if "recovery" in group:
-        findings += missing_or_mistyped(group, BODY_RECOVERY_LAYOUT)
-        stations = sizes | defined_sizes(group, {"s": "recovery/station_x"})
-        findings += misshaped(group, BODY_RECOVERY_LAYOUT, stations)
-    if "cell_resultants" in group:
-        findings += missing_or_mistyped(group, CELL_LAYOUT)
-        cells = sizes | defined_sizes(group, CELL_SIZED_BY)
-        findings += misshaped(group, CELL_LAYOUT, cells)
-    return findings
-
-
-def check_shapes(path: Path, package: ModalPackage) -> None:
-    """Raise PackageError for the first array of the body of a wrong type or shape."""
-    sizes, values = body_sizes(package), body_values(package)
-    layout = BODY_LAYOUT
-    if package.second_order is not None:
-        values |= second_order_values(package.second_order)
-        layout += SECOND_ORDER_LAYOUT
-    for spec in layout:
-        if spec.path in values:
-            encoded(f"{path}: /{GROUP}/{spec.path}", spec, values[spec.path], sizes)
 
 
 def content_findings(package: ModalPackage) -> list[Remark]:
@@ -104,31 +36,13 @@ def content_findings(package: ModalPackage) -> list[Remark]:
     def error(dataset: str, message: str) -> None:
         bad.append(Remark("error", f"/modal_package/{dataset}", message))
 
-    for path, value in body_values(package).items():
+    for path, value in all_values(package).items():
         finite(path, value, error)
-    for interface in package.interfaces:
-        for name in ("weights", "position_B", "A_BI", "phi_B", "psi_B"):
-            finite(f"interfaces/{interface.name}/{name}", getattr(interface, name), error)
-    for section in package.sections:
-        for name in ("K", "M"):
-            finite(f"sections/{section.name}/{name}", getattr(section, name), error)
-        if section.end_compliance is not None:
-            path = f"sections/{section.name}/end_compliance"
-            finite(path, section.end_compliance, error)
-            symmetric(path, section.end_compliance, error)
-        if section.recovery is not None:
-            check_recovery(section.recovery, f"sections/{section.name}/", error)
-    if package.recovery is not None:
-        check_stations(package.recovery, len(package.sections), error)
-    for laminate in package.laminates:
-        check_laminate(laminate, f"laminates/{laminate.name}/", error)
-    if package.cell_resultants is not None:
-        n_laminate, n_cell = len(package.laminates), len(package.cell_types)
-        check_cells(package.cell_resultants, n_laminate, n_cell, error)
-    check_provenance(package.provenance, error)
+    _provenance(package.provenance, error)
     if bad:
         return bad  # the other checks would report the same error
 
+    _stresses(package, error)
     largest_damping = float(critical_damping(package).max(initial=0.0))
     for name, scale in (("mass", 0.0), ("stiffness", 0.0), ("damping", largest_damping)):
         symmetric(f"modes/{name}", getattr(package, name), error, scale)
@@ -153,5 +67,138 @@ def content_findings(package: ModalPackage) -> list[Remark]:
         if unknown:
             error(f"{where}/node_ids", f"no node has the identifier {unknown[0]}")
         rotations(f"{where}/A_BI", interface.A_BI, error)
-    check_second_order(package, error)
+    _second_order(package, error)
     return bad
+
+
+def _stresses(package: ModalPackage, error: Reporter) -> None:
+    """Report sections, stations, laminates and resultants of cells that cannot be used."""
+    for section in package.sections:
+        if section.end_compliance is not None:
+            path = f"sections/{section.name}/end_compliance"
+            symmetric(path, section.end_compliance, error)
+        if section.recovery is not None:
+            check_recovery(section.recovery, f"sections/{section.name}/", error)
+    if (stations := package.recovery) is not None:
+        if np.any(np.diff(stations.station_x) < 0.0):
+            error("recovery/station_x", "expected positions in ascending order")
+        rows_of("recovery/section", stations.section, len(package.sections), error)
+        rotations("recovery/A_BE", stations.A_BE, error)
+    for laminate in package.laminates:
+        where = f"laminates/{laminate.name}/"
+        for name in ("ABD", "Ds"):
+            symmetric(f"{where}{name}", getattr(laminate, name), error)
+            positive_definite(f"{where}{name}", getattr(laminate, name), error)
+        flat = [row for row, ply in enumerate(laminate.plies) if ply.top <= ply.bottom]
+        if flat:
+            text = f"row {flat[0]}: expected a height above that of plies/bottom"
+            error(f"{where}plies/top", text)
+        check_plies(laminate, "laminate", where, error)
+    if (cells := package.cell_resultants) is not None:
+        rows_of("cell_resultants/cell", cells.cell, len(package.cell_types), error)
+        rows_of("cell_resultants/laminate", cells.laminate, len(package.laminates), error)
+        rotations("cell_resultants/A_BE", cells.A_BE, error)
+
+
+def _provenance(found: Any, error: Reporter) -> None:
+    """Report entries of `provenance` that are not of the documented form."""
+    warnings, seconds = found.get("warnings", []), found.get("seconds", {})
+    if not isinstance(warnings, list) or not all(map(_is_warning, warnings)):
+        error("provenance", "warnings: expected a list of tables with the texts code and message")
+    numbers = seconds.values() if isinstance(seconds, dict) else [None]
+    if not all(_is_number(number) for number in numbers):
+        error("provenance", "seconds: expected a table of numbers")
+
+
+def _is_warning(item: Any) -> bool:
+    return isinstance(item, dict) and all(
+        isinstance(item.get(key), str) for key in ("code", "message")
+    )
+
+
+def _is_number(number: Any) -> bool:
+    return isinstance(number, int | float) and not isinstance(number, bool) and isfinite(number)
+
+
+def _second_order(package: ModalPackage, error: Reporter) -> None:
+    """Report second-order data that the solver cannot use."""
+    second = package.second_order
+    if second is None:
+        for interface in package.interfaces:
+            if interface.H_B is not None:
+                where = f"interfaces/{interface.name}/H_B"
+                error(where, "needs the group second_order, which the body does not have")
+        return
+    tables = {f"second_order/{f.name}": getattr(second, f.name) for f in fields(second)}
+    for interface in package.interfaces:
+        for name in ("H_B", "H_psi_B"):
+            path = f"interfaces/{interface.name}/{name}"
+            if getattr(interface, name) is None:
+                error(path, "missing: a body with second_order needs it at every interface")
+            else:
+                tables[path] = getattr(interface, name)
+    sizes, seen = second_order_sizes(package), _Count(error)
+    for path, value in tables.items():
+        _symmetric_modes(path, value, sizes[path.rpartition("/")[2]], seen)
+    if not seen.count and package.n_mode:
+        _exchange(second.G4, sizes["G4"], error)
+        _definite(package, error)
+
+
+class _Count:
+    """A reporter that counts its calls."""
+
+    def __init__(self, error: Reporter) -> None:
+        self.count, self._error = 0, error
+
+    def __call__(self, dataset: str, message: str) -> None:
+        self.count += 1
+        self._error(dataset, message)
+
+
+def _symmetric_modes(path: str, value: Array, size: float, error: Reporter) -> None:
+    """Report a table that changes if its last two modes are exchanged.
+
+    `size` is that of the terms of its sums, because the terms may cancel: in a mean-axis frame Z0_B
+    is round-off.
+    """
+    if not value.size:
+        return
+    gap = np.abs(value - np.swapaxes(value, -1, -2))
+    if gap.max() > max(SYMMETRY * np.abs(value).max(), ROUNDING * size):
+        i, j = (int(k) for k in np.unravel_index(np.argmax(gap), gap.shape)[-2:])
+        error(
+            path,
+            f"expected symmetry in its last two modes, [{i}, {j}] and [{j}, {i}] differ by "
+            f"{gap.max():.3g}",
+        )
+
+
+def _exchange(G4: Array, size: float, error: Reporter) -> None:
+    """Report a G4 that changes if its two pairs of modes are exchanged."""
+    gap = np.abs(G4 - G4.transpose(2, 3, 0, 1)).max()
+    if gap > max(SYMMETRY * np.abs(G4).max(), ROUNDING * size):
+        error("second_order/G4", f"expected [i, j, k, l] = [k, l, i, j], they differ by {gap:.3g}")
+
+
+def _definite(package: ModalPackage, error: Reporter) -> None:
+    """Report a modal mass that is not positive definite in a deformed body.
+
+    Checks each mode and some combinations, with amplitudes that rotate an interface by a tenth of a
+    radian or move it by a tenth of the size of the body.
+    """
+    m = package.n_mode
+    if not is_positive_definite(package.mass):
+        return  # reported for modes/mass
+    size = body_size(package)
+    for direction in (*np.eye(m), *np.random.default_rng(0).normal(size=(4, m))):
+        motion = [np.linalg.norm(i.phi_B @ direction) / size for i in package.interfaces]
+        motion += [np.linalg.norm(i.psi_B @ direction) for i in package.interfaces]
+        largest = float(max(motion, default=0.0))
+        if largest == 0.0:
+            continue
+        for q in (0.1 / largest * direction, -0.1 / largest * direction):
+            seen = _Count(error)
+            positive_definite("second_order/G4", modal_mass_at(package, q), seen)
+            if seen.count:
+                return

@@ -9,14 +9,17 @@ from ...math.definite import smallest_eigenvalue
 from ..common.array_checks import ROUNDING
 from ..common.remark import Remark
 from .invariants import free_body_mass, inertia_at_rest
-from .laminate_checks import laminate_findings
-from .mode_checks import CONSISTENCY, eigenvalues, mode_findings
-from .recovery_checks import recovery_findings
-from .reference_checks import reference_findings
-from .scales import body_size, frame_mass_sizes, mode_motions
+from .scales import body_size, critical_damping, frame_mass_sizes, mode_motions
 from .schema import Interface, ModalPackage
+from .stress_checks import stress_findings
 
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
+CONSISTENCY = 1e-6  # relative: two results of the same FE model
+LUMPED_T11 = 0.05  # relative: lumped invariants and a modal mass that may be consistent
+OVERDAMPED = 100.0  # least damping ratio of a body: modes would creep, 200 times the period long
+NEGATIVE = 1e-9  # eigenvalue of a stiffness of unit diagonal, damping ratio: above round-off
+AT_REST = 1e-9  # motion of a reference node relative to the largest of its mode
+MOMENTUM = 1e-6  # momentum of a mode with a mean axis, relative to that of its mass in rigid motion
 
 
 def plausibility_findings(package: ModalPackage) -> list[Remark]:
@@ -29,8 +32,7 @@ def plausibility_findings(package: ModalPackage) -> list[Remark]:
     except np.linalg.LinAlgError as cause:
         text = f"eigenvalues cannot be computed, numbers are out of range ({cause})"
         findings.append(_finding("error", "modes", text))
-    findings += recovery_findings(package)
-    findings += laminate_findings(package)
+    findings += stress_findings(package)
     for interface in package.interfaces:
         findings += _interface(package, interface)
     return findings
@@ -117,6 +119,142 @@ def _interface(package: ModalPackage, interface: Interface) -> Iterator[Remark]:
         if gap > CONSISTENCY * largest:
             text = f"differs by {gap:.3g} from the mode shapes of its nodes"
             yield _finding("error", f"{where}/{name}", text)
+
+
+def mode_findings(package: ModalPackage) -> Iterator[Remark]:
+    """Return impossible or suspicious findings about the modes."""
+    if not package.n_mode:
+        yield _finding("note", "modes/shapes_B", "no modes: the body is rigid")
+        return
+    yield from _modal_mass(package)
+    yield from _stiffness(package)
+    yield from _frequencies(package)
+    yield from _damping(package)
+
+
+def eigenvalues(matrix: Array) -> Array:
+    """Eigenvalues of a symmetric matrix, ascending. Raises LinAlgError if it is not finite."""
+    if not np.isfinite(matrix).all():
+        raise np.linalg.LinAlgError("overflow")
+    return np.asarray(np.linalg.eigvalsh(matrix), dtype=np.float64)
+
+
+def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
+    """The mass of translation is at most the modal mass; rotary inertia is the difference."""
+    translation = np.einsum("aaij->ij", package.invariants.T11_B)
+    scale = np.sqrt(np.abs(np.diag(package.mass)))
+    rest = (package.mass - translation) / np.outer(scale, scale)
+    smallest = float(eigenvalues((rest + rest.T) / 2)[0])
+    lumped = package.invariants.mass_form == "lumped"
+    if smallest < -(LUMPED_T11 if lumped else CONSISTENCY):
+        text = (
+            "its trace exceeds the modal mass: the rotary part would be negative "
+            f"(scaled smallest eigenvalue {smallest:.3g})"
+        )
+        yield _finding("warning" if lumped else "error", "invariants/T11_B", text)
+    gap = float(np.abs(package.mass - np.eye(package.n_mode)).max())
+    if gap > CONSISTENCY:
+        text = f"modes are not orthonormal, X'MX - I is {gap:.3g}; the full matrix is used"
+        yield _finding("note", "modes/mass", text)
+
+
+def _stiffness(package: ModalPackage) -> Iterator[Remark]:
+    """No eigenvalue below zero. That of a rigid motion is round-off of the elastic ones."""
+    K, mass = package.stiffness, np.diag(package.mass)
+    size, allowed = np.sqrt(np.abs(np.diag(K))), NEGATIVE
+    rigid = np.array([kind == "rigid" for kind in package.mode_kinds])
+    if rigid.all():
+        return
+    if rigid.any():
+        softest = (size**2 / mass)[~rigid].min()
+        size[rigid] = np.sqrt(softest * mass[rigid])
+        allowed = CONSISTENCY
+    size[size == 0.0] = 1.0
+    smallest = float(eigenvalues(K / np.outer(size, size))[0])
+    if smallest < -allowed:
+        text = f"expected eigenvalues >= 0, the smallest (scaled) is {smallest:.3g}"
+        yield _finding("error", "modes/stiffness", text)
+
+
+def _frequencies(package: ModalPackage) -> Iterator[Remark]:
+    if np.any(package.frequencies < 0):
+        yield _finding("error", "modes/frequencies", "expected frequencies >= 0")
+    found = np.sqrt(np.maximum(np.diag(package.stiffness), 0) / np.diag(package.mass))
+    for i, kind in enumerate(package.mode_kinds):
+        known = package.frequencies[i]
+        if kind == "fixed_normal" and abs(found[i] - known) > CONSISTENCY * max(found[i], known):
+            text = (
+                f"mode {i + 1}: {known:.9g} rad/s is given, "
+                f"stiffness over mass gives {found[i]:.9g} rad/s"
+            )
+            yield _finding("warning", "modes/frequencies", text)
+
+
+def _damping(package: ModalPackage) -> Iterator[Remark]:
+    """Damping ratios that a body can have. A mode without stiffness is compared with the others."""
+    critical = critical_damping(package)
+    largest = critical.max()
+    size = np.sqrt(np.maximum(critical, 1e-6 * largest)) if largest else np.ones(package.n_mode)
+    ratios = eigenvalues(package.damping / np.outer(size, size))
+    if ratios[0] < -NEGATIVE * max(np.abs(ratios).max(), 1.0 if largest else 0.0):
+        text = f"feeds energy into the body (smallest damping ratio {ratios[0]:.3g})"
+        yield _finding("error", "modes/damping", text)
+    elif largest and ratios[0] > OVERDAMPED:
+        text = f"smallest damping ratio {ratios[0]:.3g}: expected less than {OVERDAMPED:g}"
+        yield _finding("error", "modes/damping", text)
+
+
+def reference_findings(package: ModalPackage) -> Iterator[Remark]:
+    """Return contradictions to the reference condition of a body with modes."""
+    if not package.n_mode:
+        return
+    if package.reference_condition == "mean-axis":
+        yield from _mean_axis(package)
+        return
+    motion = _relative_motion(package)
+    if package.reference_condition == "clamped":
+        smallest = float(motion.max(axis=1).min())
+        if smallest > AT_REST:
+            text = f"reference condition is clamped, but every node moves (at least {smallest:.3g})"
+            yield _finding("warning", "modes/shapes_B", text)
+    elif package.reference_condition == "chord":
+        across = motion[:, 1:3].max(axis=1) <= AT_REST
+        origin = across & (motion[:, 0] <= AT_REST) & (motion[:, 3] <= AT_REST)
+        if not origin.any() or np.count_nonzero(across) < 2:
+            text = (
+                "reference condition is chord: expected a node without displacement and twist and "
+                "another without displacement across x, found "
+                f"{np.count_nonzero(origin)} and {np.count_nonzero(across & ~origin)}"
+            )
+            yield _finding("warning", "modes/shapes_B", text)
+
+
+def _relative_motion(package: ModalPackage) -> Array:
+    """Largest motion of each node in any mode, (n, 6), relative to the largest of each mode."""
+    largest = np.abs(package.shapes_B).max(axis=(1, 2), keepdims=True)
+    scaled = np.abs(package.shapes_B) / np.where(largest == 0.0, 1.0, largest)
+    return np.asarray(scaled.max(axis=0))
+
+
+def _mean_axis(package: ModalPackage) -> Iterator[Remark]:
+    M = free_body_mass(package)
+    size = np.sqrt(np.abs(np.diag(M)))
+    size[3:6] = np.maximum(
+        size[3:6], 1e-6 * size[3:6].max()
+    )  # points on a line have no inertia about it
+    momentum = np.abs(M[:6, 6:]) / np.outer(size[:6], size[6:])
+    for rows, name, dataset in (
+        (slice(0, 3), "linear", "S_B"),
+        (slice(3, 6), "angular", "T01_B"),
+    ):
+        mode = int(np.argmax(momentum[rows].max(axis=0)))
+        worst = float(momentum[rows, mode].max())
+        if worst > MOMENTUM:
+            text = (
+                f"reference condition is mean-axis, but mode {mode + 1} has {name} momentum "
+                f"({worst:.3g} of that of rigid motion)"
+            )
+            yield _finding("warning", f"invariants/{dataset}", text)
 
 
 # In this order; then the checks of each interface and of the recovery.

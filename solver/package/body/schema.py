@@ -1,16 +1,23 @@
-"""The modal package in memory: the data of one flexible body for the solver.
+"""The modal package in memory and in its file: the data of one flexible body for the solver.
 
-All arrays are in SI units and in the body frame (`_B`). `m` is the number of
-modes, `n` the number of nodes, `c` the number of cells. The file layout is in
-layout.py and docs/format.md.
+All arrays are in SI units and in the body frame (`_B`), those with `_E` in section axes or in the
+axes of a cell and of its laminate: e3 the normal, e1 the reference direction of the plies projected
+on the cell. Resultants of a cell, for unit width: N11 N22 N12 [N/m], M11 M22 M12 [N], T1 T2 [N/m].
+
+Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s` stations of the
+resultants; `k` nodes of an interface; in a section `k` plies and `p` points of its recovery; in a
+laminate `k` plies; `e` cells of a shell with resultants. Modal coordinates are dimensionless, so
+that a mode shape is in metres and radians, and modal mass, damping and stiffness are in kg m2,
+N m s and N m. The mapper of common/dataset.py writes, reads, checks and documents the fields.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 from ...math.arrays import Array, IntArray
+from ..common.dataset import Attribute, Data, Named, Part, Rows
 from ..section.schema import SectionRecovery
-from .laminate_data import CellResultants, LaminateData
+from ..shell.schema import ShellPly
 from .specification import MassForm, ReferenceKind
 
 FORMAT = "plymotion modal package"
@@ -19,6 +26,8 @@ FORMAT_VERSION = (1, 3)
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = get_args(ReferenceKind)
 MASS_FORMS = get_args(MassForm)
+
+M6 = "N, N m, N m2"  # units of a 6x6 stiffness
 
 
 @dataclass(frozen=True)
@@ -32,15 +41,15 @@ class Invariants:
     consistent mass; the sums have the same form. Indices a, b are body axes.
     """
 
-    mass: float  # sum m_k                                  [kg]
-    S0_B: Array  # (3,)         sum m x_a                   [kg m]
-    S_B: Array  # (3, m)        sum m phi_ai                [kg m]
-    T00_B: Array  # (3, 3)      sum m x_a x_b               [kg m2]
-    T01_B: Array  # (3, 3, m)   sum m x_a phi_bi            [kg m2]
-    T11_B: Array  # (3, 3, m, m) sum m phi_ai phi_bj        [kg m2]
-    J0_B: Array  # (3, 3)       sum J_k                     [kg m2]
-    J_psi_B: Array  # (3, m)    sum J_k psi_ki              [kg m]
-    mass_form: str  # one of MASS_FORMS
+    mass: Annotated[float, Data("", "kg", "-", "sum m")]
+    S0_B: Annotated[Array, Data("3", "kg m", "B", "sum m x_a")]
+    S_B: Annotated[Array, Data("3, m", "kg m", "B", "sum m phi_ai")]
+    T00_B: Annotated[Array, Data("3, 3", "kg m2", "B", "sum m x_a x_b")]
+    T01_B: Annotated[Array, Data("3, 3, m", "kg m2", "B", "sum m x_a phi_bi")]
+    T11_B: Annotated[Array, Data("3, 3, m, m", "kg m2", "B", "sum m phi_ai phi_bj")]
+    J0_B: Annotated[Array, Data("3, 3", "kg m2", "B", "sum J")]
+    J_psi_B: Annotated[Array, Data("3, m", "kg m2", "B", "sum J_ab psi_bi")]
+    mass_form: Annotated[str, Attribute("consistent")]  # one of MASS_FORMS
 
 
 @dataclass(frozen=True)
@@ -50,27 +59,37 @@ class SecondOrder:
     A station moves to x + phi q + 1/2 q' h q, h (3, m, m) symmetric in the modes.
     """
 
-    Z0_B: Array  # (3, m, m)    sum m h_a,ij                [kg m]
-    Z1_B: Array  # (3, 3, m, m) sum m x_a h_b,ij            [kg m2]
-    G3: Array  # (m, m, m)      sum m phi_i . h_jk          [kg m2]
-    G4: Array  # (m, m, m, m)   sum m h_ij . h_kl           [kg m2]
+    Z0_B: Annotated[Array, Data("3, m, m", "kg m", "B", "sum m h_a,ij")]
+    Z1_B: Annotated[Array, Data("3, 3, m, m", "kg m2", "B", "sum m x_a h_b,ij")]
+    G3: Annotated[Array, Data("m, m, m", "kg m2", "-", "sum m phi_i . h_jk")]
+    G4: Annotated[Array, Data("m, m, m, m", "kg m2", "-", "sum m h_ij . h_kl")]
 
 
 @dataclass(frozen=True)
 class Interface:
-    """A named point where joints, loads and masses attach."""
+    """A named point where joints, loads and masses attach.
+
+    With second-order data it moves by phi q + 1/2 q' H q and turns by a vector of the same form.
+    """
 
     name: str
-    kind: str  # "node" (one node) or "average" (weighted nodes)
-    node_ids: IntArray  # (k,)
-    weights: Array  # (k,), sum 1
-    position_B: Array  # (3,) rest position                 [m]
-    A_BI: Array  # (3, 3) interface axes to body axes       [-]
-    phi_B: Array  # (3, m) translation per unit mode        [m]
-    psi_B: Array  # (3, m) rotation per unit mode           [rad]
-    # With second-order data only: translation phi q + 1/2 q' H q, rotation vector in the same form.
-    H_B: Array | None = None  # (3, m, m)                   [m]
-    H_psi_B: Array | None = None  # (3, m, m)               [rad]
+    kind: Annotated[str, Attribute("node")]  # "node" (one node) or "average" (weighted nodes)
+    node_ids: Annotated[
+        IntArray, Data("k", text="identifiers of the nodes that carry the interface")
+    ]
+    weights: Annotated[Array, Data("k", text="share of each node, sum 1")]
+    position_B: Annotated[Array, Data("3", "m", "B", "rest position")]
+    A_BI: Annotated[
+        Array, Data("3, 3", "-", "I to B", "rotation matrix, interface axes to body axes")
+    ]
+    phi_B: Annotated[Array, Data("3, m", "m", "B", "translation of the interface per unit mode")]
+    psi_B: Annotated[Array, Data("3, m", "rad", "B", "rotation of the interface per unit mode")]
+    H_B: Annotated[
+        Array | None, Data("3, m, m", "m", "B", "second-order translation of the interface")
+    ] = None
+    H_psi_B: Annotated[
+        Array | None, Data("3, m, m", "rad", "B", "second-order rotation vector of the interface")
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -82,25 +101,79 @@ class SectionData:
     """
 
     name: str
-    K: Array  # (6, 6), order extension shear2 shear3 twist bend2 bend3
-    M: Array  # (6, 6), per length, same order of velocities
-    ply_table: str = ""  # TOML text of material and lay-up
-    recovery: SectionRecovery | None = None
-    end_compliance: Array | None = None  # (6, 6), see SectionFile
+    K: Annotated[
+        Array,
+        Data(
+            "6, 6",
+            M6,
+            "section",
+            "stiffness: extension, shear 2, shear 3, twist, bending 2, bending 3",
+        ),
+    ]
+    M: Annotated[Array, Data("6, 6", "kg/m, kg, kg m", "section", "mass per length, same order")]
+    ply_table: Annotated[str, Data(text="material and lay-up as TOML text")] = ""
+    recovery: Annotated[SectionRecovery | None, Part(packed=True)] = None
+    end_compliance: Annotated[
+        Array | None,
+        Data(
+            "6, 6",
+            "m/N, 1/N, 1/(N m)",
+            "section",
+            "what the beam lacks of compliance at an end whose section is held, by resultants",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
 class BodyRecovery:
-    """Resultants of a beam at stations x along its reference line, `s` of them.
+    """Resultants of a beam at stations x along its reference line.
 
     F6 = resultants_E[s] @ q are [F1 F2 F3 M1 M2 M3] on the face with the normal +x, in section
     axes `_E`. Two stations at one x are the two sides of a point where the resultants jump.
     """
 
-    station_x: Array  # (s,) rising                         [m]
-    section: IntArray  # (s,) row of the package's sections
-    resultants_E: Array  # (s, 6, m) per unit mode          [N, N m]
-    A_BE: Array  # (3, 3) section axes in body axes         [-]
+    station_x: Annotated[Array, Data("s", "m", "B", "places along the reference line, rising")]
+    section: Annotated[IntArray, Data("s", text="section of each station, by its index")]
+    resultants_E: Annotated[
+        Array,
+        Data("s, 6, m", "N, N m", "section", "F1 F2 F3 M1 M2 M3 on the face +x, per unit mode"),
+    ]
+    A_BE: Annotated[Array, Data("3, 3", "-", "section to B", "rotation, section axes to body axes")]
+
+
+@dataclass(frozen=True)
+class LaminateData:
+    """A laminate of the body; plies are listed from bottom to top along e3."""
+
+    name: str
+    plies: Annotated[tuple[ShellPly, ...], Rows("plies", "k")]
+    ABD: Annotated[Array, Data("6, 6", "N/m, N, N m", "E", "N and M per unit strain and curvature")]
+    Ds: Annotated[Array, Data("2, 2", "N/m", "E", "transverse shear stiffness, corrected")]
+    stress_M: Annotated[  # 11 22 33 23 13 12 in ply axes
+        Array,
+        Data(
+            "k, 3, 6, 8",
+            "1/m, 1/m2",
+            "ply",
+            "stress at bottom, middle, top per unit resultant",
+            "plies/stress_M",
+        ),
+    ]
+    materials: Annotated[
+        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+    ]
+
+
+@dataclass(frozen=True)
+class CellResultants:
+    """Mean resultants of cells: resultants_E[j] @ q are those of cell `cell[j]`."""
+
+    cell: Annotated[IntArray, Data("e", text="cells, as rows of cell_types")]
+    laminate: Annotated[IntArray, Data("e", text="laminate of each cell, by its index")]
+    A_BE: Annotated[Array, Data("e, 3, 3", "-", "E to B", "rotation, axes of the cell to B")]
+    resultants_E: Annotated[
+        Array, Data("e, 8, m", "N/m, N", "E", "N 3, M 3, T 2, mean of the cell, per unit mode")
+    ]
 
 
 @dataclass(frozen=True)
@@ -108,28 +181,65 @@ class ModalPackage:
     """One flexible body, reduced to its modes."""
 
     body: str
-    nodes_B: Array  # (n, 3)                                [m]
-    node_ids: IntArray  # (n,)
-    connectivity: IntArray  # flat node indices (0-based rows of nodes_B)
-    offsets: IntArray  # (c + 1,)
-    cell_types: IntArray  # (c,) VTK cell types
-    shapes_B: Array  # (m, n, 6): translation then rotation [m, rad]
-    mode_kinds: tuple[str, ...]  # m of MODE_KINDS
-    frequencies: Array  # (m,) natural frequencies          [rad/s]
-    mass: Array  # (m, m) modal mass
-    stiffness: Array  # (m, m) modal stiffness
-    damping: Array  # (m, m) modal damping
-    node_mass: Array  # (n,)                                [kg]
-    node_inertia_B: Array  # (n, 3, 3)                      [kg m2]
-    invariants: Invariants
-    interfaces: tuple[Interface, ...]
-    reference_condition: str
-    sections: tuple[SectionData, ...] = ()
-    recovery: BodyRecovery | None = None
-    laminates: tuple[LaminateData, ...] = ()
-    cell_resultants: CellResultants | None = None
-    mode_labels: tuple[str, ...] = ()  # e.g. "bending-xy 1"
-    second_order: SecondOrder | None = None
+    nodes_B: Annotated[Array, Data("n, 3", "m", "B", "rest positions of the nodes", "mesh/nodes_B")]
+    node_ids: Annotated[
+        IntArray, Data("n", "-", "-", "identifiers of the nodes, unique", "mesh/node_ids")
+    ]
+    connectivity: Annotated[
+        IntArray,
+        Data("i", text="nodes of all cells, as 0-based rows of nodes_B", path="mesh/connectivity"),
+    ]
+    offsets: Annotated[
+        IntArray,
+        Data("c+1", text="cell j owns connectivity[offsets[j]:offsets[j+1]]", path="mesh/offsets"),
+    ]
+    cell_types: Annotated[
+        IntArray, Data("c", "-", "-", "VTK cell types", "mesh/cell_types", "uint8")
+    ]
+    shapes_B: Annotated[
+        Array,
+        Data(
+            "m, n, 6",
+            "m, rad",
+            "B",
+            "translation (first 3) and rotation (last 3)",
+            "modes/shapes_B",
+        ),
+    ]
+    mode_kinds: Annotated[
+        tuple[str, ...],
+        Data("m", text="what each mode is (one of the mode kinds)", path="modes/kinds"),
+    ]
+    frequencies: Annotated[
+        Array,
+        Data("m", "rad/s", "-", "natural circular frequency of each mode", "modes/frequencies"),
+    ]
+    mass: Annotated[
+        Array, Data("m, m", "kg m2", "-", "modal mass, full and symmetric", "modes/mass")
+    ]
+    stiffness: Annotated[
+        Array, Data("m, m", "N m", "-", "modal stiffness, full and symmetric", "modes/stiffness")
+    ]
+    damping: Annotated[
+        Array, Data("m, m", "N m s", "-", "modal damping, full and symmetric", "modes/damping")
+    ]
+    node_mass: Annotated[Array, Data("n", "kg", "-", "lumped mass of each node", "nodal/mass")]
+    node_inertia_B: Annotated[
+        Array,
+        Data("n, 3, 3", "kg m2", "B", "lumped rotary inertia about each node", "nodal/inertia_B"),
+    ]
+    invariants: Annotated[Invariants, Part("invariants")]
+    interfaces: Annotated[tuple[Interface, ...], Named("interfaces")]
+    reference_condition: Annotated[str, Attribute()]
+    sections: Annotated[tuple[SectionData, ...], Named("sections")] = ()
+    recovery: Annotated[BodyRecovery | None, Part("recovery", packed=True)] = None
+    laminates: Annotated[tuple[LaminateData, ...], Named("laminates", packed=True)] = ()
+    cell_resultants: Annotated[CellResultants | None, Part("cell_resultants", packed=True)] = None
+    mode_labels: Annotated[
+        tuple[str, ...],
+        Data("m", text="a name for each mode, for people", path="modes/labels", optional=True),
+    ] = ()
+    second_order: Annotated[SecondOrder | None, Part("second_order", packed=True)] = None
     provenance: dict[str, Any] = field(default_factory=dict)
 
     @property

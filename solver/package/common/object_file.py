@@ -1,19 +1,22 @@
 """Write and read a file that holds one object: identity, data, checksum, and checks in between."""
 
-import contextlib
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, Generic, TypeVar
 
 import h5py
 
 from ...errors import PackageError
-from .container import new_file, open_file
+from .container import get_text, new_file, open_file, set_long_text
+from .dataset import encoded, layout_findings, read_fields, write_encoded
 from .identity import (
     FileFormat,
     checksum_findings,
     identity_notes,
+    json_table,
+    json_text,
     unit_findings,
     write_checksum,
     write_identity,
@@ -23,39 +26,67 @@ from .remark import Remark, raise_first
 from .vtk_view import view_findings
 
 Object = TypeVar("Object")
+Part = TypeVar("Part")
 
 
-@contextlib.contextmanager
-def new_object_file(
-    path: Path, known: FileFormat, name: str, what: str
-) -> Iterator[tuple[h5py.File, h5py.Group]]:
-    """Open a new file and its group for data; it appears under `path` only when it is complete.
+@dataclass(frozen=True)
+class ObjectFormat(FileFormat, Generic[Object]):
+    """The format of an object that a dataclass describes (dataset.py)."""
 
-    Parameters
-    ----------
-    name : of the object
-    what : kind of file, for the message
+    kind: type[Object]
+    what: str  # kind of file, for messages
+    nodes: str  # dataset of the nodes in the group `mesh`
+    content: Callable[[Object], list[Remark]]  # checks the numbers
+    view: Callable[[h5py.File, h5py.Group, Object], None]  # writes /VTKHDF
+    # Finds numbers that contradict each other, "error", or are suspicious.
+    doubts: Callable[[Object], Iterable[Remark]] = lambda _: ()
+
+    def layout_findings(self, file: h5py.File) -> list[Remark]:
+        """Compare the datasets of a file with the format: presence, type, shape."""
+        return layout_findings(file[self.group], self.kind)
+
+    def view_findings(self, file: h5py.File) -> list[Remark]:
+        """Check that ParaView shows the mesh that this reader reads."""
+        return view_findings(file, f"{self.group}/mesh", self.nodes)
+
+    def load(self, file: h5py.File, kind: type[Part]) -> Part:
+        """Read the object of a file with a checked layout, or a part of it, of this kind."""
+        provenance = get_text(file, "provenance", "{}")
+        own = {
+            self.title: get_text(file, self.title),
+            "provenance": json_table(f"{file.filename}: attribute provenance", provenance),
+        }
+        return read_fields(file[self.group], kind, **own)
+
+
+def write_object(path: str | Path, known: ObjectFormat[Object], item: Any) -> None:
+    """Write an object under a temporary name, then rename it.
 
     Raises
     ------
-    PackageError : the path does not end in .vtkhdf.
+    PackageError
+        The path does not end in .vtkhdf, or the object is inconsistent (shapes, NaN, symmetry,
+        rows, names). The message names file and dataset; nothing is written.
     """
+    path = Path(path)
     if path.suffix != ".vtkhdf":
-        raise PackageError(f"{path}: expected {what} with the ending .vtkhdf, as ParaView needs it")
+        text = f"expected {known.what} with the ending .vtkhdf, as ParaView needs it"
+        raise PackageError(f"{path}: {text}")
+    datasets = encoded(f"{path}: /{known.group}", item)
+    raise_first(path, known.content(item))
+    provenance = json_text(f"{path}: provenance", item.provenance)
     with new_file(path) as file:
-        write_identity(file, known, name)
-        yield file, file.create_group(known.group)
+        write_identity(file, known, getattr(item, known.title))
+        group = file.create_group(known.group)
+        set_long_text(file, "provenance", provenance)
+        write_encoded(group, datasets)
+        known.view(file, group, item)
         write_checksum(file, known)
 
 
-def read_object_file(
+def read_object(
     path: str | Path,
-    known: FileFormat,
-    layout_findings: Callable[[h5py.Group], list[Remark]],
-    load: Callable[[h5py.File], Object],
-    content_findings: Callable[[Object], list[Remark]],
-    view: tuple[str, str],
-    doubts: Callable[[Object], list[Remark]] | None = None,
+    known: ObjectFormat[Object],
     on_doubt: Callable[[Object, list[Remark]], None] | None = None,
 ) -> Object:
     """Read the object of a file and check that its numbers can be used.
@@ -64,12 +95,7 @@ def read_object_file(
 
     Parameters
     ----------
-    layout_findings : checks presence, type and shape of the datasets
-    load : reads a file with a checked layout
-    content_findings : checks the numbers
-    view : group of the mesh and name of its nodes, which ParaView shows
-    doubts : finds numbers that contradict each other, "error", or are suspicious
-    on_doubt : called with what is contradictory; None: that is an error, too
+    on_doubt : called with contradictory numbers; None: they are an error, too
 
     Raises
     ------
@@ -86,12 +112,12 @@ def read_object_file(
         notes = identity_notes(path, file, known)
         for note in notes:
             warnings.warn(note.message, UserWarning, stacklevel=3)
-        raise_first(path, layout_findings(file[known.group]))
+        raise_first(path, known.layout_findings(file))
         raise_first(path, checksum_findings(file, known) + unit_findings(file))
-        raise_first(path, view_findings(file, *view))
-        found = load(file)
-    raise_first(path, content_findings(found))
-    doubtful = [f for f in doubts(found) if f.level == "error"] if doubts is not None else []
+        raise_first(path, known.view_findings(file))
+        found = known.load(file, known.kind)
+    raise_first(path, known.content(found))
+    doubtful = [f for f in known.doubts(found) if f.level == "error"]
     if on_doubt is None:
         raise_first(path, doubtful)
     elif doubtful:

@@ -1,25 +1,15 @@
 """Checks of a section file: shapes, numbers, plausibility."""
 
-from pathlib import Path
-
-import h5py
 import numpy as np
 
 from ...errors import did_you_mean
 from ...math.arrays import Array
 from ..common.array_checks import finite, mesh_cells, positive_definite, rows_of, symmetric
-from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
+from ..common.dataset import values
 from ..common.remark import Remark, Reporter
-from .layout import (
-    SECTION_FILE_LAYOUT,
-    SECTION_GROUP,
-    SECTION_SIZED_BY,
-    section_sizes,
-    section_values,
-)
-from .recovery_checks import check_recovery
-from .schema import RESULTANTS, SectionFile
-from .stress import resultants, unit_stress
+from .recovery_data import check_recovery
+from .schema import SectionFile
+from .stress import unit_resultants_findings
 
 # Nodes of the plane cells that a section file may hold, by VTK cell type.
 CELL_NODES = {5: 3, 9: 4, 22: 6, 23: 8, 28: 9}
@@ -27,29 +17,14 @@ UNIT = 1e-9  # deviation of a unit vector's length
 EQUILIBRIUM = 1e-6  # relative: error of the integrated stresses of unit resultants
 
 
-def section_layout_findings(group: h5py.Group) -> list[Remark]:
-    """Compare the datasets of /section with the format: presence, type, shape."""
-    sizes = defined_sizes(group, SECTION_SIZED_BY)
-    return missing_or_mistyped(group, SECTION_FILE_LAYOUT) + misshaped(
-        group, SECTION_FILE_LAYOUT, sizes
-    )
-
-
-def check_shapes(path: Path, section: SectionFile) -> None:
-    """Raise PackageError for the first array of a wrong type or shape."""
-    values = section_values(section, str(path))
-    where = f"{path}: /{SECTION_GROUP}"
-    check_datasets(where, SECTION_FILE_LAYOUT, values, section_sizes(values))
-
-
 def section_content_findings(section: SectionFile) -> list[Remark]:
     """Check the numbers of a section with correct shapes."""
     bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
-        bad.append(Remark("error", f"/{SECTION_GROUP}/{dataset}", message))
+        bad.append(Remark("error", f"/section/{dataset}", message))
 
-    for path, value in section_values(section).items():
+    for path, value in values(section).items():
         finite(path, value, error)
     if bad:
         return bad  # the other checks would report the same error
@@ -71,17 +46,8 @@ def section_plausibility_findings(section: SectionFile) -> list[Remark]:
 
     Requires a section without errors in `section_content_findings`.
     """
-    scale = np.sqrt(np.diag(section.K))
-    back = resultants(section.recovery, unit_stress(section.recovery))
-    gap = np.abs(back - np.eye(6)) * scale[None, :] / scale[:, None]
-    if gap.max() <= EQUILIBRIUM:
-        return []
-    i, j = (int(v) for v in np.unravel_index(np.argmax(gap), gap.shape))
-    text = (
-        f"the stresses of a unit {RESULTANTS[j]} integrate to {RESULTANTS[i]} = {back[i, j]:.9g}, "
-        f"expected {float(i == j):g}"
-    )
-    return [Remark("warning", f"/{SECTION_GROUP}/recovery/strain_M", text)]
+    path = "/section/recovery/strain_M"
+    return unit_resultants_findings(path, section.K, section.recovery, EQUILIBRIUM)
 
 
 def _definite(path: str, matrix: Array, error: Reporter) -> None:

@@ -1,74 +1,20 @@
-"""The recovery of a section as datasets, the same in a section file and in a package."""
+"""The recovery of a section, the same in a section file and in a package: strengths and checks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
 
+from ...errors import did_you_mean
 from ...math.arrays import Array
-from ..common.dataset import DatasetSpec, F, I, T, spec
-from ..common.identity import json_table, json_text
+from ..common.array_checks import positive_definite, rotations, rows_of, symmetric
 from ..common.materials import MaterialError
+from ..common.remark import Reporter
 from ..common.strengths import PlyStrength, YieldStrength, read_strength
-from .schema import Ply, SectionRecovery
-
-RECOVERY_LAYOUT: tuple[DatasetSpec, ...] = (
-    spec("plies/region", "k", T, "-", "-", "region that the ply belongs to"),
-    spec("plies/index", "k", I, "-", "-", "place in the stack of its region, 0 is outermost"),
-    spec("plies/material", "k", T, "-", "-", "name of the ply's material"),
-    spec("plies/angle_deg", "k", F, "deg", "layer", "fibre angle from x1 towards y2"),
-    spec("plies/C_M", "k, 6, 6", F, "Pa", "ply", "stiffness of the ply's material"),
-    spec("materials", "", T, "-", "-", "constants and strengths by name, as JSON text"),
-    spec("recovery/points", "p, 2", F, "m", "section", "x2 and x3 of the integration points"),
-    spec("recovery/weights", "p", F, "m2", "-", "area of each point"),
-    spec("recovery/cell", "p", I, "-", "-", "cell of each point, as row of cell_types"),
-    spec("recovery/ply", "p", I, "-", "-", "ply of each point, as row of plies"),
-    spec("recovery/A_BM", "p, 3, 3", F, "-", "ply to section", "rotation, ply to section axes"),
-    spec("recovery/strain_M", "p, 6, 6", F, "1/N, 1/(N m)", "ply", "strain per unit resultant"),
-)
-RECOVERY_SIZED_BY = {"k": "plies/region", "p": "recovery/weights"}
-
-POINT_DATA = ("points", "weights", "cell", "ply", "A_BM", "strain_M")
-_PLY_COLUMNS = ("region", "index", "material", "angle_deg")
+from .schema import SectionRecovery
 
 KEPT_BITS = 21  # significant bits: a relative error below 5e-7; with sign and exponent four bytes
-
-
-def recovery_values(recovery: SectionRecovery, where: str) -> dict[str, Any]:
-    """Return the value of every dataset of RECOVERY_LAYOUT by path.
-
-    `where` names file and group for PackageError, raised for materials that JSON cannot hold.
-    """
-    plies = recovery.plies
-    values: dict[str, Any] = {
-        "plies/region": [ply.region for ply in plies],
-        "plies/index": np.array([ply.index for ply in plies], dtype=np.int64),
-        "plies/material": [ply.material for ply in plies],
-        "plies/angle_deg": np.array([ply.angle_deg for ply in plies], dtype=float),
-        "plies/C_M": recovery.C_M,
-        "materials": json_text(f"{where}/materials", recovery.materials),
-    }
-    return values | {f"recovery/{name}": getattr(recovery, name) for name in POINT_DATA}
-
-
-def recovery_sizes(values: Mapping[str, Any]) -> dict[str, int]:
-    """Return the sizes that the arrays of a recovery declare."""
-    return {symbol: len(values[path]) for symbol, path in RECOVERY_SIZED_BY.items()}
-
-
-def recovery_from(data: Mapping[str, Any], where: str) -> SectionRecovery:
-    """Put the values of RECOVERY_LAYOUT together. Raises PackageError for damaged materials."""
-    rows = zip(*(data[f"plies/{column}"] for column in _PLY_COLUMNS), strict=True)
-    return SectionRecovery(
-        C_M=data["plies/C_M"],
-        plies=tuple(
-            Ply(region, int(index), material, float(angle))
-            for region, index, material, angle in rows
-        ),
-        materials=json_table(f"{where}/materials", data["materials"]),
-        **{name: data[f"recovery/{name}"] for name in POINT_DATA},
-    )
 
 
 def thinned(recovery: SectionRecovery) -> SectionRecovery:
@@ -100,3 +46,37 @@ def strengths(recovery: OfMaterials) -> dict[str, PlyStrength | YieldStrength]:
         if table is not None:
             found[name] = read_strength(table, str(material.get("kind")), f"{name}.strength")
     return found
+
+
+class OfPlies(OfMaterials, Protocol):
+    """An object with plies and their materials by name."""
+
+    @property
+    def plies(self) -> Sequence[Any]:
+        """Each with the name of its `material`."""
+
+
+def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
+    """Report unknown materials of plies and unusable strengths; `kind` of owner, for messages."""
+    for row, ply in enumerate(owner.plies):
+        if ply.material not in owner.materials:
+            hint = did_you_mean(ply.material, tuple(owner.materials))
+            text = f"row {row}: {ply.material!r} is not a material of the {kind}{hint}"
+            error(f"{where}plies/material", text)
+    try:
+        strengths(owner)
+    except MaterialError as cause:
+        error(f"{where}materials", str(cause))
+
+
+def check_recovery(recovery: SectionRecovery, where: str, error: Reporter) -> None:
+    """Report finite numbers of a recovery that cannot be used; `where` starts their path."""
+    rows_of(f"{where}recovery/ply", recovery.ply, len(recovery.plies), error)
+    rotations(f"{where}recovery/A_BM", recovery.A_BM, error)
+    for row, C_M in enumerate(recovery.C_M):
+        symmetric(f"{where}plies/C_M[{row}]", C_M, error)
+        positive_definite(f"{where}plies/C_M[{row}]", C_M, error)
+    if not np.sum(recovery.weights) > 0.0:
+        text = f"expected an area above 0, found {np.sum(recovery.weights):g} m2"
+        error(f"{where}recovery/weights", text)
+    check_plies(recovery, "section", where, error)

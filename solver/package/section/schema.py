@@ -1,16 +1,21 @@
-"""A beam cross-section in memory: stiffness, mass and stress recovery data.
+"""A beam cross-section in memory and in its file: stiffness, mass and stress recovery data.
 
 Lengths in m, forces in N. Axes x1 along the beam, (x2, x3) in the section, origin at
 the reference point. Order of strains and resultants: extension, shear 2, shear 3,
 twist, bending 2, bending 3. Stress and strain at a point are columns in the order
 11, 22, 33, 23, 13, 12 with engineering shear strains. `_M` are the axes of a ply (1
 along the fibre, 3 along its outward normal).
+
+Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `k` plies, `p`
+integration points, `w` warnings. The mapper of common/dataset.py writes and reads the fields.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 from ...math.arrays import Array, IntArray
+from ..common.dataset import Data, Part, Rows
+from ..common.reported import Reported
 
 SECTION_FORMAT = "plymotion section"
 SECTION_FORMAT_VERSION = (1, 1)
@@ -24,10 +29,10 @@ CORNERS = {5: 3, 22: 3, 9: 4, 23: 4, 28: 4}  # of the VTK cell types of a sectio
 class Ply:
     """One ply of a region, or a region of one material."""
 
-    region: str
-    index: int  # from 0, the outermost
-    material: str
-    angle_deg: float  # of the fibre from x1 towards the layer direction
+    region: Annotated[str, Data(text="region that the ply belongs to")]
+    index: Annotated[int, Data(text="place in the stack of its region, 0 is outermost")]
+    material: Annotated[str, Data(text="name of the ply's material")]
+    angle_deg: Annotated[float, Data("", "deg", "layer", "fibre angle from x1 towards y2")]
 
 
 @dataclass(frozen=True)
@@ -35,53 +40,111 @@ class SectionRecovery:
     """Data for strains and stresses of every integration point from the six resultants.
 
     strain_M[p] @ F6 is the strain of point p in the axes of its ply; C_M[ply[p]] times it is the
-    stress. `p` counts points, `k` plies.
+    stress.
     """
 
-    points: Array  # (p, 2) x2, x3                              [m]
-    weights: Array  # (p,) area of each point                   [m2]
-    cell: IntArray  # (p,) row of the mesh's cells
-    ply: IntArray  # (p,) row of plies
-    A_BM: Array  # (p, 3, 3) ply axes in section axes           [-]
-    strain_M: Array  # (p, 6, 6) strain per unit resultant      [1/N, 1/(N m)]
-    C_M: Array  # (k, 6, 6) stiffness of each ply               [Pa]
-    plies: tuple[Ply, ...]
-    materials: dict[str, dict[str, Any]]  # constants and strengths as described, by name
+    weights: Annotated[Array, Data("p", "m2", "-", "area of each point", "recovery/weights")]
+    points: Annotated[
+        Array,
+        Data("p, 2", "m", "section", "x2 and x3 of the integration points", "recovery/points"),
+    ]
+    cell: Annotated[
+        IntArray, Data("p", "-", "-", "cell of each point, as row of cell_types", "recovery/cell")
+    ]
+    ply: Annotated[
+        IntArray, Data("p", "-", "-", "ply of each point, as row of plies", "recovery/ply")
+    ]
+    A_BM: Annotated[
+        Array,
+        Data("p, 3, 3", "-", "ply to section", "rotation, ply to section axes", "recovery/A_BM"),
+    ]
+    strain_M: Annotated[
+        Array,
+        Data("p, 6, 6", "1/N, 1/(N m)", "ply", "strain per unit resultant", "recovery/strain_M"),
+    ]
+    C_M: Annotated[
+        Array, Data("k, 6, 6", "Pa", "ply", "stiffness of the ply's material", "plies/C_M")
+    ]
+    plies: Annotated[tuple[Ply, ...], Rows("plies", "k")]
+    materials: Annotated[
+        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+    ]
 
 
 @dataclass(frozen=True)
 class SectionMeshData:
     """The mesh of a section, in VTK's numbering of cells and nodes.
 
-    `n` counts nodes, `c` cells. Ply and direction of a cell are those of its middle.
+    Ply and direction of a cell are those of its middle.
     """
 
-    nodes: Array  # (n, 2) x2, x3                               [m]
-    connectivity: IntArray  # flat rows of nodes
-    offsets: IntArray  # (c + 1,)
-    cell_types: IntArray  # (c,) VTK cell types
-    region: IntArray  # (c,) row of regions
-    regions: tuple[str, ...]
-    ply: IntArray  # (c,) row of SectionRecovery.plies
-    layer_direction: Array  # (c, 2) y2 in x2, x3, reference of ply angles      [-]
-    fibre: Array  # (c, 3) fibre direction in x1, x2, x3        [-]
+    nodes: Annotated[Array, Data("n, 2", "m", "section", "x2 and x3 of the nodes")]
+    connectivity: Annotated[
+        IntArray, Data("i", "-", "-", "nodes of all cells, as 0-based rows of nodes")
+    ]
+    offsets: Annotated[
+        IntArray, Data("c+1", "-", "-", "cell j owns connectivity[offsets[j]:offsets[j+1]]")
+    ]
+    cell_types: Annotated[IntArray, Data("c", text="VTK cell types", type="uint8")]
+    region: Annotated[IntArray, Data("c", text="region of each cell, as row of regions")]
+    regions: Annotated[tuple[str, ...], Data("r", text="names of the regions, unique")]
+    ply: Annotated[IntArray, Data("c", text="ply in the middle of each cell, as row of plies")]
+    layer_direction: Annotated[
+        Array, Data("c, 2", "-", "section", "layer direction y2 of each cell, unit")
+    ]
+    fibre: Annotated[Array, Data("c, 3", "-", "section", "fibre direction of each cell, unit")]
 
 
-@dataclass(frozen=True)
-class SectionFile:
-    """The content of a section file."""
+@dataclass(frozen=True, kw_only=True)
+class SectionProperties:
+    """The numbers of a section."""
 
     name: str
-    K: Array  # (6, 6) stiffness                                [N, N m, N m2]
-    M: Array  # (6, 6) mass per length for [v1 v2 v3 w1 w2 w3]  [kg/m, kg, kg m]
-    error_estimate: Array | None  # (6, 6) expected |error| of K, in its units; None: not requested
-    shear_centre: Array  # (2,) x2, x3                          [m]
-    tension_centre: Array  # (2,)                               [m]
-    mass_centre: Array  # (2,)                                  [m]
-    mesh: SectionMeshData
-    warping: Array  # (6, n, 3) displacement of the nodes per unit resultant, no rigid motion
-    recovery: SectionRecovery
-    initial_curvature: Array | None = None  # (3,) k1, k2, k3; None: prismatic  [rad/m]
-    end_compliance: Array | None = None  # (6, 6) lacking at a held end [m/N, 1/N, 1/(N m)]
-    warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
+    K: Annotated[
+        Array, Data("6, 6", "N, N m, N m2", "section", "stiffness: resultants per unit strain")
+    ]
+    M: Annotated[
+        Array, Data("6, 6", "kg/m, kg, kg m", "section", "mass per length for v1 v2 v3 w1 w2 w3")
+    ]
+    error_estimate: Annotated[  # None: not requested
+        Array | None, Data("6, 6", "N, N m, N m2", "section", "expected size of the error of K")
+    ]
+    shear_centre: Annotated[
+        Array, Data("2", "m", "section", "where a shear force does not twist the beam")
+    ]
+    tension_centre: Annotated[
+        Array, Data("2", "m", "section", "where an axial force does not bend the beam")
+    ]
+    mass_centre: Annotated[Array, Data("2", "m", "section", "mass centre")]
+    initial_curvature: Annotated[
+        Array | None,
+        Data(
+            "3",
+            "rad/m",
+            "section",
+            "twist k1 and curvature k2, k3 of the reference line without load, absent: prismatic",
+        ),
+    ] = None
+    end_compliance: Annotated[
+        Array | None,
+        Data(
+            "6, 6",
+            "m/N, 1/N, 1/(N m)",
+            "section",
+            "what the beam lacks of compliance at an end whose section is held, by resultants; "
+            "absent: not computed",
+        ),
+    ] = None
+    warnings: Annotated[tuple[dict[str, str], ...], Part("warnings", via=Reported)] = ()
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class SectionFile(SectionProperties):
+    """The content of a section file."""
+
+    mesh: Annotated[SectionMeshData, Part("mesh")]
+    warping: Annotated[  # without rigid motion
+        Array, Data("6, n, 3", "m/N, 1/N", "section", "displacement of nodes per unit resultant")
+    ]
+    recovery: Annotated[SectionRecovery, Part()]

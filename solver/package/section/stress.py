@@ -4,7 +4,8 @@ import numpy as np
 
 from ...math.arrays import Array
 from ..common.materials import bond
-from .schema import SectionFile, SectionRecovery
+from ..common.remark import Remark
+from .schema import RESULTANTS, SectionFile, SectionRecovery
 
 
 def unit_stress(recovery: SectionRecovery) -> Array:
@@ -48,3 +49,24 @@ def resultants(recovery: SectionRecovery, stress: Array) -> Array:
             for weight, row in ((weight_11, 0), (weight_13, 4), (weight_12, 5))
         )
     )
+
+
+def unit_resultants_findings(
+    path: str, K: Array, recovery: SectionRecovery, limit: float
+) -> list[Remark]:
+    """Warn if the stresses of a unit resultant do not integrate to it.
+
+    The error is scaled by sqrt(K_jj / K_ii) and compared with `limit`; `path` is that of the
+    stresses.
+    """
+    scale = np.sqrt(np.diag(K))
+    back = resultants(recovery, unit_stress(recovery))
+    gap = np.abs(back - np.eye(6)) * scale[None, :] / scale[:, None]
+    if gap.max() <= limit:
+        return []
+    i, j = (int(v) for v in np.unravel_index(np.argmax(gap), gap.shape))
+    text = (
+        f"the stresses of a unit {RESULTANTS[j]} integrate to {RESULTANTS[i]} = {back[i, j]:.9g}, "
+        f"expected {float(i == j):g}"
+    )
+    return [Remark("warning", path, text)]

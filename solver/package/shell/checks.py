@@ -1,38 +1,12 @@
-"""Checks of a shell results file: shapes, numbers, rows."""
+"""Checks of a shell results file: numbers and rows."""
 
-from pathlib import Path
-
-import h5py
 import numpy as np
 
 from ..body.specification import SHELL_LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
-from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
+from ..common.dataset import values
 from ..common.remark import Remark
-from .cells import QUADRILATERAL, TRIANGLE
-from .layout import SHELL_GROUP, SHELL_LAYOUT, SHELL_SIZED_BY, shell_sizes, shell_values
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
-
-
-def shell_layout_findings(group: h5py.Group) -> list[Remark]:
-    """Compare the datasets of /shell with the format: presence, type, shape, cells."""
-    sizes = defined_sizes(group, SHELL_SIZED_BY)
-    findings = missing_or_mistyped(group, SHELL_LAYOUT) + misshaped(group, SHELL_LAYOUT, sizes)
-    modes = [name for name in group.get("modes", {}) if name != "error"]
-    if 0 < len(modes) < 4:
-        text = f"expected frequencies, shapes_G, resultants_E and n_zero, found {', '.join(modes)}"
-        findings.append(Remark("error", f"{group.name}/modes", text))
-    types = group.get("mesh/cell_types")
-    if not findings and not np.isin(types[()], (TRIANGLE, QUADRILATERAL)).all():
-        text = f"expected triangles and quadrilaterals, types {TRIANGLE} and {QUADRILATERAL}"
-        findings.append(Remark("error", f"{group.name}/mesh/cell_types", text))
-    return findings
-
-
-def check_shell_shapes(path: Path, shell: ShellFile) -> None:
-    """Raise PackageError for the first array of a wrong type or shape."""
-    values = shell_values(shell, str(path))
-    check_datasets(f"{path}: /{SHELL_GROUP}", SHELL_LAYOUT, values, shell_sizes(values))
 
 
 def shell_content_findings(shell: ShellFile) -> list[Remark]:
@@ -40,22 +14,22 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
     bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
-        bad.append(Remark("error", f"/{SHELL_GROUP}/{dataset}", message))
+        bad.append(Remark("error", f"/shell/{dataset}", message))
 
-    values = shell_values(shell)
-    for path, value in values.items():
+    found = values(shell)
+    for path, value in found.items():
         finite(path, value, error)
     if bad:
         return bad  # the other checks would report the same error
     mesh = shell.mesh
-    mesh_cells(values["mesh/offsets"], values["mesh/connectivity"], len(mesh.nodes_G), error)
+    mesh_cells(found["mesh/offsets"], found["mesh/connectivity"], len(mesh.nodes_G), error)
     rows_of("mesh/region", mesh.region, len(mesh.regions), error)
     rows_of("mesh/laminate", mesh.laminate, len(shell.laminates), error)
     rotations("mesh/A_GE", mesh.A_GE, error)
     for path, names in (
         ("mesh/regions", mesh.regions),
         ("mesh/node_ids", mesh.node_ids.tolist()),
-        ("laminates/names", values["laminates/names"]),
+        ("laminates/names", found["laminates/names"]),
         ("cases/names", shell.cases.names),
     ):
         if len(set(names)) != len(names):

@@ -1,133 +1,16 @@
 """Write and read a shell results file: HDF5, and a valid VTKHDF file."""
 
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from ..common.container import get_text, set_long_text
-from ..common.dataset import read_datasets, write_datasets
-from ..common.identity import json_table, json_text
-from ..common.object_file import new_object_file, read_object_file
-from ..common.remark import raise_first
-from ..common.reported import warnings_from
+from ..common.object_file import ObjectFormat, read_object, write_object
 from ..common.vtk_view import create_grid, describe, part_view
-from .cells import cell_table
-from .checks import check_shell_shapes, shell_content_findings, shell_layout_findings
-from .layout import (
-    BUCKLING,
-    CASES,
-    SHELL_FILE,
-    SHELL_GROUP,
-    SHELL_LAYOUT,
-    SHELL_VIEW,
-    shell_sizes,
-    shell_values,
-)
-from .schema import (
-    ShellBuckling,
-    ShellCases,
-    ShellFile,
-    ShellLaminate,
-    ShellMeshData,
-    ShellModes,
-    ShellPlaces,
-    ShellPly,
-    ShellProbes,
-)
+from .checks import shell_content_findings
+from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
 
 PARTS = (("N", slice(0, 3), "N/m"), ("M", slice(3, 6), "N"), ("T", slice(6, 8), "N/m"))
-
-
-def write_shell(path: str | Path, shell: ShellFile) -> None:
-    """Write a shell results file; it appears only when it is complete.
-
-    Raises
-    ------
-    PackageError
-        The shell is inconsistent (shapes, NaN, rows). The message names file and dataset; nothing
-        is written.
-    """
-    path = Path(path)
-    check_shell_shapes(path, shell)
-    raise_first(path, shell_content_findings(shell))
-    values = shell_values(shell, str(path))
-    with new_object_file(path, SHELL_FILE, shell.name, "a shell file") as (file, group):
-        set_long_text(file, "provenance", json_text(f"{path}: provenance", shell.provenance))
-        write_datasets(path, group, SHELL_LAYOUT, values, shell_sizes(values))
-        _write_view(file, group, shell)
-
-
-def read_shell(path: str | Path) -> ShellFile:
-    """Read a shell results file and check that its numbers can be used; see `read_object_file`."""
-    return read_object_file(
-        path, SHELL_FILE, shell_layout_findings, _load, shell_content_findings, SHELL_VIEW
-    )
-
-
-def _load(file: h5py.File) -> ShellFile:
-    group, where = file[SHELL_GROUP], file.filename
-    data = read_datasets(group, SHELL_LAYOUT)
-    names = ("nodes_G", "node_ids", "region", "regions", "laminate", "A_GE", "area")
-    modes = None
-    if "modes/frequencies" in data:
-        modes = ShellModes(
-            data["modes/frequencies"],
-            data["modes/shapes_G"],
-            data["modes/resultants_E"],
-            int(data["modes/n_zero"]),
-            data.get("modes/error"),
-        )
-    return ShellFile(
-        name=get_text(file, SHELL_FILE.title),
-        mesh=ShellMeshData(
-            cells=cell_table(data["mesh/connectivity"], data["mesh/offsets"]),
-            **{name: data[f"mesh/{name}"] for name in names},
-        ),
-        laminates=_laminates(data, where),
-        materials=json_table(f"{where}: materials", data["materials"]),
-        supports=ShellPlaces(data["supports/names"], data["supports/points_G"]),
-        links=ShellPlaces(data["links/names"], data["links/points_G"], data["links/kinds"]),
-        cases=ShellCases(
-            **{name: data[f"cases/{name}"] for name in (*CASES, "energy", "residual")}
-        ),
-        probes=ShellProbes(data["probes/names"], data["probes/quantities"], data["probes/values"]),
-        modes=modes,
-        buckling=ShellBuckling(
-            **{name: data[f"buckling/{name}"] for name in BUCKLING},
-            error=data.get("buckling/error"),
-        )
-        if "buckling/factors" in data
-        else None,
-        warnings=warnings_from(data),
-        provenance=json_table(f"{where}: provenance", get_text(file, "provenance", "{}")),
-    )
-
-
-def _laminates(data: dict[str, Any], where: str) -> tuple[ShellLaminate, ...]:
-    found = []
-    for row, name in enumerate(data["laminates/names"]):
-        own = np.flatnonzero(data["plies/laminate"] == row)
-        plies = tuple(
-            ShellPly(
-                data["plies/material"][k],
-                *(float(data[f"plies/{column}"][k]) for column in ("angle_deg", "bottom", "top")),
-            )
-            for k in own
-        )
-        found.append(
-            ShellLaminate(
-                name,
-                plies,
-                ABD=data["laminates/ABD"][row],
-                Ds=data["laminates/Ds"][row],
-                mass=data["laminates/mass"][row],
-                stress_M=data["plies/stress_M"][own],
-                report=json_table(f"{where}: laminates/reports", data["laminates/reports"][row]),
-            )
-        )
-    return tuple(found)
 
 
 def _write_view(file: h5py.File, group: h5py.Group, shell: ShellFile) -> None:
@@ -164,3 +47,26 @@ def _write_view(file: h5py.File, group: h5py.Group, shell: ShellFile) -> None:
             loads = group[f"{of}/resultants_E"]
             seen = part_view(cells, f"{name}_{letter}", loads, np.s_[row, :, part], (c, size))
             describe(seen, unit, "E")
+
+
+SHELL_FILE = ObjectFormat(
+    SHELL_FORMAT,
+    SHELL_FORMAT_VERSION,
+    "shell",
+    "name",
+    ShellFile,
+    "a shell file",
+    "nodes_G",
+    shell_content_findings,
+    _write_view,
+)
+
+
+def write_shell(path: str | Path, shell: ShellFile) -> None:
+    """Write a shell results file; see `write_object`."""
+    write_object(path, SHELL_FILE, shell)
+
+
+def read_shell(path: str | Path) -> ShellFile:
+    """Read a shell results file and check that its numbers can be used; see `read_object`."""
+    return read_object(path, SHELL_FILE)

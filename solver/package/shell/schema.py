@@ -1,17 +1,26 @@
-"""A laminated shell and its results in memory: mesh, laminates, load cases, natural modes.
+"""A laminated shell and its results in memory and in its file: mesh, laminates, cases, modes.
 
 Lengths in m, forces in N. `_G` are the axes of the model, `_E` those of a cell and of its
 laminate: e3 the normal, e1 the reference direction projected on the cell. Plies are listed from
 bottom to top along e3. Resultants of a cell come in the order N 3 [N/m], M 3 [N], T 2 [N/m], for
 unit width: N11 N22 N12, M11 M22 M12, T1 T2. Displacements of a node are ux uy uz rx ry rz.
+
+Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `b` laminates, `k` plies of
+all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `b2` load factors,
+`w` warnings. The mapper of common/dataset.py writes and reads the fields.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
+from ...errors import PackageError
 from ...math.arrays import Array, IntArray
+from ..common.dataset import Data, Part, Rows
+from ..common.reported import Reported
+from .cells import QUADRILATERAL, TRIANGLE, cell_table, vtk_cells
 
 SHELL_FORMAT = "plymotion shell"
 SHELL_FORMAT_VERSION = (1, 2)
@@ -23,35 +32,64 @@ LEVELS = ("bottom", "middle", "top")  # of a ply
 
 
 @dataclass(frozen=True)
-class ShellMeshData:
-    """The mesh of a shell in the order of its mesh file; `n` counts nodes, `c` cells."""
+class CellRows:
+    """Cells of 3 or 4 nodes as VTK has them."""
 
-    nodes_G: Array  # (n, 3)                                [m]
-    node_ids: IntArray  # (n,) number in the mesh file
-    cells: IntArray  # (c, 3) rows of nodes_G, or (c, 4) with quadrilaterals: see cells.py
-    region: IntArray  # (c,) row of regions
-    regions: tuple[str, ...]
-    laminate: IntArray  # (r,) row of the file's laminates, of each region
-    A_GE: Array  # (c, 3, 3) rotation, v_G = A_GE v_E       [-]
-    area: Array  # (c,)                                     [m2]
+    connectivity: Annotated[
+        IntArray, Data("i", text="nodes of all cells, as 0-based rows of nodes_G")
+    ]
+    offsets: Annotated[
+        IntArray, Data("c+1", text="cell j owns connectivity[offsets[j]:offsets[j+1]]")
+    ]
+    cell_types: Annotated[
+        IntArray, Data("c", text="VTK cell types, triangles and quadrilaterals", type="uint8")
+    ]
+
+    @classmethod
+    def of(cls, cells: IntArray) -> "CellRows":
+        """Return the stored form of a table of cells."""
+        return cls(*vtk_cells(cells))
+
+    def value(self) -> IntArray:
+        """Return the table of cells. Raises PackageError for others."""
+        if not np.isin(self.cell_types, (TRIANGLE, QUADRILATERAL)).all():
+            text = f"expected triangles and quadrilaterals, types {TRIANGLE} and {QUADRILATERAL}"
+            raise PackageError(f"/shell/mesh/cell_types: {text}")
+        return cell_table(self.connectivity, self.offsets)
+
+
+@dataclass(frozen=True)
+class ShellMeshData:
+    """The mesh of a shell in the order of its mesh file."""
+
+    nodes_G: Annotated[Array, Data("n, 3", "m", "G", "rest positions of the nodes")]
+    node_ids: Annotated[IntArray, Data("n", text="numbers of the nodes in the mesh file, unique")]
+    cells: Annotated[IntArray, Part(via=CellRows)]  # (c, 3), (c, 4): see cells.py
+    region: Annotated[IntArray, Data("c", text="region of each cell, as row of regions")]
+    regions: Annotated[tuple[str, ...], Data("r", text="names of the regions, unique")]
+    laminate: Annotated[IntArray, Data("r", text="laminate of each region, as row of laminates")]
+    A_GE: Annotated[
+        Array, Data("c, 3, 3", "-", "E to G", "rotation, axes of cell and laminate to G")
+    ]
+    area: Annotated[Array, Data("c", "m2", "-", "area of each cell")]
 
 
 @dataclass(frozen=True)
 class ShellPly:
     """One ply of a laminate."""
 
-    material: str
-    angle_deg: float  # of the fibre from e1 towards e2
-    bottom: float  # z of its lower face                    [m]
-    top: float  # z of its upper face                       [m]
+    material: Annotated[str, Data(text="name of the ply's material")]
+    angle_deg: Annotated[float, Data("", "deg", "E", "fibre angle from e1 towards e2")]
+    bottom: Annotated[float, Data("", "m", "E", "height of the lower face along e3")]
+    top: Annotated[float, Data("", "m", "E", "height of the upper face along e3")]
 
 
 @dataclass(frozen=True)
 class ShellLaminate:
-    """A laminate of the shell; `k` counts its plies."""
+    """A laminate of the shell; `k` counts its plies, bottom to top."""
 
     name: str
-    plies: tuple[ShellPly, ...]  # bottom to top
+    plies: tuple[ShellPly, ...]
     ABD: Array  # (6, 6) of (N, M) to (e, kappa)            [N/m, N, N m]
     Ds: Array  # (2, 2) transverse shear, corrected         [N/m]
     mass: Array  # (3,) moments of density about z = 0      [kg/m2, kg/m, kg]
@@ -65,46 +103,131 @@ class ShellLaminate:
 
 
 @dataclass(frozen=True)
-class ShellPlaces:
-    """Named points: of supports (reference points of reaction moments) or of links."""
+class LaminateRows:
+    """Laminates as they are stored: their plies in one table."""
 
-    names: tuple[str, ...]
-    points_G: Array  # (p, 3)                               [m]
-    kinds: tuple[str, ...] = ()  # of links: "rigid" or "average"
+    names: Annotated[
+        tuple[str, ...], Data("b", text="names of the laminates, unique", path="laminates/names")
+    ]
+    ABD: Annotated[
+        Array,
+        Data("b, 6, 6", "N/m, N, N m", "E", "(N, M) per unit strain, curvature", "laminates/ABD"),
+    ]
+    Ds: Annotated[
+        Array, Data("b, 2, 2", "N/m", "E", "transverse shear stiffness, corrected", "laminates/Ds")
+    ]
+    mass: Annotated[
+        Array,
+        Data("b, 3", "kg/m2, kg/m, kg", "-", "density times 1, z, z^2 over z", "laminates/mass"),
+    ]
+    report: Annotated[
+        tuple[dict[str, Any], ...],
+        Data("b", "-", "-", "symmetry, balance, constants, as JSON text", "laminates/reports"),
+    ]
+    owner: Annotated[
+        IntArray,
+        Data("k", "-", "-", "laminate of each ply, as row; bottom to top", "plies/laminate"),
+    ]
+    plies: Annotated[tuple[ShellPly, ...], Rows("plies", "k")]
+    stress_M: Annotated[
+        Array,
+        Data(
+            "k, 3, 6, 8",
+            "1/m, 1/m2",
+            "ply",
+            "stress 11 22 33 23 13 12 at bottom, middle, top per unit resultant",
+            "plies/stress_M",
+        ),
+    ]
+
+    @classmethod
+    def of(cls, laminates: Sequence[ShellLaminate]) -> "LaminateRows":
+        """Return the columns of laminates."""
+        return cls(
+            tuple(one.name for one in laminates),
+            np.array([one.ABD for one in laminates]),
+            np.array([one.Ds for one in laminates]),
+            np.array([one.mass for one in laminates]),
+            tuple(one.report for one in laminates),
+            np.repeat(np.arange(len(laminates)), [len(one.plies) for one in laminates]),
+            tuple(ply for one in laminates for ply in one.plies),
+            np.concatenate([one.stress_M for one in laminates]),
+        )
+
+    def value(self) -> tuple[ShellLaminate, ...]:
+        """Return the laminates."""
+        columns = zip(self.names, self.ABD, self.Ds, self.mass, self.report, strict=True)
+        found = []
+        for row, (name, ABD, Ds, mass, report) in enumerate(columns):
+            own = np.flatnonzero(self.owner == row)
+            plies = tuple(self.plies[k] for k in own)
+            found.append(ShellLaminate(name, plies, ABD, Ds, mass, self.stress_M[own], report))
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class ShellPlaces:
+    """Named points of supports: reference points of their reaction moments."""
+
+    names: Annotated[tuple[str, ...], Data("s", text="names of the supports")]
+    points_G: Annotated[Array, Data("s, 3", "m", "G", "reference points of the reaction moments")]
+
+
+@dataclass(frozen=True)
+class ShellLinks:
+    """Named points of links."""
+
+    names: Annotated[tuple[str, ...], Data("e", text="names of the links")]
+    points_G: Annotated[Array, Data("e, 3", "m", "G", "reference points")]
+    kinds: Annotated[tuple[str, ...], Data("e", text="rigid or average")] = ()
 
 
 @dataclass(frozen=True)
 class ShellCases:
-    """Results of `l` load cases."""
+    """Results of load cases."""
 
-    names: tuple[str, ...]
-    displacements_G: Array  # (l, n, 6)                     [m, rad]
-    resultants_E: Array  # (l, c, 8) mean of each cell      [N/m, N]
-    link_motions_G: Array  # (l, e, 6) of reference points  [m, rad]
-    loads_G: Array  # (l, 6) resultant, about the origin    [N, N m]
-    reactions_G: Array  # (l, s, 6) of each support, about its point [N, N m]
-    energy: Array  # (l,) strain energy                     [J]
-    residual: Array  # (l,) of equilibrium, relative        [-]
+    names: Annotated[tuple[str, ...], Data("l", text="names of the load cases")]
+    displacements_G: Annotated[
+        Array, Data("l, n, 6", "m, rad", "G", "ux uy uz rx ry rz of the nodes")
+    ]
+    resultants_E: Annotated[
+        Array, Data("l, c, 8", "N/m, N", "E", "N 3, M 3, T 2, mean of each cell")
+    ]
+    link_motions_G: Annotated[
+        Array, Data("l, e, 6", "m, rad", "G", "motion of the reference points")
+    ]
+    loads_G: Annotated[
+        Array, Data("l, 6", "N, N m", "G", "resultant of the load, about the origin")
+    ]
+    reactions_G: Annotated[
+        Array, Data("l, s, 6", "N, N m", "G", "of each support, about its point")
+    ]
+    energy: Annotated[Array, Data("l", "J", "-", "strain energy")]
+    residual: Annotated[Array, Data("l", "-", "-", "residual of equilibrium, relative")]
 
 
 @dataclass(frozen=True)
 class ShellProbes:
     """Values requested by the description."""
 
-    names: tuple[str, ...]
-    quantities: tuple[str, ...]  # of SHELL_MOTIONS or SHELL_RESULTANTS
-    values: Array  # (l, o) by load case                    [SI]
+    names: Annotated[tuple[str, ...], Data("o", text="names of the probes")]
+    quantities: Annotated[  # of SHELL_MOTIONS or SHELL_RESULTANTS
+        tuple[str, ...], Data("o", text="what each probe reads")
+    ]
+    values: Annotated[Array, Data("l, o", "SI", "G or E", "what it read in each load case")]
 
 
 @dataclass(frozen=True)
 class ShellModes:
     """Natural modes, unit modal mass."""
 
-    frequencies: Array  # (m,)                              [rad/s]
-    shapes_G: Array  # (m, n, 6)                            [m, rad]
-    resultants_E: Array  # (m, c, 8)                        [N/m, N]
-    n_zero: int  # the first ones have no strain energy
-    error: Array | None = None  # (m,) relative, by the mesh, above 0: too high; None: not estimated
+    frequencies: Annotated[Array, Data("m", "rad/s", "-", "natural frequencies")]
+    shapes_G: Annotated[Array, Data("m, n, 6", "m, rad", "G", "unit modal mass")]
+    resultants_E: Annotated[Array, Data("m, c, 8", "N/m, N", "E", "as of cases")]
+    n_zero: Annotated[int, Data(text="modes without strain energy, the first")]
+    error: Annotated[  # None: not estimated
+        Array | None, Data("m", "-", "-", "relative, by the mesh; too high: above 0")
+    ] = None
 
     @property
     def frequencies_hz(self) -> Array:
@@ -114,13 +237,15 @@ class ShellModes:
 
 @dataclass(frozen=True)
 class ShellBuckling:
-    """Load factors of linear buckling, `b` of all load cases."""
+    """Load factors of linear buckling of all load cases, ascending in each case."""
 
-    case: IntArray  # (b,) row of the load cases
-    factors: Array  # (b,) above 0, ascending in each case  [-]
-    shapes_G: Array  # (b, n, 6), largest displacement 1     [m, rad]
-    reversed: Array  # (l,) smallest factor below 0 of each case; 0: none, or not asked for [-]
-    error: Array | None = None  # (b,) relative, by the mesh, above 0: too high; None: not estimated
+    case: Annotated[IntArray, Data("b2", text="load case of each factor, as row")]
+    factors: Annotated[Array, Data("b2", "-", "-", "load factors of buckling")]  # above 0
+    shapes_G: Annotated[Array, Data("b2, n, 6", "m, rad", "G", "largest motion 1 m")]
+    reversed: Annotated[  # smallest below 0; 0: none, or not asked for
+        Array, Data("l", "-", "-", "factor of the reversed load")
+    ]
+    error: Annotated[Array | None, Data("b2", "-", "-", "as of modes")] = None
 
 
 @dataclass(frozen=True)
@@ -128,14 +253,16 @@ class ShellFile:
     """The content of a shell results file."""
 
     name: str
-    mesh: ShellMeshData
-    laminates: tuple[ShellLaminate, ...]
-    materials: dict[str, dict[str, Any]]  # constants and strengths as described, by name
-    supports: ShellPlaces
-    links: ShellPlaces
-    cases: ShellCases
-    probes: ShellProbes
-    modes: ShellModes | None = None
-    buckling: ShellBuckling | None = None
-    warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
+    mesh: Annotated[ShellMeshData, Part("mesh")]
+    laminates: Annotated[tuple[ShellLaminate, ...], Part(via=LaminateRows)]
+    materials: Annotated[
+        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+    ]
+    supports: Annotated[ShellPlaces, Part("supports")]
+    links: Annotated[ShellLinks, Part("links")]
+    cases: Annotated[ShellCases, Part("cases")]
+    probes: Annotated[ShellProbes, Part("probes")]
+    modes: Annotated[ShellModes | None, Part("modes")] = None
+    buckling: Annotated[ShellBuckling | None, Part("buckling")] = None
+    warnings: Annotated[tuple[dict[str, str], ...], Part("warnings", via=Reported)] = ()
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...

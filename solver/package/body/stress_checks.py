@@ -1,56 +1,73 @@
-"""Checks of the laminates and cell resultants of a package, and whether they match the body."""
+"""Whether the stresses of a body match its sections, laminates and modes."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from ...math.arrays import Array
-from ..common.array_checks import finite, positive_definite, rotations, rows_of, symmetric
-from ..common.remark import Remark, Reporter
-from ..section.recovery_checks import check_plies
+from ...math.definite import is_positive_definite
+from ..common.remark import Remark
+from ..section.stress import unit_resultants_findings
 from ..shell.cells import area_vectors, cell_table
-from .laminate_data import CellResultants, LaminateData
-from .schema import ModalPackage
+from .schema import CellResultants, LaminateData, ModalPackage
 
-ENERGY = 2.0  # factor: strain energy of the mean resultants, which is less than the total
+# Factors: the strain energy of mean resultants is less than the total; that of a mode of a beam is
+# taken from a few stations, without distributed terms.
+ENERGY = 2.0
 NORMAL = 1e-3  # sine of the angle between a cell's normal and its e3
 EQUILIBRIUM = 1e-6  # relative error of the integrated stresses of a unit resultant
+FEW_POINTS = 1e-3  # the same of a beam, at the few points that are kept
 SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0  # quadrature over a ply, exact for quadratic stresses
 
 
-def check_laminate(laminate: LaminateData, where: str, error: Reporter) -> None:
-    """Report numbers of a laminate that cannot be used; `where` starts the path of its datasets."""
-    faces = np.array([[ply.bottom, ply.top, ply.angle_deg] for ply in laminate.plies])
-    values = {"plies/stress_M": laminate.stress_M, "ABD": laminate.ABD, "Ds": laminate.Ds}
-    for path, array in {**values, "plies/bottom": faces}.items():
-        finite(f"{where}{path}", array, error)
-    if not all(np.isfinite(array).all() for array in (*values.values(), faces)):
-        return
-    for path in ("ABD", "Ds"):
-        symmetric(f"{where}{path}", values[path], error)
-        positive_definite(f"{where}{path}", values[path], error)
-    if np.any(faces[:, 1] <= faces[:, 0]):
-        row = int(np.argmax(faces[:, 1] <= faces[:, 0]))
-        error(f"{where}plies/top", f"row {row}: expected a height above that of plies/bottom")
-    check_plies(laminate, "laminate", where, error)
-
-
-def check_cells(found: CellResultants, n_laminate: int, n_cell: int, error: Reporter) -> None:
-    """Report resultants of cells that cannot be used."""
-    for name in ("A_BE", "resultants_E"):
-        finite(f"cell_resultants/{name}", getattr(found, name), error)
-    rows_of("cell_resultants/cell", found.cell, n_cell, error)
-    rows_of("cell_resultants/laminate", found.laminate, n_laminate, error)
-    if np.isfinite(found.A_BE).all():
-        rotations("cell_resultants/A_BE", found.A_BE, error)
-
-
-def laminate_findings(package: ModalPackage) -> Iterator[Remark]:
-    """Return suspicious findings about the stresses of a shell."""
+def stress_findings(package: ModalPackage) -> Iterator[Remark]:
+    """Return suspicious findings about stresses of beams and shells."""
+    yield from _beam(package)
     for laminate in package.laminates:
         yield from _equilibrium(laminate)
     if package.cell_resultants is not None:
         yield from _cells(package, package.cell_resultants)
+
+
+def _beam(package: ModalPackage) -> Iterator[Remark]:
+    """Return suspicious findings about stresses: sections in other units or axes than the body."""
+    if package.recovery is None and all(s.recovery is None for s in package.sections):
+        return
+    for section in package.sections:
+        if not is_positive_definite(section.K):
+            path = f"/modal_package/sections/{section.name}/K"
+            yield Remark("warning", path, "not positive definite: inconsistent with stresses")
+            return
+    for section in package.sections:
+        if section.recovery is not None:
+            path = f"/modal_package/sections/{section.name}/recovery/strain_M"
+            yield from unit_resultants_findings(path, section.K, section.recovery, FEW_POINTS)
+    yield from _beam_energy(package)
+
+
+def _beam_energy(package: ModalPackage) -> Iterator[Remark]:
+    """Compare F6' K^-1 F6 along the beam with the modal stiffness.
+
+    Attachment modes are excluded: their change between a few stations, and the shear that a
+    classical beam neglects, are a considerable part of their energy. Rigid motions are excluded
+    too: their energy is round-off.
+    """
+    found = package.recovery
+    if found is None or not package.n_mode:
+        return
+    S = np.array([np.linalg.inv(section.K) for section in package.sections])[found.section]
+    density = (found.resultants_E * (S @ found.resultants_E)).sum(axis=1)
+    lengths = np.diff(found.station_x)[:, None]
+    energy = np.sum(0.5 * lengths * (density[:-1] + density[1:]), axis=0)
+    stiffness = np.diag(package.stiffness)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.where(stiffness > 0.0, energy / stiffness, 1.0)
+    left_out = np.array([kind in ("attachment", "rigid") for kind in package.mode_kinds])
+    wrong = np.flatnonzero(~left_out & ((factor > ENERGY) | (factor < 1.0 / ENERGY)))
+    if wrong.size:
+        i = int(wrong[0])
+        text = f"mode {i + 1}: their strain energy is {factor[i]:.3g} times that of modes/stiffness"
+        yield Remark("warning", "/modal_package/recovery/resultants_E", text)
 
 
 def _equilibrium(laminate: LaminateData) -> Iterator[Remark]:
@@ -97,10 +114,10 @@ def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Remark]:
     if off.any():
         text = f"row {int(np.argmax(off))}: e3 is not normal to the cell"
         yield Remark("warning", f"{where}/A_BE", text)
-    yield from _energy(package, found, area)
+    yield from _cell_energy(package, found, area)
 
 
-def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Remark]:
+def _cell_energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Remark]:
     """The mean resultants of the cells cannot have more energy than the mode."""
     energy = np.zeros(package.n_mode)
     for row, laminate in enumerate(package.laminates):
