@@ -436,7 +436,7 @@ $(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(TESTS) $(CO
 	PYTHONPATH=.:tests $(PY) $< build/charts/stability.csv $@
 
 .PHONY: docs
-docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md, warnings.md, tables of file formats
+docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md, tables of file formats
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
 	mv docs/case-reference.md.part docs/case-reference.md
@@ -446,8 +446,6 @@ docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description
 	mv docs/shell-description.md.part docs/shell-description.md
 	$(PY) -m plymotion.solver.inputs.solid.reference > docs/solid-description.md.part
 	mv docs/solid-description.md.part docs/solid-description.md
-	$(PY) -m plymotion.solver.results.codes.page > docs/warnings.md.part
-	mv docs/warnings.md.part docs/warnings.md
 	$(PY) -m plymotion.solver.package.page docs
 
 .PHONY: clean

@@ -15,7 +15,7 @@ from ..solver.fidelity.delivery.members import checked_member, member_spec, of_m
 from ..solver.fidelity.delivery.words import answer_text
 from ..solver.inputs.case.specs import write_case
 from ..solver.package.common.temporary import write_text
-from ..solver.results.codes.members import PLAN_TOO_COARSE
+from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
 from .case import Case, as_case
 from .names import ByName

@@ -18,9 +18,7 @@ from ..package.common.plausible import (
     section_doubts,
     shell_doubts,
 )
-from ..results.codes import CODES
-from ..results.codes.course import MATERIAL_UNITS, SIZE_UNITS
-from ..results.codes.motion import PLY_FAILURE
+from ..results.codes import CODES, MATERIAL_UNITS, PLY_FAILURE, SIZE_UNITS
 from ..results.finding import Finding
 from ..strength.beam_bodies import beam_search
 from ..strength.found import BodyStrength, failure_text

@@ -13,16 +13,17 @@ from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
 from ..math.keys import Code, Expression, Expressions
 from ..mechanism import BuiltMechanism
-from ..results.codes import CODES
-from ..results.codes.course import (
+from ..results.codes import (
+    CODES,
+    ENERGY_JUMP,
     GROWS,
     REFUSED,
     RUN_FAILED,
     RUN_INTERRUPTED,
+    SPIN,
     STALLED,
     VIBRATION_DAMPED,
 )
-from ..results.codes.motion import ENERGY_JUMP, SPIN
 from ..results.finding import Finding
 from .finished import FinishedRun
 

@@ -9,7 +9,7 @@ from ..inputs.case.loaded import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
 from ..package.section.schema import RESULTANTS
-from ..results.codes.motion import FEW_MODES
+from ..results.codes import FEW_MODES
 from ..results.finding import Finding
 from .finished import NEGLIGIBLE, FinishedRun, Missing
 

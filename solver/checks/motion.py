@@ -6,7 +6,7 @@ from math import ceil, tau
 import numpy as np
 
 from ..dynamics.analysis.recovery import stiffened
-from ..results.codes.motion import ROTATION
+from ..results.codes import ROTATION
 from ..results.finding import Finding
 from .finished import FinishedRun
 

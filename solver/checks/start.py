@@ -11,7 +11,7 @@ from ..dynamics.analysis.held import (
 from ..dynamics.evaluation.laws import law_values
 from ..math.arrays import Array
 from ..mechanism.consistent.initial import undeformed
-from ..results.codes.course import LOADED_START
+from ..results.codes import LOADED_START
 from ..results.finding import Finding
 from .finished import FinishedRun
 

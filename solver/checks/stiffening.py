@@ -19,7 +19,7 @@ from ..mechanism import build
 from ..monitors.buckling import buckling_text
 from ..monitors.geometric_stiffness import Loading, geometric_stiffness
 from ..monitors.spin import SpinMonitor
-from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION
+from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION
 from ..results.finding import Finding
 from .finished import FinishedRun
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..inputs.case.of_time import drives, is_along, is_load, law
 from ..math import curves, laws
 from ..math.packed import column
-from ..results.codes.course import TABLE_OVERSHOOTS
+from ..results.codes import TABLE_OVERSHOOTS
 from ..results.finding import Finding
 from .finished import FinishedRun
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..math.arrays import Array
-from ..results.codes.motion import ENERGY_JUMP
+from ..results.codes import ENERGY_JUMP
 from ..results.finding import Finding
 from ..results.schema import ROUNDING
 

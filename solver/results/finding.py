@@ -32,13 +32,10 @@ class Finding:
 
 @dataclass(frozen=True)
 class Code:
-    """A kind of finding; `threshold` and `remedy` are sentences for docs/warnings.md."""
+    """A kind of finding; docs/warnings.md has meaning, threshold and remedy."""
 
     name: str
     level: Level
-    meaning: str
-    threshold: str  # with {limit:g} where the number belongs
-    remedy: str
     limit: float = nan
 
     def finding(

@@ -17,7 +17,7 @@ from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
-from ..results.codes.course import FEEDBACK
+from ..results.codes import FEEDBACK
 from ..results.nodes import all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning

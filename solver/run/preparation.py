@@ -27,7 +27,7 @@ from ..monitors.spin import SpinMonitor
 from ..monitors.step_sizes import StepSizes
 from ..monitors.together import Monitors
 from ..package import ModalPackage
-from ..results.codes.course import SINGULAR
+from ..results.codes import SINGULAR
 from ..results.finding import Finding
 from ..signals import Histories, Sensor, Turns, sensors
 from .missing import missing_of

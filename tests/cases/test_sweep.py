@@ -14,7 +14,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep import portion
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
-from plymotion.solver.results.codes.motion import SPIN
+from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.execution import execute, read_run
 
 BRIEF = """

@@ -13,7 +13,7 @@ from stiffening_samples import rectangle
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
 from plymotion.solver.package import read_package
-from plymotion.solver.results.codes.motion import ROTATION
+from plymotion.solver.results.codes import ROTATION
 from plymotion.solver.run.execution import execute
 from plymotion.solver.run.preparation import prepare
 

@@ -14,7 +14,7 @@ from ...fidelity.delivery.members import checked_member, joined, of_model, share
 from ...fidelity.delivery.words import estimate_entry
 from ...package import ModalPackage
 from ...package.common.temporary import write_text
-from ...results.codes.members import PLAN_TOO_COARSE
+from ...results.codes import PLAN_TOO_COARSE
 from ...run.outcome import RunSpec
 from .member import Packages
 from .model_plan import base_mechanism, known_vibrations
@@ -119,7 +119,8 @@ def _lines(plan: Plan, answer: Answer, found: Mapping[int, Answer]) -> list[str]
         places += [f"member {k}" for k in coarse]
         lines.append(
             f"warning [{PLAN_TOO_COARSE.name}] the plan does not reach the accuracy at "
-            f"{', '.join(places)}: {PLAN_TOO_COARSE.remedy}"
+            f"{', '.join(places)}: ask for less (a larger `accuracy`), allow a larger `budget`, "
+            "divide the sweep, or edit its `.plan.toml`"
         )
     return lines
 

@@ -16,7 +16,7 @@ from ...inputs.case.extreme import ERRORS, out_of_range
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary
-from ...results.codes.members import DEFECT, INPUT, PACKAGE
+from ...results.codes import DEFECT, INPUT, PACKAGE
 from ...run.integration import integrated, output_times
 from ...run.other_runs import histories_of
 from ...run.outcome import RunSpec

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from ...inputs.case.sources import solver_sha256
 from ...package.common.plain_data import data_sha256
-from ...results.codes.members import WORKER_LOST
+from ...results.codes import WORKER_LOST
 from ..executors.executor import Task
 from .member import FAILED, Row
 from .plan import Plan

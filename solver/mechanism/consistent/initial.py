@@ -21,7 +21,7 @@ from ...dynamics.model.coordinates import moved
 from ...dynamics.model.model import Model
 from ...errors import InputError, few
 from ...math.arrays import Array
-from ...results.codes.course import REDUNDANT, SINGULAR_START
+from ...results.codes import REDUNDANT, SINGULAR_START
 from ...results.finding import Finding
 from .locked import described_gaps, require_movable, rows_of
 

@@ -10,7 +10,7 @@ from ...dynamics.model.model import Model
 from ...errors import few
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, rotation_matrix
-from ...results.codes.course import START_MOVED
+from ...results.codes import START_MOVED
 from ...results.finding import Finding
 from ..consistent.initial import Start, closed_by_frames
 from ..consistent.locked import rows_of

@@ -1,0 +1,140 @@
+"""The one list of codes of findings: level, and the number that a finding is compared with.
+
+docs/warnings.md says what each means, its threshold and what helps. Codes of packages, sections,
+shells and blades are in these files; the preprocessor does not import this list: a contract test
+compares codes and limits with its source.
+"""
+
+from math import nan
+
+from ..package.common.plausible import MATERIAL, SIZE
+from .finding import Code, Level
+
+_MEMBERS: list[Code] = []
+_RUNS: list[Code] = []
+
+
+def _run(name: str, level: Level = "warning", limit: float = nan) -> Code:
+    _RUNS.append(Code(name, level, limit))
+    return _RUNS[-1]
+
+
+def _member(name: str, level: Level = "error") -> Code:
+    _MEMBERS.append(Code(name, level))
+    return _MEMBERS[-1]
+
+
+def _of_files(*codes: str | tuple[str, float]) -> tuple[Code, ...]:
+    """Warnings of files: names, some with a limit."""
+    pairs = (code if isinstance(code, tuple) else (code, nan) for code in codes)
+    return tuple(Code(name, "warning", limit) for name, limit in pairs)
+
+
+# The end of a run.
+RUN_FAILED = _run("run-failed", "error")
+RUN_INTERRUPTED = _run("run-interrupted", "error")
+# Start and constraints.
+REDUNDANT = _run("redundant-constraints", "note")
+SINGULAR_START = _run("singular-start")
+START_MOVED = _run("start-moved", limit=1e-3)
+LOADED_START = _run("loads-begin-suddenly", limit=0.05)
+# solver/package/common/plausible.py has the limits with their sources.
+MATERIAL_UNITS = _run(MATERIAL)
+SIZE_UNITS = _run(SIZE)
+TABLE_OVERSHOOTS = _run("table-overshoots", "note", 0.05)
+LOCKED = _run("mechanism-locked")
+CONSTRAINT_DRIFT = _run("constraint-drift", limit=1e-6)
+FEEDBACK = _run("feedback-limits-steps", "note", 0.06)
+# Steps that are tiny beside what is asked of the run (integrators/generic/pace.py).
+VIBRATION_DAMPED = _run("vibration-damped")
+STALLED = _run("steps-tiny")
+GROWS = _run("motion-grows", limit=10.0)
+REFUSED = _run("steps-refused", "note", 0.2)
+# Singular positions on the way.
+SINGULAR = _run("singular-position", "error")
+BRANCH = _run("branch-change", "error")
+SINGULAR_PASSED = _run("singular-passed", "note")
+# Balances.
+ENERGY_DRIFT = _run("energy-drift", limit=1e-3)
+ENERGY_JUMP = _run("energy-jump", limit=1e-3)
+MOMENTUM = _run("momentum-balance", limit=1e-8)
+# Elastic motion.
+SPIN = _run("spin-above-clamped-frequency", "error")
+ROTATION = _run("elastic-rotation-large", limit=0.1)
+FEW_MODES = _run("modes-too-few", limit=0.02)
+MATTERS = _run("stiffening-matters", limit=0.05)
+BUCKLING = _run("buckling-by-motion", "error", 0.0)
+BUCKLING_LOAD = _run("buckling-load", "error")
+INDEFINITE = _run("stiffened-mass-indefinite", "error", -1e-12)
+NO_STIFFENING_DATA = _run("stiffening-without-data")
+PLY_FAILURE = _run("ply-failure", limit=1.0)
+PLAN_TOO_COARSE = _member("plan-too-coarse", "warning")
+INPUT = _member("input")
+PACKAGE = _member("package")
+WORKER_LOST = _member("worker-lost")
+DEFECT = _member("defect")
+
+RUN_CODES, MEMBER_CODES = tuple(_RUNS), tuple(_MEMBERS)
+BODY_CODES = _of_files(
+    "package-doubtful",
+    ("mesh-coarse-for-modes", 0.01),
+    ("static-modes-dependent", 1e-6),
+    ("measured-shape-rigid", 0.1),
+    ("measured-modal-mass", 0.1),
+    ("measured-shapes-coupled", 0.1),
+    "interface-without-rotation",
+)
+SHELL_CODES = _of_files(
+    ("sliver", 0.05),
+    ("nodes-not-merged", 1e-7),
+    "several-parts",
+    "normals-disagree",
+    ("triangles-not-paired", 0.25),
+    ("link-distorts-section", 0.1),
+    ("cst-in-plane-bending", 4.0),
+    ("dst-thick", 0.1),
+    "drilling-fictitious-flat",
+    "zero-energy-modes",
+    ("shell-triangles-warped", 0.1),
+    ("shell-quadrilaterals-warped", 0.1),
+    ("shell-mesh-coarse", 0.05),
+    ("buckling-after-large-rotation", 0.1),
+    ("buckles-in-plane", 0.1),
+    "few-digits",
+    ("laminate-unsymmetric", 1e-6),
+    ("laminate-unbalanced", 1e-6),
+    ("laminate-soft-core", 0.3),
+)
+SECTION_CODES = _of_files(
+    ("unmerged-nodes", 1e-7),
+    ("sliver-elements", 0.04),
+    "plies-not-resolved",
+    "degree-1-locks",
+    ("nearly-incompressible", 5e3),
+    ("ill-conditioned", 1e14),
+    ("stress-at-corner", 195.0),
+    ("coarse-mesh", 0.05),
+    "model-not-computed",
+    "no-density",
+    ("direction-reverses", 1e-3),
+    ("strongly-curved", 0.5),
+    ("taper-neglected", 1e-3),
+    ("verification-differs", 1e-6),
+    ("accuracy-not-met", 4e5),
+)
+BLADE_CODES = _of_files(
+    "not-modelled",
+    "unlike-a-blade",
+    ("rule-differs", 0.01),
+    ("no-room", 0.02),
+    ("differs-from-file", 0.1),
+)
+GROUPS = {
+    "Runs": RUN_CODES,
+    "Members of a sweep without a result": MEMBER_CODES,
+    "Bodies": BODY_CODES,
+    "Shells and laminates": SHELL_CODES,
+    "Cross-sections": SECTION_CODES,
+    "Blades": BLADE_CODES,
+}
+CODES = {code.name: code for group in GROUPS.values() for code in group}
