@@ -48,7 +48,7 @@ class BodyPackages:
 def _built(spec: dict[str, Any]) -> ModalPackage:
     """Build a body. FEniCSx is loaded only if it is needed."""
     if isinstance(spec, dict) and spec.get("kind") == "imported":
-        from .exchange.case_body import build_imported
+        from .exchange.import_file import build_imported
 
         return build_imported(spec)
     from .body import build_body

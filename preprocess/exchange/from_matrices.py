@@ -12,8 +12,7 @@ from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
 from .free_body import Cells, FreeBody
 from .reduce import Tell, reduce_body, rows_of
-from .spec import Reduction
-from .units import SI, UnitsTable
+from .spec import SI, Reduction, UnitsTable
 
 CELLS_OF_SIZE = {1: 1, 2: 3, 3: 5, 4: 9, 8: 12}
 

@@ -1,6 +1,8 @@
 """From an import file (arm.toml) to a modal package."""
 
+import dataclasses
 import importlib
+import time
 import tomllib
 from pathlib import Path
 from typing import Any, cast, get_args
@@ -9,8 +11,11 @@ from numpy.linalg import LinAlgError
 from scipy.sparse.linalg import ArpackError
 
 from ...solver.errors import InputError, PackageError, did_you_mean, printable
+from ...solver.math.digests import file_sha256
 from ...solver.package import ModalPackage
+from ...solver.package.body.specification import ImportedSpecification
 from ...solver.package.common.table_form import SpecError, check_form
+from ...solver.package.fingerprint import fingerprint
 from .free_body import FreeBody
 from .modal import write_tables
 from .read.files import Files
@@ -88,9 +93,10 @@ def imported(
         )
     files = Files(table["files"], folder, where)
     tell(f"reading {kind}")
-    reader = importlib.import_module(f"{__package__}.read.{kind.replace('-', '_')}")
+    code, _, modes = kind.partition("-")
+    reader = importlib.import_module(f"{__package__}.read.{code}")
     try:
-        found = reader.read(files)
+        found = reader.read_modes(files) if modes else reader.read(files)
     except (InputError, PackageError):
         raise
     except DAMAGE as error:
@@ -121,3 +127,34 @@ def package_of(table: dict[str, Any], folder: Path, where: str) -> ModalPackage:
     package = imported(table, folder, where)
     assert isinstance(package, ModalPackage)
     return package
+
+
+def build_imported(content: dict[str, Any]) -> ModalPackage:
+    """Read and reduce the matrices that a specification names.
+
+    Raises SpecError: a wrong key or file, or matrices that are not those of a free body.
+    """
+    check_form(content, ImportedSpecification)
+    spec = cast(ImportedSpecification, content)
+    file = Path(spec["file"])
+    start = time.perf_counter()
+    try:
+        for name, digest in spec["sha256"].items():
+            path = file.parent / name
+            if not path.is_file() or file_sha256(path) != digest:
+                raise InputError(f"{path}: changed since `plymotion check`; check the case again")
+        check_table(spec["table"], str(file))
+        package = package_of(spec["table"], file.parent, str(file))
+    except InputError as error:
+        raise SpecError(str(error)) from error
+    seconds = time.perf_counter() - start
+    provenance = {
+        **package.provenance,
+        "command": "python -m plymotion.preprocess body",
+        "fingerprint": fingerprint(content),
+        "inputs_sha256": spec.get("inputs_sha256"),
+        "spec": content,
+        "dofs": {"body": 3 * package.provenance["nodes_of_source"]},
+        "seconds": {"modes": seconds},
+    }
+    return dataclasses.replace(package, body=spec["body"], provenance=provenance)

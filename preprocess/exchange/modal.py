@@ -12,15 +12,15 @@ import numpy as np
 
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package import ModalPackage
+from ...solver.package.common.temporary import temporary_sibling
 from ...solver.package.common.toml_text import toml_text
 from .free_body import Cells
 from .links import interface_rows
-from .masses import PARTS
 from .read.files import Files
 from .read.matrices import table_rows
 from .reduce import rows_of
-from .spec import Reduction
-from .units import sizes
+from .spec import Reduction, sizes
 
 LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}
 LINES |= {22: LINES[5], 23: LINES[9]}
@@ -145,3 +145,20 @@ def _csv(file: Path, names: list[str], ids: IntArray, values: Array) -> None:
     for label, row in zip(ids, values, strict=True):
         lines.append(",".join([str(label), *(f"{value:.17g}" for value in row)]))
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+PARTS = {"Jxx": (0, 0), "Jyy": (1, 1), "Jzz": (2, 2), "Jxy": (0, 1), "Jxz": (0, 2), "Jyz": (1, 2)}
+
+
+def write_masses(package: ModalPackage, out: Path) -> Path:
+    """Write node, mass [kg] and inertia [kg m2] as CSV beside `out`; returns the file."""
+    file = out.with_name(f"{out.stem}_masses.csv")
+    lines = [",".join(["node", "mass", *PARTS])]
+    for label, m, J in zip(
+        package.node_ids, package.node_mass, package.node_inertia_B, strict=True
+    ):
+        values = [m, *(J[part] for part in PARTS.values())]
+        lines.append(",".join([str(label), *(f"{value:.17g}" for value in values)]))
+    with temporary_sibling(file) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return file

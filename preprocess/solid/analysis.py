@@ -11,7 +11,7 @@ from ...solver.package import ModalPackage
 from ...solver.package.body.plausibility import centre_inertia
 from ..exchange.links import constrained, links
 from ..exchange.reduce import reduce_body
-from ..exchange.units import SI
+from ..exchange.spec import SI
 from ..modes import Algebra, HeldDofs
 from .errors import SolidError
 from .mesh import edge_length

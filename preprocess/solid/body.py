@@ -13,8 +13,7 @@ from ...solver.package.body.specification import SolidSpecification
 from ...solver.package.common.table_form import SpecError, check_form
 from ...solver.package.shell.cells import vtk_cells
 from ..exchange.reduce import reduce_body
-from ..exchange.spec import Reduction
-from ..exchange.units import SI
+from ..exchange.spec import SI, Reduction
 from ..provenance import body_provenance
 from .analysis import accurate_model, findings
 from .model import Mumps

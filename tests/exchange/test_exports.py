@@ -5,11 +5,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from dmig_cards import read_dmig
 from exchange_samples import bar, exported, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main
-from plymotion.preprocess.exchange.read.dmig import read_dmig
 from plymotion.preprocess.exchange.write.dmig import superelement
 from plymotion.solver.package import ModalPackage, read_package, write_package
 

@@ -6,8 +6,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from exchange_samples import bar
 
-from plymotion.preprocess.exchange.direct import Direct
-from plymotion.preprocess.exchange.fronts import dissection, negative_eigenvalues, order_of
+from plymotion.preprocess.exchange.direct import Direct, dissection, negative_eigenvalues, order_of
 from plymotion.solver.math.arrays import Array
 
 

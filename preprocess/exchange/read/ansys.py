@@ -1,6 +1,11 @@
-"""Bodies of ANSYS: K and M of a .full file, nodes and cells of a result file .rst."""
+"""Bodies of ANSYS: K and M of a .full file, nodes, cells and modes of a result file .rst.
 
+The library that reads its binary files is optional, found when a file asks for it.
+"""
+
+import importlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -9,8 +14,64 @@ from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
 from ..free_body import DIRECTIONS, Cells, FreeBody
 from ..from_matrices import free_body
-from .ansys_library import mesh_of, opened
+from ..modal import ModalBody
+from ..reduce import rows_of
 from .files import Files
+
+# The library gives elements with midside nodes the VTK type of those without.
+WITH_MIDSIDES = {(12, 20): 25, (10, 10): 24, (13, 15): 26, (14, 13): 27, (9, 8): 23, (5, 6): 22}
+PACKAGE = "ansys-mapdl-reader"
+
+
+def opened(path: Path, what: str, kinds: tuple[str, ...]) -> Any:
+    """Return the reader of a binary file; `kinds` are the names of classes that will do.
+
+    Raises InputError without the library, and for a file of another kind.
+    """
+    try:
+        library = importlib.import_module("ansys.mapdl.reader")
+    except ImportError as error:
+        raise InputError(
+            f"{path}: needs the Python package {PACKAGE} ({error}); "
+            f"expected `pip install {PACKAGE}` (with VTK, 0.7 GB)"
+        ) from error
+    try:
+        found = library.read_binary(str(path))
+    except Exception as error:  # whatever a damaged file makes of it
+        raise InputError(f"{path}: expected {what} of ANSYS ({error})") from error
+    if type(found).__name__ not in kinds:
+        raise InputError(f"{path}: expected {what} of ANSYS, found {type(found).__name__}")
+    return found
+
+
+def mesh_of(path: Path) -> tuple[IntArray, Array, Cells, Any]:
+    """Return labels (n,), coordinates (n, 3), cells and the reader of a result file .rst.
+
+    Raises InputError for a file of another kind, and nodes with axes of their own.
+    """
+    result = opened(path, "a result file .rst", ("Result",))
+    mesh = result.mesh
+    ids = np.asarray(mesh.nnum, dtype=np.int64)
+    turned = np.flatnonzero(np.any(np.asarray(mesh.node_angles) != 0.0, axis=1))
+    if len(turned):
+        raise InputError(
+            f"{path}: node {ids[turned[0]]} has axes of its own ({len(turned)} such nodes); "
+            "expected NROTAT of none: displacements along the global axes"
+        )
+    return ids, np.asarray(mesh.nodes, dtype=float), _cells(result.grid, ids, path), result
+
+
+def _cells(grid: Any, ids: IntArray, path: Path) -> Cells:
+    """Cells of a VTK grid, whose points are labelled."""
+    rows = rows_of(np.asarray(grid.point_data["ansys_node_num"], dtype=np.int64), ids, str(path))
+    padded = np.asarray(grid.cells, dtype=np.int64)  # count, points, count, points, ...
+    cells, types, at = [], [], 0
+    for kind in np.asarray(grid.celltypes).tolist():
+        count = int(padded[at])
+        cells.append(rows[padded[at + 1 : at + 1 + count]].tolist())
+        types.append(WITH_MIDSIDES.get((kind, count), kind))
+        at += 1 + count
+    return Cells.of(cells, types)
 
 
 def read(files: Files) -> FreeBody:
@@ -66,3 +127,44 @@ def body_of(
     ids, nodes, cells = mesh
     numbers = np.column_stack([dofs[:, 0], dofs[:, 1] + 1])
     return free_body(files.where, K, M, nodes, ids, numbers, cells, notes=files.notes())
+
+
+RIGID = 1e-3  # frequency of a rigid motion, relative to the highest in the file
+
+
+def read_modes(files: Files) -> ModalBody:
+    """Body from `rst` and `masses` (CSV: node, mass and inertias).
+
+    Rigid motions of a free body are left out.
+
+    Raises InputError without the library, and for a file without modes of all nodes.
+    """
+    files.only(("rst", "masses"))
+    path = files.path("rst")
+    ids, nodes, cells, result = mesh_of(path)
+    hertz = np.asarray(result.time_values, dtype=float)
+    kept = np.flatnonzero(hertz > RIGID * hertz.max(initial=0.0))
+    if not len(kept):
+        raise InputError(f"{path}: expected vibrations of a modal analysis")
+    kept = kept[np.argsort(hertz[kept], kind="stable")]
+    shapes = np.zeros((len(kept), len(nodes), 6))
+    size = 0
+    for shape, number in zip(shapes, kept, strict=True):
+        labels, values = result.nodal_solution(int(number))
+        size = values.shape[1]
+        if size not in (3, 6) or not np.array_equal(labels, ids) or np.isnan(values).any():
+            raise InputError(
+                f"{path}: mode {number + 1}: expected 3 or 6 displacements at each of the "
+                f"{len(ids)} nodes"
+            )
+        shape[:, :size] = values
+    return ModalBody(
+        where=files.where,
+        nodes=nodes,
+        node_ids=ids,
+        cells=cells,
+        shapes=shapes,
+        has_rotations=size == 6,
+        hertz=hertz[kept],
+        damping_ratios=np.zeros(len(kept)),
+    )

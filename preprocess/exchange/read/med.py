@@ -5,8 +5,8 @@ import numpy as np
 
 from ....solver.errors import InputError, nearest
 from ..free_body import Cells
-from ..med_order import FIELD, MED_CELLS, MESH_STEP
 from ..modal import ModalBody
+from ..write.med import FIELD, MED_CELLS, MESH_STEP
 from .files import Files
 
 

@@ -9,7 +9,7 @@ from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.common.temporary import temporary_sibling
-from ..masses import write_masses
+from ..modal import write_masses
 
 SUFFIX = ".uff"
 COLOUR, GLOBAL = 1, 0

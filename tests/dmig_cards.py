@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.errors import InputError
-from ....solver.math.arrays import IntArray
-from .bulk_data import bulk_cards, real
+from plymotion.preprocess.exchange.read.bulk_data import bulk_cards, real
+from plymotion.solver.errors import InputError
+from plymotion.solver.math.arrays import IntArray
 
 WHOLE, SYMMETRIC = 1, 6  # forms
 
