@@ -7,8 +7,9 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from ...solver.math.definite import is_positive_definite
+from .distributed import Distribution, whole
 from .errors import EigenError
-from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
+from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
 from .regular import RandomLoad
 from .stack import HAS_MUMPS, Array, PETSc, SLEPc
 from .team import ALONE, Team
@@ -34,7 +35,7 @@ def eigenpairs(
     n_mode : number of pairs, up to the number of finite eigenvalues
     target : shift of the shift-and-invert transformation, in the unit of lambda
     tolerance : relative tolerance of the Krylov-Schur iteration
-    team : processes that have all of K and M and share the work; each gets all pairs
+    team : processes that have parts of K and M and share the work; each gets all pairs
 
     Returns
     -------
@@ -48,7 +49,7 @@ def eigenpairs(
     K, M = sorted_csr(K), sorted_csr(M)
     n_dof = K.shape[0]
     # a row of M without an entry has no mass and gives one infinite eigenvalue
-    n_finite = int(np.count_nonzero(np.abs(M).sum(axis=1)))
+    n_finite = int(np.count_nonzero(team.total(np.asarray(np.abs(M).sum(axis=1)))))
     if not 1 <= n_mode <= n_finite:
         raise EigenError(
             f"{n_mode} modes requested: the problem of {n_dof} unknowns has {n_finite} of finite "
@@ -56,21 +57,22 @@ def eigenpairs(
         )
     n_krylov = max(2 * n_mode, n_mode + 15)
     if n_krylov + 5 >= n_finite:  # the Krylov space would be the whole space
+        K, M, team = whole(K, team), whole(M, team), ALONE
         X = _dense(K, M, n_mode, target)
         try:
-            return _checked(K, M, X)
+            return _checked(K, M, X, team)
         except EigenError:
-            return _checked(K, M, _sharpened(K, M, X))
+            return _checked(K, M, _sharpened(K, M, X), team)
     # SLEPc can solve once more for every vector, which removes errors that a singular M amplifies
     purify = n_finite < n_dof
     X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify)
     try:
-        return _checked(K, M, X)
+        return _checked(K, M, X, team)
     except EigenError:
         if purify:
             raise
     X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, True)
-    return _checked(K, M, X)
+    return _checked(K, M, X, team)
 
 
 def _krylov_schur(
@@ -84,15 +86,13 @@ def _krylov_schur(
     purify: bool,
 ) -> Array:
     eps = SLEPc.EPS().create(comm=team.comm)
-    operators = (
-        petsc_matrix(K, spd=target == 0.0, team=team),
-        petsc_matrix(M, spd=False, team=team),
-    )
+    rows = Distribution(K, team)
+    operators = rows.matrix(K, spd=target == 0.0), rows.matrix(M, spd=False)
     try:
         # with a shift away from zero the factorised matrix is as far from singular as the
         # eigenvalues require; K alone must be definite
-        random = RandomLoad(K.diagonal()) if target == 0.0 else None
-        return _solved(eps, operators, n_mode, n_krylov, target, tolerance, team, purify, random)
+        random = RandomLoad(team.total(K.diagonal())) if target == 0.0 else None
+        return _solved(eps, operators, n_mode, n_krylov, target, tolerance, rows, purify, random)
     finally:
         destroy(eps, *operators)
 
@@ -104,7 +104,7 @@ def _solved(
     n_krylov: int,
     target: float,
     tolerance: float,
-    team: Team,
+    rows: Distribution,
     purify: bool,
     random: RandomLoad | None,
 ) -> Array:
@@ -126,17 +126,16 @@ def _solved(
     # PETSc's own Cholesky does not pivot: use an LU for an indefinite matrix
     pc.setType("cholesky" if HAS_MUMPS or target <= 0.0 else "lu")
     use_mumps(pc, n_dof)
-    rows = team.share(n_dof)
-    start = PETSc.Vec().createMPI((rows.stop - rows.start, n_dof), comm=team.comm)
-    start.setArray(np.random.default_rng(0).standard_normal(n_dof)[rows])  # runs must reproduce
+    start = PETSc.Vec().createMPI((rows.n_own, n_dof), comm=rows.team.comm)
+    start.setArray(np.random.default_rng(0).standard_normal(n_dof)[rows.rows])  # runs must reproduce
     eps.setInitialSpace([start])
     load, vector = start.duplicate(), start.duplicate()
     try:
         eps.setUp()
         if random is not None:
-            load.setArray(random.load[rows])
+            load.setArray(random.load[rows.rows])
             ksp.solve(load, vector)
-            if not random.is_regular(team.stacked(vector.getArray())):
+            if not random.is_regular(rows.gathered(vector.getArray())):
                 raise EigenError(_singular(target, "it is singular"))
         eps.solve()
         n_converged = eps.getConverged()
@@ -145,11 +144,11 @@ def _solved(
                 f"{n_converged} of {n_mode} modes converged in {eps.getIterationNumber()} "
                 f"iterations (tolerance {tolerance:g})"
             )
-        X = np.empty((rows.stop - rows.start, n_mode))
+        X = np.empty((rows.n_own, n_mode))
         for i in range(n_mode):
             eps.getEigenvector(i, vector)
             X[:, i] = vector.getArray()
-        return team.stacked(X)
+        return rows.gathered(X)
     except PETSC_ERRORS as error:
         raise EigenError(_singular(target, reason(error))) from error
     finally:
@@ -205,16 +204,16 @@ def _sharpened(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> Array:
     return np.column_stack(found)
 
 
-def _checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> tuple[Array, Array]:
+def _checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array, team: Team) -> tuple[Array, Array]:
     """Ritz pairs of the span of X, ascending, after a check of their residuals."""
-    X = X / np.sqrt(np.einsum("ni,ni->i", X, M @ X))
-    values, Y = scipy.linalg.eigh(X.T @ (K @ X), X.T @ (M @ X))
+    X = X / np.sqrt(np.einsum("ni,ni->i", X, team.total(M @ X)))
+    values, Y = scipy.linalg.eigh(X.T @ team.total(K @ X), X.T @ team.total(M @ X))
     X = X @ Y
-    KX, MX = K @ X, M @ X
+    KX, MX = team.total(K @ X), team.total(M @ X)
     residual = np.linalg.norm(KX - MX * values, axis=0)
     size = np.linalg.norm(KX, axis=0) + np.abs(values) * np.linalg.norm(MX, axis=0)
     # a rigid motion has K x = 0: its residual is relative to the forces that K gives for x
-    size = np.maximum(size, np.abs(K).max() * np.linalg.norm(X, axis=0) * 1e-6)
+    size = np.maximum(size, np.abs(team.total(K.diagonal())).max() * np.linalg.norm(X, axis=0) * 1e-6)
     worst = int(np.argmax(residual / size))
     if not residual[worst] <= 1e-6 * size[worst]:
         raise EigenError(

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from .distributed import Distribution
 from .errors import FactorisationError, SingularError
 from .petsc import PETSC_ERRORS, destroy, destroy_dropped, reason, sorted_csr, use_mumps
 from .regular import LARGEST_GROWTH, RandomLoad
@@ -16,8 +17,8 @@ from .team import ALONE, Team
 class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
-    A team of processes factorises together a matrix that each of them has completely. The first
-    solve after a factorisation checks it with an additional column. The memory of the factors is
+    A team of processes factorises together the sum of the matrices that each of them has, and has
+    the same right-hand sides and solutions on each. The first solve after a factorisation checks it with an additional column. The memory of the factors is
     freed with the object, or earlier by `close`.
     """
 
@@ -29,28 +30,10 @@ class Cholesky:
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
         self._checked = False
-        self._rows = team.share(A.shape[0])
-        self._csr = self._own_rows()
-        rows = np.repeat(np.arange(A.shape[0], dtype=A.indices.dtype), np.diff(A.indptr))
-        self._diagonal = np.flatnonzero(rows == A.indices)
-        if team.size == 1:
-            # PETSc uses these arrays without a copy: new values need no insertion
-            self._mat = PETSc.Mat().createAIJWithArrays(A.shape, self._csr, comm=team.comm)
-        else:
-            local = (self._rows.stop - self._rows.start, A.shape[0])
-            self._mat = PETSc.Mat().createAIJ((local, local), csr=self._csr, comm=team.comm)
-        self._mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._mat.setOption(PETSc.Mat.Option.SPD, True)  # MUMPS with SYM=1, half an LU
-        self._pc = PETSc.PC().create(comm=team.comm)
-        self._pc.setOperators(self._mat)
-        self._pc.setType("cholesky")
-        use_mumps(self._pc, A.shape[0])
-        if not HAS_MUMPS:
-            self._pc.setFactorOrdering(ord_type="nd")
-        self._factor = PETSc.Mat()
-        self._held = [self._factor, self._pc, self._mat]
+        self._held: list[Any] = []
         if team.size == 1:  # the processes of a team must destroy at the same time
             weakref.finalize(self, _destroy_all, self._held).atexit = False
+        self._create()
         self._factorise()
 
     def update(self, A: Any) -> None:
@@ -59,12 +42,15 @@ class Cholesky:
         same = np.array_equal(A.indptr, self.A.indptr) and np.array_equal(A.indices, self.A.indices)
         if not same:
             raise FactorisationError("update() needs a matrix of the same sparsity pattern")
+        different = np.array([not np.array_equal(self.A.data, A.data)], dtype=np.int64)
+        if self._checked and not self._team.total(different).any():
+            return
         self.A.data[:] = A.data
         if self._team.size == 1:
             self._mat.stateIncrease()
-        else:
-            self._mat.setValuesCSR(*self._own_rows())
-            self._mat.assemble()
+        else:  # sums of parts have no zeros, so that the pattern may be another
+            self.close()
+            self._create()
         self._factorise()
 
     def solve(self, B: Array) -> Array:
@@ -75,8 +61,7 @@ class Cholesky:
         columns = np.asarray(B, dtype=np.float64).reshape(self.A.shape[0], -1)
         if self._checked:
             return self._solve(columns).reshape(np.shape(B))
-        diagonal = np.zeros(self.A.shape[0])
-        diagonal[self.A.indices[self._diagonal]] = np.abs(self.A.data[self._diagonal])
+        diagonal = np.abs(self._team.total(self.A.diagonal()))
         random = RandomLoad(diagonal)
         columns = np.asfortranarray(np.column_stack([columns, random.load]))
         X = self._solve(columns)
@@ -99,6 +84,19 @@ class Cholesky:
         """Free the memory of the factors; no further solves are possible."""
         destroy(*self._held)
 
+    def _create(self) -> None:
+        """The objects of PETSc that new values do not change."""
+        self._rows = Distribution(self.A, self._team)
+        self._mat = self._rows.matrix(self.A, spd=True)
+        self._pc = PETSc.PC().create(comm=self._team.comm)
+        self._pc.setOperators(self._mat)
+        self._pc.setType("cholesky")
+        use_mumps(self._pc, self.A.shape[0])
+        if not HAS_MUMPS:
+            self._pc.setFactorOrdering(ord_type="nd")
+        self._factor = PETSc.Mat()
+        self._held[:] = self._factor, self._pc, self._mat
+
     def _factorise(self) -> None:
         try:
             self._pc.setUp()
@@ -118,7 +116,7 @@ class Cholesky:
 
     def _check_residual(self, X: Array, columns: Array, norm: float) -> None:
         """`norm` is the largest entry of the matrix."""
-        residual = np.abs(self.A @ X - columns).max(axis=0)
+        residual = np.abs(self._team.total(self.A @ X) - columns).max(axis=0)
         size = norm * np.abs(X).max(axis=0) + np.abs(columns).max(axis=0)
         if not np.all(residual <= 1e-10 * size):
             raise FactorisationError(
@@ -126,18 +124,9 @@ class Cholesky:
                 "singular or indefinite: is every rigid motion constrained?"
             )
 
-    def _own_rows(self) -> tuple[Any, Any, Array]:
-        """The rows of this process: starts, columns, values."""
-        index = PETSc.IntType
-        first, last = self._rows.start, self._rows.stop
-        begin, end = self.A.indptr[[first, last]]
-        starts = self.A.indptr[first : last + 1] - begin
-        columns = self.A.indices[begin:end].astype(index, copy=False)
-        return starts.astype(index), columns, self.A.data[begin:end]
-
     def _solve(self, columns: Array) -> Array:
         comm, count = self._team.comm, columns.shape[1]
-        own = np.asfortranarray(columns[self._rows])
+        own = np.asfortranarray(columns[self._rows.rows])
         size = ((len(own), len(columns)), (PETSc.DECIDE, count))
         rhs = PETSc.Mat().createDense(size, array=own, comm=comm)
         rhs.assemble()
@@ -146,7 +135,7 @@ class Cholesky:
         out.assemble()
         self._factor.matSolve(rhs, out)
         destroy(rhs, out)
-        return self._team.stacked(found)
+        return self._rows.gathered(found)
 
 
 def _destroy_all(objects: list[Any]) -> None:
@@ -156,8 +145,8 @@ def _destroy_all(objects: list[Any]) -> None:
 def cholesky(A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> Cholesky:
     """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
 
-    Every process of the team has all of `A` and all columns to solve for. `largest_growth` is that
-    of a random load in a regular matrix. Raises FactorisationError if the matrix is indefinite or
+    Every process of the team has its part of `A`, and all columns to solve for. `largest_growth` is
+    that of a random load in a regular matrix. Raises FactorisationError if the matrix is indefinite or
     singular.
     """
     factor = Cholesky(A, team, largest_growth)

@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from .distributed import Distribution
 from .errors import InertiaError
-from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
+from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
 from .stack import HAS_MUMPS, PETSc
 from .team import ALONE, Team
 
@@ -12,9 +13,10 @@ def negative_pivots(A: Any, team: Team = ALONE) -> int:
     """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia).
 
     With A = K - s M this counts the eigenvalues of K x = lambda M x below s, and so detects modes
-    that an iteration has missed. Raises InertiaError if A cannot be factorised.
+    that an iteration has missed. Each process of a team has a part of A. Raises InertiaError if A cannot be factorised.
     """
-    mat = petsc_matrix(sorted_csr(A), spd=False, team=team)
+    A = sorted_csr(A)
+    mat = Distribution(A, team).matrix(A, spd=False)
     pc = PETSc.PC().create(comm=team.comm)
     pc.setOperators(mat)
     pc.setType("cholesky")

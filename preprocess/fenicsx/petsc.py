@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .stack import HAS_MUMPS, PETSc
-from .team import ALONE, Team
+from .team import Team
 
 # For these matrices approximate minimum degree takes half the time of nested dissection, with the
 # same fill-in. For large matrices MUMPS selects the ordering.
@@ -21,21 +21,6 @@ PETSC_ERRORS = (PETSc.Error, SystemError)  # slepc4py wraps the first in the sec
 def reason(error: BaseException) -> str:
     """The last line of PETSc's message; the lines before it are the call stack."""
     return str(error.__cause__ or error).strip().splitlines()[-1]
-
-
-def petsc_matrix(A: sp.csr_matrix, *, spd: bool, team: Team = ALONE) -> Any:
-    """A PETSc matrix with its properties; each process of the team has its own rows."""
-    index = PETSc.IntType
-    rows = team.share(A.shape[0])
-    begin, end = A.indptr[[rows.start, rows.stop]]
-    starts = A.indptr[rows.start : rows.stop + 1] - begin
-    csr = (starts.astype(index), A.indices[begin:end].astype(index), A.data[begin:end])
-    local = (rows.stop - rows.start, A.shape[0])
-    mat = PETSc.Mat().createAIJ((local, local), csr=csr, comm=team.comm)
-    mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    if spd:
-        mat.setOption(PETSc.Mat.Option.SPD, True)  # MUMPS then runs with SYM=1, half an LU
-    return mat
 
 
 def destroy(*objects: Any) -> None:

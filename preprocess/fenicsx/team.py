@@ -4,13 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.math.arrays import Array
+from ...solver.math.arrays import Array, IntArray
 
 
 class Team:
     """Processes that have the same mesh and share its cells and the factorisation.
 
-    All results are the same on each process; sums over cells are summed over the team.
+    Each process has the matrix of its own cells, vectors are whole on all. All results are the same
+    on each process; sums over cells, and products with matrices, are summed over the team.
 
     Parameters
     ----------
@@ -42,6 +43,13 @@ class Team:
         out = np.empty_like(part)
         self.comm.Allreduce(np.ascontiguousarray(part), out)
         return out
+
+    def least(self, values: IntArray) -> IntArray:
+        """The least values over the team, on all processes."""
+        from .stack import MPI
+
+        self.comm.Allreduce(MPI.IN_PLACE, values, op=MPI.MIN)
+        return values
 
     def stacked(self, part: Array) -> Array:
         """Concatenated rows of all processes, returned on all processes."""

@@ -67,8 +67,8 @@ def analyse(
     recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
         instead of all integration points
     verify : compute K by a second method as well (verification.py)
-    team : processes that all call this with the same arguments and share the work; each gets
-        the whole result
+    team : processes that all call this with the same arguments and share the matrices, unless the
+        beam is twisted or curved; each gets the whole result
     progress : called with one line at the beginning of each step
 
     Raises
@@ -82,6 +82,8 @@ def analyse(
     begin = progress or (lambda _line: None)
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
+    if curvature_of(spec) is not None:
+        team = fenicsx.ALONE  # each process solves the whole section
     problem = section_problem(spec["mesh"], where, degree_of(spec), team)
     edges = 0.0
     while True:

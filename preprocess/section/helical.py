@@ -18,7 +18,6 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from ...solver.math.arrays import Array
 from ...solver.math.definite import is_positive_definite
 from ...solver.math.rotations import skew
-from .. import fenicsx
 from .errors import IllConditioned, SectionError
 from .helical_solvers import AlongAxis, Residual, Waves
 from .space import SectionSpace
@@ -81,7 +80,6 @@ def central_solutions(
     space: SectionSpace,
     k: Array,
     C: Array,
-    team: fenicsx.Team = fenicsx.ALONE,
     largest_growth: float = LARGEST_GROWTH,
     is_enough: Callable[[float], bool] | None = None,
     *,
@@ -105,7 +103,7 @@ def central_solutions(
     """
     strains, T = TwistedStrains(space, k), change_of_resultants(k)
     kept = space.pattern.without(six_pins(space))
-    simple = AlongAxis(strains, C, kept, team, largest_growth)
+    simple = AlongAxis(strains, C, kept, largest_growth)
     if is_enough is not None and not is_enough(simple.growth):
         raise IllConditioned
     equations = Equations(strains, C, T)
@@ -115,7 +113,7 @@ def central_solutions(
         by_waves = left > ENOUGH**2 and left > TOLERANCE * simple.growth
     if by_waves:
         # thin walls and large |k| h: few steps, but a factorisation of twice the size
-        waves = Waves(strains, C, kept, T, simple, team)
+        waves = Waves(strains, C, kept, T, simple)
         unknowns, left = _iterated(equations, simple, waves, unknowns)
     if not left < ENOUGH:
         raise SectionError(

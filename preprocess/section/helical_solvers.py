@@ -24,11 +24,10 @@ class AlongAxis:
         strains: TwistedStrains,
         C: Array,
         kept: Restriction,
-        team: fenicsx.Team,
         largest_growth: float,
     ) -> None:
         E = strains.E(C)
-        self._factor = fenicsx.cholesky(kept.matrix(E.data), team, largest_growth)
+        self._factor = fenicsx.cholesky(kept.matrix(E.data), largest_growth=largest_growth)
         self.free, self.n = kept.free, strains.space.n_dof
         stress = C @ strains.strain_along_beam(strains.Z)
         self.HZ, self.LZ = strains.load_in_section(stress), strains.load_along_beam(stress)
@@ -81,7 +80,6 @@ class Waves:
         kept: Restriction,
         T: Array,
         simple: AlongAxis,
-        team: fenicsx.Team,
     ) -> None:
         self._simple = simple
         kappa = float(np.linalg.norm(strains.k))
@@ -89,7 +87,7 @@ class Waves:
         real, imaginary = (kept.matrix(part.data) for part in strains.wave(C, kappa))
         doubled = sp.bmat([[real, -imaginary], [imaginary, real]], format="csr")
         doubled.sort_indices()
-        self._factor = fenicsx.cholesky(doubled, team, np.inf)
+        self._factor = fenicsx.cholesky(doubled, largest_growth=np.inf)
         self._B = simple.HZ - 1j * kappa * simple.LZ  # (n, 6)
         self._V = self._back(self._B)
         self._schur = simple.ZLZ - self._B.conj().T @ self._V

@@ -10,8 +10,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array
-from .. import fenicsx
-from .pattern import EVERY
 from .space import SectionSpace
 
 AT_A_TIME = 64  # cells per block, so that intermediate arrays stay in the cache
@@ -20,31 +18,29 @@ AT_A_TIME = 64  # cells per block, so that intermediate arrays stay in the cache
 class SectionOperators:
     """Computes E on a space for any material; the parts that depend only on the mesh are kept.
 
-    The cells are distributed over the processes of a team.
+    Of several processes, each has the E of its own cells: the sum of all is that of the section.
     """
 
-    def __init__(self, space: SectionSpace, team: fenicsx.Team = fenicsx.ALONE) -> None:
-        self.space, self.team = space, team
-        self._cells = team.share(space.n_cell) if team.size > 1 else EVERY
+    def __init__(self, space: SectionSpace) -> None:
+        self.space = space
         self._products: sp.csr_matrix | None = None
 
     def E(self, C: Array) -> sp.csr_matrix:
         """<G_h, C G_h> [Pa] for C (c, 1, 6, 6), constant in each cell, or (c, q, 6, 6) [Pa]."""
-        own, pattern = C[self._cells], self.space.pattern
+        own, pattern = C[self.space.own], self.space.pattern
         if own.shape[1] > 1:
-            data = pattern.data(self._blocks(own), self._cells)
+            data = pattern.data(self._blocks(own))
         else:  # one stiffness per cell: the part that depends only on the mesh is one sparse matrix
             if self._products is None:
-                products = slope_products(self.space, self._cells)
-                self._products = pattern.summed(products, self._cells)
+                self._products = pattern.summed(slope_products(self.space, self.space.own))
             by_slopes = self._by_slopes(own[:, 0])
             data = pattern.ordered(self._products @ by_slopes.reshape(-1, 9))
-        return pattern.matrix(self.team.total(data))
+        return pattern.matrix(data)
 
     def _blocks(self, C: Array) -> Array:
         """Element matrices (c, k^2, 9) with a stiffness at every point, (c, q, 6, 6)."""
-        gradients = self.space.gradients[self._cells]
-        weighted = self.space.weighted_gradients[self._cells]
+        own = self.space.own
+        gradients, weighted = self.space.gradients[own], self.space.weighted_gradients[own]
         c, q, _, k = gradients.shape
         blocks = np.empty((c, k, 9 * k))
         for first in range(0, c, AT_A_TIME):

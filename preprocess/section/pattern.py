@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from ...solver.math.arrays import Array
 
 IntTable = NDArray[np.int32]
-EVERY = slice(None)
 
 
 class Pattern:
@@ -15,7 +14,7 @@ class Pattern:
 
     Parameters
     ----------
-    dofs : (n_cell, k) nodes of each cell
+    dofs : (n_cell, k) nodes of the cells
     n_node : number of nodes
 
     Unknowns are numbered node by node, three to a node.
@@ -25,7 +24,6 @@ class Pattern:
         k = dofs.shape[1]
         self.n_dof = 3 * n_node
         self._k = k
-        self._part: tuple[slice, sp.csr_matrix] | None = None
         rows = np.repeat(dofs, k, axis=1).ravel().astype(np.int64)
         columns = np.tile(dofs, (1, k)).ravel()
         pair, entry = np.unique(rows * n_node + columns, return_inverse=True)
@@ -46,39 +44,29 @@ class Pattern:
         self._order = whole.data.astype(np.intp)
         self.indptr, self.indices = whole.indptr, whole.indices
 
-    def data(self, blocks: Array, cells: slice = EVERY) -> Array:
-        """Values of the matrix, (nnz,): the sum of the blocks (c, k^2, 9) of some cells.
+    def data(self, blocks: Array) -> Array:
+        """Values of the matrix, (nnz,): the sum of the blocks (c, k^2, 9) of the cells.
 
         The block of nodes i, j of a cell is row k i + j, its entries are 3 a + b.
         """
-        return self.ordered(self._sum_of(cells) @ blocks.reshape(-1, 9))
+        return self.ordered(self._sum @ blocks.reshape(-1, 9))
 
     def ordered(self, blocks: Array) -> Array:
         """Values of the matrix, (nnz,), from the blocks (n_pair, 9) of all pairs of nodes."""
         return np.take(blocks.ravel(), self._order)
 
-    def summed(self, factors: Array, cells: slice = EVERY) -> sp.csr_matrix:
+    def summed(self, factors: Array) -> sp.csr_matrix:
         """Matrix that maps columns (c m, 9) to the sum of `factors @ columns` for all pairs.
 
-        `factors` (c, k^2, m) are those of some cells, which have m rows of columns each.
+        `factors` (c, k^2, m) are those of the cells, which have m rows of columns each.
         """
-        entries, m = self._sum_of(cells), factors.shape[2]
+        entries, m = self._sum, factors.shape[2]
         total = sp.csr_matrix((self._n_pair, factors.shape[0] * m))
         total.data = np.take(factors.reshape(-1, m), entries.indices, axis=0).ravel()
         first = m * (entries.indices // self._k**2)
         total.indices = (first[:, None] + np.arange(m, dtype=first.dtype)).ravel()
         total.indptr = m * entries.indptr
         return total
-
-    def _sum_of(self, cells: slice) -> sp.csr_matrix:
-        """The part of `_sum` for some cells; cached, because a process has only one share."""
-        if cells == EVERY:
-            return self._sum
-        if self._part is None or self._part[0] != cells:
-            pairs = self._k**2
-            columns = slice(cells.start * pairs, cells.stop * pairs)
-            self._part = (cells, self._sum[:, columns].tocsr())
-        return self._part[1]
 
     def matrix(self, data: Array) -> sp.csr_matrix:
         """The matrix of values (nnz,)."""

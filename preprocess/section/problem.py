@@ -42,7 +42,7 @@ class SectionProblem:
         self, mesh: SectionMesh, degree: int | None, team: fenicsx.Team = fenicsx.ALONE
     ) -> None:
         self.mesh = mesh
-        self.space = SectionSpace(mesh.cells, degree)
+        self.space = SectionSpace(mesh.cells, degree, team=team)
         self.team = team
         self.degree = degree
         self._is_thin = False  # known after the first solution
@@ -63,7 +63,7 @@ class SectionProblem:
     def _prismatic(self, space: SectionSpace) -> tuple[SectionOperators, WarpingSolver]:
         """Operators, and the solver that keeps the pattern and the symbolic factorisation."""
         if id(space) not in self._kept:
-            tools = SectionOperators(space, self.team), WarpingSolver(space, team=self.team)
+            tools = SectionOperators(space), WarpingSolver(space)
             self._kept[id(space)] = tools
         return self._kept[id(space)]
 
@@ -172,7 +172,7 @@ class SectionProblem:
         except fenicsx.FactorisationError:
             if solvable:
                 return self._by(self.space, C, k, doubtful)
-            if k is not None or self.team.size > 1:
+            if k is not None:
                 raise
             better = self._shifted(thin, C, doubtful)
         self._is_thin, self._growth = True, max(self._growth, 2.0 * WELL)
@@ -204,7 +204,7 @@ class SectionProblem:
         limit = np.inf if doubtful else LARGEST_GROWTH
         if k is not None:
             known = self._by_waves_for is not None and np.array_equal(k, self._by_waves_for)
-            found = central_solutions(space, k, C, self.team, limit, is_enough, by_waves=known)
+            found = central_solutions(space, k, C, limit, is_enough, by_waves=known)
             self._by_waves_for = k if found.by_waves else None
             self._growth = found.growth
             return found

@@ -34,6 +34,7 @@ class SectionSpace:
     ----------
     mesh : the cells
     degree : of Lagrange functions; None: the functions of the nodes that each cell has
+    team : processes that share the matrices; each has those of its `own` cells
 
     Attributes
     ----------
@@ -48,9 +49,13 @@ class SectionSpace:
     """
 
     def __init__(
-        self, mesh: CellMesh, degree: int | None = 2, quadrature_degree: int | None = None
+        self,
+        mesh: CellMesh,
+        degree: int | None = 2,
+        quadrature_degree: int | None = None,
+        team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
-        self.mesh = mesh
+        self.mesh, self.team, self.own = mesh, team, team.share(mesh.n_cell)
         self.degree = mesh.degree if degree is None else degree
         # curved cells need two degrees more than straight ones; with the functions of the nodes,
         # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
@@ -146,8 +151,8 @@ class SectionSpace:
 
     @cached_property
     def pattern(self) -> Pattern:
-        """Sparsity pattern of every matrix on this space."""
-        return Pattern(self.dofs, self.n_unknown)
+        """Sparsity pattern of every matrix of the own cells."""
+        return Pattern(self.dofs[self.own], self.n_unknown)
 
     @cached_property
     def weighted_gradients(self) -> Array:

@@ -90,7 +90,6 @@ class WarpingSolver:
         self,
         space: SectionSpace,
         pins: NDArray[np.int64] | None = None,
-        team: fenicsx.Team = fenicsx.ALONE,
         largest_growth: float = LARGEST_GROWTH,
     ) -> None:
         self.largest_growth = largest_growth
@@ -100,7 +99,7 @@ class WarpingSolver:
         self._rigid_load = space.load(space.at_points(self.rigid))
         self._rigid_gram = self.rigid.T @ self._rigid_load
         self._kept = space.pattern.without(pinned_dofs(space) if pins is None else pins)
-        self._team = team
+        self._team = space.team
         self._factor: fenicsx.Cholesky | None = None
         self.solvability = (
             0.0  # largest relative work of a load on a rigid motion, for this material

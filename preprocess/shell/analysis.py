@@ -51,8 +51,8 @@ def analyse(
     spec : plain data, see spec.py
     where : file and key of the specification for messages, the shell's name by default
     mesh : replaces the mesh that the specification names
-    team : processes that all call this with the same arguments and share the work; each gets
-    the whole result
+    team : processes that all call this with the same arguments and share the matrices, unless the
+        description asks for buckling; each gets the whole result
     progress : called with one line at the beginning of each step
 
     Raises
@@ -64,6 +64,9 @@ def analyse(
     start = time.perf_counter()
     where = where or f"shell {spec.get('name', '')}".strip()
     begin = progress or (lambda _line: None)
+    ranks = team.size
+    if "buckling" in spec:
+        team = fenicsx.ALONE  # each process solves the whole shell
     begin("mesh")
     problem = ShellProblem(spec, where, team, mesh)
     laminates, warnings = _laminates(problem)
@@ -100,7 +103,7 @@ def analyse(
             "elements": {**problem.choice._asdict(), "mass_form": problem.mass_form},
             "dofs": problem.freedom.n_dof,
             "frequency_errors": left_out or None,
-            "ranks": team.size,
+            "ranks": ranks,
             "seconds": time.perf_counter() - start,
             "versions": fenicsx.versions(),
         },

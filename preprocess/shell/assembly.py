@@ -1,11 +1,12 @@
 """Matrices of a shell: DOLFINx assembles the pairs of its cells (pairs.py).
 
 Six unknowns per node, in the node numbering of the mesh; reference points of links come after the
-nodes. Each process of a team assembles all: for a thin shell, a difference in the last digit of the
-stiffness would change the ninth digit of its displacements.
+nodes. Of several processes, each assembles the matrix of its own cells: the sum of all is that of
+the shell.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -27,13 +28,21 @@ class Assembly:
     Parameters
     ----------
     regions : all cells of the mesh
+    team : processes that share the cells
     extra : number of nodes without cells after those of the mesh
     """
 
     def __init__(
-        self, mesh: ShellMesh, regions: Sequence[Region], choice: Choice, extra: int
+        self,
+        mesh: ShellMesh,
+        regions: Sequence[Region],
+        choice: Choice,
+        extra: int,
+        team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
         self._mesh, self._choice, self._extra = mesh, choice, extra
+        if team.size > 1:
+            regions = _own(regions, mesh, team)
         kinds = [[r for r in regions if r.nodes.shape[1] == k] for k in (3, 4)]
         self._kinds = [kind for kind in kinds if kind]
 
@@ -77,3 +86,17 @@ class Assembly:
         columns = np.tile(dofs, dofs.shape[1]).ravel()
         n_dof = DOFS * (self._mesh.n_node + self._extra)
         return sp.csr_matrix((matrices.ravel(), (rows, columns)), shape=(n_dof, n_dof))
+
+
+def _own(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) -> list[Region]:
+    """The cells of this process: a slice of the mesh across its longest direction."""
+    centres = mesh.centres_G
+    along = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
+    own = np.zeros(len(centres), dtype=bool)
+    own[along[team.share(len(centres))]] = True
+    parts = [(region, np.flatnonzero(own[region.cells])) for region in regions]
+    return [
+        replace(r, cells=r.cells[some], nodes=r.nodes[some], geometry=r.geometry[some])
+        for r, some in parts
+        if len(some)
+    ]

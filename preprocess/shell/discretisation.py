@@ -56,7 +56,7 @@ class FinerMesh:
         """Its model."""
         coarse = self._coarse
         self._begin(f"errors, from a mesh of half the cell size: {self.unknowns} unknowns")
-        return ShellProblem(coarse.spec, coarse.where, coarse.team, self._refined.mesh)
+        return ShellProblem(coarse.spec, coarse.where, mesh=self._refined.mesh)
 
     @cached_property
     def stressed(self) -> Stressed:

@@ -47,7 +47,7 @@ def natural_modes(
 
     Parameters
     ----------
-    K, M : stiffness and mass of all degrees of freedom
+    K, M : stiffness and mass of all degrees of freedom; each process of a team has its part
     count : requested elastic modes
     free_motions : (n_dof, k) free motions without strain energy
     check : count the modes by the signs of pivots, which costs one factorisation
@@ -63,35 +63,38 @@ def natural_modes(
         target = -soft_value(K_free, M_free, free_motions[freedom.free], team)
     wanted = count + n_free_motions
     try:
-        n_mode = min(wanted + EXTRA, _massive(M_free))
+        massive = _massive(M_free, team)
+        n_mode = min(wanted + EXTRA, massive)
         while True:
             values, X = fenicsx.eigenpairs(
                 K_free, M_free, n_mode, target=target, tolerance=TOLERANCE, team=team
             )
-            if not check or n_mode == _massive(M_free):
+            if not check or n_mode == massive:
                 break
             level, below = _gap(values, wanted)
             found = fenicsx.negative_pivots(K_free - level * M_free, team)
             if found <= below:
                 break
             # a repetition with the same number of modes would miss the same one
-            n_mode = min(max(n_mode, found) + EXTRA, _massive(M_free))
+            n_mode = min(max(n_mode, found) + EXTRA, massive)
     except (fenicsx.EigenError, fenicsx.InertiaError) as error:
         raise ShellError(f"frequencies: {error}") from error
-    n_zero = _without_energy(K_free, values, X, n_free_motions) if n_free_motions else 0
+    n_zero = _without_energy(K_free, values, X, n_free_motions, team) if n_free_motions else 0
     values, X = values[:wanted], X[:, :wanted]
     shapes = freedom.expanded(X)
     return Frequencies(values, shapes * signs(shapes, freedom), n_zero, n_free_motions, ())
 
 
-def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_free_motions: int) -> int:
+def _without_energy(
+    K: sp.csr_matrix, values: Array, X: Array, n_free_motions: int, team: fenicsx.Team
+) -> int:
     """How many of the modes X (n, m), unit modal mass, have no strain energy.
 
     The membrane stiffness of a thin shell is much larger than its bending stiffness. The round-off
     in x'Kx of a rigid motion may therefore be 1e-4 of the lowest elastic value, of either sign.
     """
     lowest = abs(values[n_free_motions] if n_free_motions < len(values) else values[-1])
-    rounding = ROUNDING * np.einsum("nm,nm->m", np.abs(X), abs(K) @ np.abs(X))
+    rounding = ROUNDING * np.einsum("nm,nm->m", np.abs(X), team.total(abs(K) @ np.abs(X)))
     return int(np.count_nonzero(np.abs(values) < np.maximum(ZERO * lowest, rounding)))
 
 
@@ -106,18 +109,18 @@ def soft_value(
     _, _, pivots = scipy.linalg.qr(free_motions.T, mode="economic", pivoting=True)
     held = pivots[: free_motions.shape[1]]
     rest = np.setdiff1d(np.arange(K.shape[0]), held)
-    load = M @ np.random.default_rng(0).standard_normal(K.shape[0])
+    load = team.total(M @ np.random.default_rng(0).standard_normal(K.shape[0]))
     shape = np.zeros(K.shape[0])
     try:
         factor = fenicsx.Cholesky(K[rest][:, rest], team)
         for _ in range(2):
             shape[rest] = factor.solve(load[rest])
-            load = M @ shape
+            load = team.total(M @ shape)
             load /= np.abs(load).max()
         factor.close()
     except fenicsx.FactorisationError as error:
         raise ShellError(f"frequencies: {error}") from error
-    return float(shape @ (K @ shape) / (shape @ (M @ shape)))
+    return float(shape @ team.total(K @ shape) / (shape @ team.total(M @ shape)))
 
 
 def _gap(values: Array, wanted: int) -> tuple[float, int]:
@@ -131,8 +134,8 @@ def _gap(values: Array, wanted: int) -> tuple[float, int]:
     return float(values[-1]) * (1.0 + GAP), len(values)
 
 
-def _massive(M: sp.csr_matrix) -> int:
-    return int(np.count_nonzero(np.diff(M.indptr)))
+def _massive(M: sp.csr_matrix, team: fenicsx.Team) -> int:
+    return int(np.count_nonzero(team.total(np.diff(M.indptr))))
 
 
 def signs(shapes: Array, freedom: Freedom) -> Array:

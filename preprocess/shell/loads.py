@@ -40,7 +40,7 @@ class Loads:
     Parameters
     ----------
     regions : all of the mesh, for areas and normals
-    mass : called for the mass matrix when there is gravity
+    mass : gives the product of the mass matrix and a motion (n_dof,)
     bow : of the membrane's sides (membranes/contract.py)
     """
 
@@ -48,7 +48,7 @@ class Loads:
         self,
         freedom: Freedom,
         regions: Sequence[Region],
-        mass: Callable[[], Any],
+        mass: Callable[[Array], Array],
         bow: float = 0.0,
     ) -> None:
         self.freedom, self.mesh = freedom, freedom.mesh
@@ -180,7 +180,7 @@ class Loads:
     def _gravity(self, acceleration: Array) -> Array:
         motion = np.zeros((self.freedom.n_dof // DOFS, DOFS))
         motion[: self.mesh.n_node, :3] = acceleration
-        return np.asarray((self._mass() @ motion.ravel()).reshape(motion.shape))
+        return np.asarray(self._mass(motion.ravel()).reshape(motion.shape))
 
     def _on_cells(self, key: str, entry: Mapping[str, Any], where: str) -> Array:
         chosen = self._chosen(key, entry.get("at"), where)

@@ -38,7 +38,8 @@ class ShellProblem:
     ----------
     spec : see spec.py
     where : file and key of the specification, for messages
-    team : processes that all make the same problem and share the work
+    team : processes that all make the same problem and share its matrices: each has its part of
+        their sum
     mesh : replaces the mesh that the specification names
 
     Raises
@@ -134,7 +135,7 @@ class ShellProblem:
     def loads(self) -> Loads:
         """Converter from descriptions of loads to nodal forces."""
         bow = MEMBRANES[self.choice.membrane].bow
-        return Loads(self.freedom, self.regions, lambda: self.M, bow)
+        return Loads(self.freedom, self.regions, lambda u: self.team.total(self.M @ u), bow)
 
     def free_motions(self, freedom: Freedom) -> tuple[list[Array], list[Array]]:
         """Free rigid motions, and mechanisms of the drilling stiffness."""
@@ -160,11 +161,11 @@ class ShellProblem:
 
     @cached_property
     def _assembly(self) -> Assembly:
-        return Assembly(self.mesh, self.regions, self.choice, len(self.links))
+        return Assembly(self.mesh, self.regions, self.choice, len(self.links), self.team)
 
     def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[Array]) -> sp.csr_matrix:
         """Add the matrices of the beams that stiffen the shell."""
-        if not lines:
+        if not lines or self.team.rank:  # of several processes, the first has the beams
             return matrix
         ends = np.concatenate([stiffener.ends for stiffener in self.stiffeners])
         return matrix + self._assembly.lines(ends, np.concatenate(lines))

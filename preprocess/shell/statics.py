@@ -35,7 +35,8 @@ def solve_cases(
 ) -> Statics:
     """Displacements and reactions under nodal forces (n_dof, l).
 
-    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere.
+    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere. Each process of
+    a team has its part of K.
 
     Raises
     ------
@@ -45,19 +46,19 @@ def solve_cases(
         raise ShellError("supports: every degree of freedom is fixed")
     reduced = freedom.reduced(K)
     moved = np.zeros_like(forces) if given is None else freedom.carried_along(given)
-    loads = freedom.gathered(forces - K @ moved if moved.any() else forces)
+    loads = freedom.gathered(forces - team.total(K @ moved) if moved.any() else forces)
     try:
         factor = fenicsx.Cholesky(reduced, team)
-        q = _refined(factor, reduced, loads)
+        q = _refined(factor, reduced, loads, team)
         factor.close()
     except fenicsx.FactorisationError as error:
         raise ShellError(f"statics: {error}") from error
     u = freedom.expanded(q) + moved
-    out_of_balance = np.abs(reduced @ q - loads)
+    out_of_balance = np.abs(team.total(reduced @ q) - loads)
     # the accuracy of a row is that of the terms that cancel in it
-    size = (abs(reduced) @ np.abs(q)).max(axis=0) + np.abs(loads).max(axis=0)
+    size = team.total(abs(reduced) @ np.abs(q)).max(axis=0) + np.abs(loads).max(axis=0)
     residual = out_of_balance.max(axis=0) / np.where(size > 0.0, size, 1.0)
-    Ku = K @ u
+    Ku = team.total(K @ u)
     energy = 0.5 * np.einsum("nl,nl->l", u, Ku)
     reactions = freedom.on_supports(Ku - forces)
     work = np.einsum("nl,nl->l", u, forces)
@@ -72,7 +73,9 @@ def solve_cases(
     )
 
 
-def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array) -> Array:
+def _refined(
+    factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array, team: fenicsx.Team
+) -> Array:
     """Solve with residuals in extended precision.
 
     The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.
@@ -82,7 +85,7 @@ def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array) -> Array:
     longer = K.astype(np.longdouble)
     q = factor.solve(loads)
     for _ in range(STEPS):
-        q = q + factor.solve(np.asarray(loads - longer @ q, dtype=float))
+        q = q + factor.solve(np.asarray(loads - team.total(longer @ q), dtype=float))
     return np.asarray(q)
 
 

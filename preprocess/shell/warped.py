@@ -98,7 +98,7 @@ def tilted_work(problem: ShellProblem, u: Array) -> Array:
             forces = (K @ corners.reshape(len(some), 6 * k, count)).reshape(-1, k, 6, count)
             moments = np.einsum("ci,ckim->ckm", e3[some], forces[:, :, 3:])
             work[k - 3] += np.einsum("ckm,ckm->m", about, moments)
-    energy = np.einsum("nm,nm->m", u, problem.K @ u)
+    energy = np.einsum("nm,nm->m", u, problem.team.total(problem.K @ u))
     return np.divide(work, energy, out=np.zeros_like(work), where=energy > 0.0)
 
 
