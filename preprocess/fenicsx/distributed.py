@@ -4,6 +4,7 @@ The matrix of a problem is the sum of the parts, which are (n, n) each. Products
 team; for a factorisation, every process gets rows of the sum.
 """
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ class Distribution:
         owner = team.least(np.where(filled, team.rank, team.size - 1))
         self._order = np.argsort(owner, kind="stable")  # PETSc's: process by process
         bounds = np.searchsorted(owner[self._order], np.arange(team.size + 1))
-        self._of = [self._order[a:b] for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+        self._of = [self._order[a:b] for a, b in pairwise(bounds)]
         self.rows = self._of[team.rank]
         self.n_own = len(self.rows)
         self._number = np.empty(self.n, dtype=PETSc.IntType)

@@ -23,6 +23,7 @@ def eigenpairs(
     target: float = 0.0,
     tolerance: float = 1e-12,
     team: Team = ALONE,
+    solid: bool = False,
 ) -> tuple[Array, Array]:
     """Eigenpairs of K x = lambda M x nearest to `target`, ascending and M-orthonormal.
 
@@ -36,6 +37,7 @@ def eigenpairs(
     target : shift of the shift-and-invert transformation, in the unit of lambda
     tolerance : relative tolerance of the Krylov-Schur iteration
     team : processes that have parts of K and M and share the work; each gets all pairs
+    solid : the unknowns fill a volume, not a surface
 
     Returns
     -------
@@ -65,13 +67,13 @@ def eigenpairs(
             return _checked(K, M, _sharpened(K, M, X), team)
     # SLEPc can solve once more for every vector, which removes errors that a singular M amplifies
     purify = n_finite < n_dof
-    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify)
+    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify, solid)
     try:
         return _checked(K, M, X, team)
     except EigenError:
         if purify:
             raise
-    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, True)
+    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, True, solid)
     return _checked(K, M, X, team)
 
 
@@ -84,6 +86,7 @@ def _krylov_schur(
     tolerance: float,
     team: Team,
     purify: bool,
+    solid: bool,
 ) -> Array:
     eps = SLEPc.EPS().create(comm=team.comm)
     rows = Distribution(K, team)
@@ -92,7 +95,9 @@ def _krylov_schur(
         # with a shift away from zero the factorised matrix is as far from singular as the
         # eigenvalues require; K alone must be definite
         random = RandomLoad(team.total(K.diagonal())) if target == 0.0 else None
-        return _solved(eps, operators, n_mode, n_krylov, target, tolerance, rows, purify, random)
+        return _solved(
+            eps, operators, n_mode, n_krylov, target, tolerance, rows, purify, solid, random
+        )
     finally:
         destroy(eps, *operators)
 
@@ -106,6 +111,7 @@ def _solved(
     tolerance: float,
     rows: Distribution,
     purify: bool,
+    solid: bool,
     random: RandomLoad | None,
 ) -> Array:
     n_dof = operators[0].getSize()[0]
@@ -125,9 +131,11 @@ def _solved(
     pc = ksp.getPC()
     # PETSc's own Cholesky does not pivot: use an LU for an indefinite matrix
     pc.setType("cholesky" if HAS_MUMPS or target <= 0.0 else "lu")
-    use_mumps(pc, n_dof)
+    use_mumps(pc, n_dof, solid)
     start = PETSc.Vec().createMPI((rows.n_own, n_dof), comm=rows.team.comm)
-    start.setArray(np.random.default_rng(0).standard_normal(n_dof)[rows.rows])  # runs must reproduce
+    start.setArray(
+        np.random.default_rng(0).standard_normal(n_dof)[rows.rows]
+    )  # runs must reproduce
     eps.setInitialSpace([start])
     load, vector = start.duplicate(), start.duplicate()
     try:
@@ -213,7 +221,9 @@ def _checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array, team: Team) -> tuple[
     residual = np.linalg.norm(KX - MX * values, axis=0)
     size = np.linalg.norm(KX, axis=0) + np.abs(values) * np.linalg.norm(MX, axis=0)
     # a rigid motion has K x = 0: its residual is relative to the forces that K gives for x
-    size = np.maximum(size, np.abs(team.total(K.diagonal())).max() * np.linalg.norm(X, axis=0) * 1e-6)
+    size = np.maximum(
+        size, np.abs(team.total(K.diagonal())).max() * np.linalg.norm(X, axis=0) * 1e-6
+    )
     worst = int(np.argmax(residual / size))
     if not residual[worst] <= 1e-6 * size[worst]:
         raise EigenError(

@@ -18,14 +18,21 @@ class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
     A team of processes factorises together the sum of the matrices that each of them has, and has
-    the same right-hand sides and solutions on each. The first solve after a factorisation checks it with an additional column. The memory of the factors is
-    freed with the object, or earlier by `close`.
+    the same right-hand sides and solutions on each. The first solve after a factorisation checks it
+    with an additional column. The memory of the factors is freed with the object, or earlier by
+    `close`.
     """
 
-    def __init__(self, A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> None:
+    def __init__(
+        self,
+        A: Any,
+        team: Team = ALONE,
+        largest_growth: float = LARGEST_GROWTH,
+        solid: bool = False,
+    ) -> None:
         A = sorted_csr(A)
         destroy_dropped(team)
-        self.largest_growth = largest_growth
+        self.largest_growth, self._solid = largest_growth, solid
         self.growth = 0.0  # of a random load, by the last factorisation that was checked
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
@@ -42,7 +49,7 @@ class Cholesky:
         same = np.array_equal(A.indptr, self.A.indptr) and np.array_equal(A.indices, self.A.indices)
         if not same:
             raise FactorisationError("update() needs a matrix of the same sparsity pattern")
-        different = np.array([not np.array_equal(self.A.data, A.data)], dtype=np.int64)
+        different = np.array([0.0 if np.array_equal(self.A.data, A.data) else 1.0])
         if self._checked and not self._team.total(different).any():
             return
         self.A.data[:] = A.data
@@ -91,7 +98,7 @@ class Cholesky:
         self._pc = PETSc.PC().create(comm=self._team.comm)
         self._pc.setOperators(self._mat)
         self._pc.setType("cholesky")
-        use_mumps(self._pc, self.A.shape[0])
+        use_mumps(self._pc, self.A.shape[0], self._solid)
         if not HAS_MUMPS:
             self._pc.setFactorOrdering(ord_type="nd")
         self._factor = PETSc.Mat()
@@ -142,13 +149,15 @@ def _destroy_all(objects: list[Any]) -> None:
     destroy(*objects)
 
 
-def cholesky(A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> Cholesky:
+def cholesky(
+    A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH, solid: bool = False
+) -> Cholesky:
     """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
 
     Every process of the team has its part of `A`, and all columns to solve for. `largest_growth` is
-    that of a random load in a regular matrix. Raises FactorisationError if the matrix is indefinite or
-    singular.
+    that of a random load in a regular matrix; `solid`: the unknowns fill a volume. Raises
+    FactorisationError if the matrix is indefinite or singular.
     """
-    factor = Cholesky(A, team, largest_growth)
+    factor = Cholesky(A, team, largest_growth, solid)
     factor.check()
     return factor

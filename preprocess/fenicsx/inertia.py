@@ -9,18 +9,19 @@ from .stack import HAS_MUMPS, PETSc
 from .team import ALONE, Team
 
 
-def negative_pivots(A: Any, team: Team = ALONE) -> int:
+def negative_pivots(A: Any, team: Team = ALONE, solid: bool = False) -> int:
     """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia).
 
     With A = K - s M this counts the eigenvalues of K x = lambda M x below s, and so detects modes
-    that an iteration has missed. Each process of a team has a part of A. Raises InertiaError if A cannot be factorised.
+    that an iteration has missed. Each process of a team has a part of A. Raises
+    InertiaError if A cannot be factorised.
     """
     A = sorted_csr(A)
     mat = Distribution(A, team).matrix(A, spd=False)
     pc = PETSc.PC().create(comm=team.comm)
     pc.setOperators(mat)
     pc.setType("cholesky")
-    use_mumps(pc, mat.getSize()[0])
+    use_mumps(pc, mat.getSize()[0], solid)
     held = [pc, mat]
     try:
         pc.setUp()

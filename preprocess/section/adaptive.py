@@ -32,12 +32,15 @@ def error_energy(
         problem.mesh.cells,
         problem.degree,
         richer.space.quadrature_degree,
+        problem.team,
     )
     if result.space.over is not None:
         points = points.expressed(result.space.over)
     difference = unit_strains(better.space, better) - unit_strains(points, result)
-    stress = C @ difference
-    return np.einsum("cq,cqim,cqin->cmn", points.weights, difference, stress, optimize=True)
+    own = points.own
+    stress = C[own] @ difference
+    energy = np.einsum("cq,cqim,cqin->cmn", points.weights[own], difference, stress, optimize=True)
+    return problem.team.stacked(energy)
 
 
 def relative(energy: Array, K: Array) -> Array:

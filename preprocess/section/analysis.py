@@ -213,7 +213,10 @@ def analyse(
         mesh=mesh_data(problem.mesh, problem.space, lay),
         warping=nodal_displacements(result.space, unit_warping(result.space, result)),
         recovery=section_recovery(
-            points, lay_points, unit_strains(points, result), dict(spec["materials"])
+            points,
+            lay_points,
+            points.team.stacked(unit_strains(points, result)),
+            dict(spec["materials"]),
         ),
         warnings=tuple(warnings),
         provenance={

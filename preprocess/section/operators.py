@@ -27,20 +27,19 @@ class SectionOperators:
 
     def E(self, C: Array) -> sp.csr_matrix:
         """<G_h, C G_h> [Pa] for C (c, 1, 6, 6), constant in each cell, or (c, q, 6, 6) [Pa]."""
-        own, pattern = C[self.space.own], self.space.pattern
-        if own.shape[1] > 1:
-            data = pattern.data(self._blocks(own))
+        pattern = self.space.pattern
+        if C.shape[1] > 1:
+            data = pattern.data(self._blocks(C))
         else:  # one stiffness per cell: the part that depends only on the mesh is one sparse matrix
             if self._products is None:
-                self._products = pattern.summed(slope_products(self.space, self.space.own))
-            by_slopes = self._by_slopes(own[:, 0])
+                self._products = pattern.summed(slope_products(self.space))
+            by_slopes = self._by_slopes(C[:, 0])
             data = pattern.ordered(self._products @ by_slopes.reshape(-1, 9))
         return pattern.matrix(data)
 
     def _blocks(self, C: Array) -> Array:
         """Element matrices (c, k^2, 9) with a stiffness at every point, (c, q, 6, 6)."""
-        own = self.space.own
-        gradients, weighted = self.space.gradients[own], self.space.weighted_gradients[own]
+        gradients, weighted = self.space.gradients, self.space.weighted_gradients
         c, q, _, k = gradients.shape
         blocks = np.empty((c, k, 9 * k))
         for first in range(0, c, AT_A_TIME):
@@ -57,13 +56,13 @@ class SectionOperators:
         return np.asarray(C.reshape(*C.shape[:-2], 36) @ both).reshape(*C.shape[:-2], 2, 2, 9)
 
 
-def slope_products(space: SectionSpace, cells: slice) -> Array:
-    """Integrals of d_alpha phi_i d_beta phi_j over each of some cells, (c, k^2, 4).
+def slope_products(space: SectionSpace) -> Array:
+    """Integrals of d_alpha phi_i d_beta phi_j over each cell, (c, k^2, 4).
 
     Row k i + j is the pair of nodes, column 2 alpha + beta.
     """
-    c, q, _, k = space.gradients[cells].shape
-    slopes = space.gradients[cells].reshape(c, q, 2 * k)
-    left = space.weighted_gradients[cells].reshape(c, k, q, 2).swapaxes(2, 3)
+    c, q, _, k = space.gradients.shape
+    slopes = space.gradients.reshape(c, q, 2 * k)
+    left = space.weighted_gradients.reshape(c, k, q, 2).swapaxes(2, 3)
     products = left.reshape(c, 2 * k, q) @ slopes  # (c, i alpha, beta j)
     return products.reshape(c, k, 2, 2, k).transpose(0, 1, 4, 2, 3).reshape(c, k * k, 4)

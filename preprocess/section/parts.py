@@ -22,6 +22,8 @@ from .cells import (
 )
 from .numbering import Numbering
 
+EVERY = slice(None)
+
 
 @dataclass(frozen=True)
 class Part:
@@ -41,10 +43,11 @@ class Part:
         """True if the functions are those of corners only."""
         return self.nodes.shape[1] == CORNERS[self.kind]
 
-    def functions(self, points: Array) -> Array:
-        """The functions u with u,2 and u,3 at points of the reference cell, (c, q, 3, k)."""
+    def functions(self, points: Array, some: IntArray) -> Array:
+        """The functions u with u,2 and u,3 of some cells at points of the reference cell,
+        (c, q, 3, k)."""
         u = fenicsx.scalar_argument(self.domain, self.degree or 2)
-        found = self.evaluated(as_vector([u, u.dx(0), u.dx(1)]), points)
+        found = self.evaluated(as_vector([u, u.dx(0), u.dx(1)]), points, some)
         # A translation has no strain. The rounding of compiled tables is the same in all cells, so
         # that it would add up: very thin strips lose half a digit by it.
         found[:, :, 1:] -= found[:, :, :1] * found[:, :, 1:].sum(axis=-1, keepdims=True)
@@ -64,9 +67,9 @@ class Part:
         assert self.degree is not None
         return fenicsx.lagrange(KINDS[self.kind], self.degree, points)[0]
 
-    def evaluated(self, expression: Any, points: Array) -> Array:
-        """A UFL expression on `domain` at points of the reference cell, (c, q, ...)."""
-        return fenicsx.evaluated(self.domain, expression, points, self.own)
+    def evaluated(self, expression: Any, points: Array, some: IntArray | slice = EVERY) -> Array:
+        """A UFL expression on `domain` at points of some reference cells, (c, q, ...)."""
+        return fenicsx.evaluated(self.domain, expression, points, self.own[some])
 
     def places(self) -> Array:
         """Positions of the nodes of the functions, (c, k, 2) [m]."""

@@ -105,6 +105,7 @@ class SectionProblem:
         noise of the coordinates alone would not show it. One such difference can be small by
         chance: where it matters, the largest of three counts.
         """
+        C = C[self.space.own]
         result = known or self._solve(C, k, doubtful)
         if self._growth <= WELL or not measured:
             return result
@@ -145,6 +146,7 @@ class SectionProblem:
         if isinstance(result, CentralSolutions):
             return None
         operators, solver = self._prismatic(result.space)
+        C = C[self.space.own]
         solver.factorise(operators.E(C))  # another material may have been solved since
         return end_compliance(result, solver, C)
 
@@ -231,6 +233,8 @@ def section_problem(
             f"{where}.mesh.degree = {degree}: expected at least {mesh.cells.degree}, the degree of "
             "the mesh: a lower field cannot follow its curved edges"
         )
+    if mesh.cells.n_cell < team.size:
+        team = fenicsx.ALONE
     return _kept(mesh, degree, team)
 
 

@@ -30,7 +30,7 @@ def unit_displacements(space: SectionSpace, result: SectionStiffness) -> tuple[A
 
 
 def unit_strains(space: SectionSpace, result: SectionStiffness | CentralSolutions) -> Array:
-    """Strains of the six unit resultants at the points of a space, (c, q, 6, 6)."""
+    """Strains of the six unit resultants at the points of a space, (c, q, 6, 6), own cells."""
     if isinstance(result, CentralSolutions):
         at = TwistedStrains(space, result.strains.k)
         return at.strain_in_section(result.W) + at.strain_along_beam(result.Q)

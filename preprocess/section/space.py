@@ -34,13 +34,15 @@ class SectionSpace:
     ----------
     mesh : the cells
     degree : of Lagrange functions; None: the functions of the nodes that each cell has
-    team : processes that share the matrices; each has those of its `own` cells
+    team : processes that share strains and matrices; each has those of its `own` cells. Loads and
+        work are sums over the team
 
     Attributes
     ----------
     x2, x3 : (n_node,) positions of the nodes [m]
     unknowns : how the values of nodes follow from the unknowns, None if they are the unknowns
     dofs : (c, k) unknowns of each cell
+    own : the cells whose functions, strains and matrices this process has; c counts them below
     points : (c, q, 2) positions of the integration points [m]
     weights : (c, q) their areas [m2]
     values : (q, k) or (c, q, k) functions at the points
@@ -82,8 +84,9 @@ class SectionSpace:
         k = max(part.nodes.shape[1] for part in parts)
         self.dofs = np.empty((c, k), dtype=np.int32)
         self.points, self.weights = np.empty((c, q, 2)), np.zeros((c, q))
-        self.values: Array = np.zeros((q, k) if len(parts) == 1 else (c, q, k))
-        self.gradients = np.zeros((c, q, 2, k))
+        first, stop = self.own.start, self.own.stop
+        self.values: Array = np.zeros((q, k) if len(parts) == 1 else (stop - first, q, k))
+        self.gradients = np.zeros((stop - first, q, 2, k))
         places = np.empty((n_node, 2))
         for part, (reference, weights) in self.rules:
             rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
@@ -91,13 +94,17 @@ class SectionSpace:
             self.points[rows, :p], self.points[rows, p:] = x[..., :2], x[:, :1, :2]
             self.weights[rows, :p] = weights * np.abs(x[..., 2])
             self.dofs[rows, :n], self.dofs[rows, n:] = part.nodes, part.nodes[:, :1]
-            functions = part.functions(reference)
+            places[part.nodes] = part.places()
+            mine = np.flatnonzero((rows >= first) & (rows < stop))
+            if not len(mine):
+                continue
+            functions = part.functions(reference, mine)
+            rows = rows[mine] - first
             if len(parts) == 1:
                 self.values[:] = functions[0, :, 0]
             else:
                 self.values[rows, :p, :n] = functions[:, :, 0]
             self.gradients[rows, :p, :, :n] = functions[:, :, 1:]
-            places[part.nodes] = part.places()
         self.x2, self.x3 = places.T.copy()
         self.S_h, self.S_l = fixed(strain_in_section)[:, 3:], fixed(strain_along_beam)[:, :3]
         self.unknowns: Unknowns | None = None
@@ -107,18 +114,19 @@ class SectionSpace:
             self._express(hanging_unknowns(P))
 
     def _finish(self) -> None:
-        k = self.dofs.shape[1]
+        own = self.dofs[self.own]
         self.n_unknown = len(self.x2) if self.unknowns is None else self.unknowns.P.shape[1]
         # (n_unknown, c k): sums the contributions of the cells to each unknown
         self._to_nodes = sp.csr_matrix(
-            (np.ones(self.dofs.size), (self.dofs.ravel(), np.arange(self.dofs.size))),
-            shape=(self.n_unknown, self.n_cell * k),
+            (np.ones(own.size), (own.ravel(), np.arange(own.size))),
+            shape=(self.n_unknown, own.size),
         )
 
     def _express(self, unknowns: Unknowns) -> None:
         """Change to unknowns that give the present ones."""
         dofs, parts = unknowns.of_cells(self.dofs.astype(np.int64))
         self.dofs = dofs.astype(np.int32)
+        parts = parts[self.own]
         self.gradients = self.gradients @ parts[:, None]
         values = self.values if self.values.ndim == 3 else self.values[None]
         self.values = values @ parts
@@ -149,6 +157,11 @@ class SectionSpace:
         """Area of the section [m2]."""
         return float(self.weights.sum())
 
+    @property
+    def _areas(self) -> Array:
+        """Areas of the points of the own cells, (c, q) [m2]."""
+        return self.weights[self.own]
+
     @cached_property
     def pattern(self) -> Pattern:
         """Sparsity pattern of every matrix of the own cells."""
@@ -158,7 +171,7 @@ class SectionSpace:
     def weighted_gradients(self) -> Array:
         """Derivatives times the areas of their points, (c, k, 2 q), columns (q, alpha)."""
         c, q, _, k = self.gradients.shape
-        weighted = self.weights[..., None, None] * self.gradients
+        weighted = self._areas[..., None, None] * self.gradients
         return np.ascontiguousarray(np.swapaxes(weighted.reshape(c, 2 * q, k), 1, 2))
 
     def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
@@ -186,7 +199,7 @@ class SectionSpace:
     def at_points(self, W: Array) -> Array:
         """Values of displacement columns (n_dof, m) at the points, (c, q, 3, m)."""
         nodal = self._of_cells(W)
-        return (self.values @ nodal).reshape(*self.weights.shape, 3, -1)
+        return (self.values @ nodal).reshape(*self._areas.shape, 3, -1)
 
     def strain_in_section(self, W: Array) -> Array:
         """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
@@ -198,13 +211,13 @@ class SectionSpace:
 
     def slopes(self, W: Array) -> Array:
         """Derivatives d w_a / d x_alpha at the points, (c, q, 6, m), rows 3 alpha + a."""
-        c, q = self.weights.shape
+        c, q = self._areas.shape
         slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
         return slope.reshape(c, q, 6, -1)
 
     def load_of_slopes(self, partner: Array) -> Array:
         """Integral of partner . slopes of w for each unknown of w, (n_dof, m)."""
-        c, q, m = *self.weights.shape, partner.shape[-1]
+        c, q, m = *self._areas.shape, partner.shape[-1]
         return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
 
     def load_in_section(self, stress: Array) -> Array:
@@ -217,25 +230,26 @@ class SectionSpace:
 
     def load(self, traction: Array) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
-        weighted = self.weights[..., None, None] * traction
+        weighted = self._areas[..., None, None] * traction
         values = np.swapaxes(self.values, -1, -2)
-        return self._sum(values @ weighted.reshape(*self.weights.shape, -1))
+        return self._sum(values @ weighted.reshape(*self._areas.shape, -1))
 
     def work(self, stress: Array, strain: Array) -> Array:
         """Integral of stress' strain over the section, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
-        weighted = self.weights[..., None, None] * stress
-        return np.asarray(
+        weighted = self._areas[..., None, None] * stress
+        return self.team.total(
             weighted.reshape(-1, stress.shape[3]).T @ strain.reshape(-1, strain.shape[3])
         )
 
     def _of_cells(self, W: Array) -> Array:
         """Unknowns cell by cell, (c, k, 3 m)."""
-        return W.reshape(self.n_unknown, -1)[self.dofs]
+        return W.reshape(self.n_unknown, -1)[self.dofs[self.own]]
 
     def _sum(self, of_cells: Array) -> Array:
         """Loads (n_dof, m) from the contributions of the cells (c, k, 3 m)."""
         columns = of_cells.shape[-1]
-        return (self._to_nodes @ of_cells.reshape(-1, columns)).reshape(self.n_dof, -1)
+        found = self._to_nodes @ of_cells.reshape(-1, columns)
+        return self.team.total(found).reshape(self.n_dof, -1)
 
     def at_corners_and_middles(self, W: Array) -> list[Array]:
         """Values of displacement columns (n_dof, m) at the 6 or 9 nodes of the map of each cell.

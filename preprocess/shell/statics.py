@@ -35,8 +35,8 @@ def solve_cases(
 ) -> Statics:
     """Displacements and reactions under nodal forces (n_dof, l).
 
-    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere. Each process of
-    a team has its part of K.
+    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere. Each process
+    of a team has its part of K.
 
     Raises
     ------
@@ -73,9 +73,7 @@ def solve_cases(
     )
 
 
-def _refined(
-    factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array, team: fenicsx.Team
-) -> Array:
+def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array, team: fenicsx.Team) -> Array:
     """Solve with residuals in extended precision.
 
     The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.

@@ -102,17 +102,17 @@ class Mumps:
     def solve(self, A: Any, B: Array) -> Array:
         """Solve A X = B; factors of the same A are used again."""
         if self._last is None or self._last[0] is not A:
-            self._last = A, fenicsx.cholesky(A)
+            self._last = A, fenicsx.cholesky(A, solid=True)
         return np.asarray(self._last[1].solve(B))
 
     def negative_pivots(self, A: Any) -> int:
         """Number of negative eigenvalues of A. Raises ArithmeticError if A is singular."""
         try:
-            return fenicsx.negative_pivots(A)
+            return fenicsx.negative_pivots(A, solid=True)
         except fenicsx.InertiaError as error:
             raise ArithmeticError(str(error)) from error
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
         """Lowest values (count,) and vectors of K x = value M x."""
         self._last = None
-        return fenicsx.eigenpairs(K, M, count)
+        return fenicsx.eigenpairs(K, M, count, solid=True)
