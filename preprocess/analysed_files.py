@@ -2,7 +2,8 @@
 
 import dataclasses
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -25,8 +26,8 @@ class Ranks(Protocol):
     def broadcast(self, value: Any) -> Any:
         """The value of rank 0."""
 
-    def barrier(self) -> None:
-        """Wait for the others."""
+    def agree(self, error: BaseException | None) -> None:
+        """Wait for the others; raises the first error of any of them."""
 
 
 class Alone:
@@ -39,8 +40,10 @@ class Alone:
         """The value itself."""
         return value
 
-    def barrier(self) -> None:
+    def agree(self, error: BaseException | None) -> None:
         """No other process to wait for."""
+        if error is not None:
+            raise error
 
 
 def launched_ranks() -> Ranks:
@@ -86,12 +89,21 @@ class AnalysedFiles(Generic[Result]):
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
         """Analyse and write the file."""
-        try:
+        with self._together():
             result = self.analyse(spec, **({"team": self.ranks.team} if self.ranks.team else {}))
+        with self._together():
             provenance = {**result.provenance, "fingerprint": self.fingerprint(spec)}
             result = dataclasses.replace(result, provenance=provenance)
             if self.ranks.rank == 0:
                 self.write(target, result)
-        finally:
-            self.ranks.barrier()
         return f"{result.provenance['dofs']} dofs", result.warnings
+
+    @contextmanager
+    def _together(self) -> Iterator[None]:
+        """Work that ends on all ranks, or with the error of one on all of them."""
+        failed: BaseException | None = None
+        try:
+            yield
+        except Exception as error:
+            failed = error
+        self.ranks.agree(failed)

@@ -11,7 +11,12 @@ from mpi4py.futures import MPICommExecutor, MPIPoolExecutor
 from .stack import MPI
 from .team import world
 
-PATIENCE = 60.0  # maximum time between the ranks at the end of an analysis [s]
+# Maximum time between the ranks at the end of an analysis, and after an error of one of them [s].
+PATIENCE, AFTER_ERROR = 60.0, 20.0
+
+
+class RankError(RuntimeError):
+    """Another rank of the same analysis has failed."""
 
 
 class Ranks:
@@ -26,18 +31,23 @@ class Ranks:
         """The value of rank 0, on every rank."""
         return self._comm.bcast(value, root=0)
 
-    def barrier(self) -> None:
-        """Wait for the others; a rank whose partners do not arrive ends the job."""
+    def agree(self, error: BaseException | None) -> None:
+        """Wait for the others; raises the first error of any of them.
+
+        A rank whose partners do not arrive, because they wait for its part of a sum, ends the job.
+        """
         request = self._comm.Ibarrier()
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + (PATIENCE if error is None else AFTER_ERROR)
         while not request.Test():
             if time.monotonic() > deadline:
-                print(
-                    f"rank {self.rank}: the other ranks do not respond, the job is aborted",
-                    file=sys.stderr,
-                )
+                what = "the other ranks do not respond" if error is None else f"error: {error}"
+                text = " ".join(f"rank {self.rank}: {what}; the job is aborted".split())
+                print(text, file=sys.stderr, flush=True)
                 self._comm.Abort(2)
             time.sleep(0.001)
+        for rank, found in enumerate(self._comm.allgather(error and str(error))):
+            if found is not None:
+                raise error or RankError(f"rank {rank}: {found}")
 
 
 def world_size() -> int:

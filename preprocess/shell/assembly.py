@@ -6,7 +6,6 @@ the shell.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -27,8 +26,7 @@ class Assembly:
 
     Parameters
     ----------
-    regions : all cells of the mesh
-    team : processes that share the cells
+    regions : the cells that are assembled
     extra : number of nodes without cells after those of the mesh
     """
 
@@ -38,11 +36,8 @@ class Assembly:
         regions: Sequence[Region],
         choice: Choice,
         extra: int,
-        team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
         self._mesh, self._choice, self._extra = mesh, choice, extra
-        if team.size > 1:
-            regions = _own(regions, mesh, team)
         kinds = [[r for r in regions if r.nodes.shape[1] == k] for k in (3, 4)]
         self._kinds = [kind for kind in kinds if kind]
 
@@ -86,17 +81,3 @@ class Assembly:
         columns = np.tile(dofs, dofs.shape[1]).ravel()
         n_dof = DOFS * (self._mesh.n_node + self._extra)
         return sp.csr_matrix((matrices.ravel(), (rows, columns)), shape=(n_dof, n_dof))
-
-
-def _own(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) -> list[Region]:
-    """The cells of this process: a slice of the mesh across its longest direction."""
-    centres = mesh.centres_G
-    along = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
-    own = np.zeros(len(centres), dtype=bool)
-    own[along[team.share(len(centres))]] = True
-    parts = [(region, np.flatnonzero(own[region.cells])) for region in regions]
-    return [
-        replace(r, cells=r.cells[some], nodes=r.nodes[some], geometry=r.geometry[some])
-        for r, some in parts
-        if len(some)
-    ]

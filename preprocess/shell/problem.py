@@ -20,7 +20,7 @@ from .loads import Loads
 from .membranes import MEMBRANES
 from .mesh import ShellMesh, shell_mesh
 from .pairs import geometric_kernel, mass_kernel, pressure_kernel, stiffness_kernel
-from .regions import read_regions
+from .regions import own_cells, read_regions
 from .resultants import element_resultants
 from .section_link import section_rows
 from .spec import check_spec, elements
@@ -55,10 +55,12 @@ class ShellProblem:
         mesh: ShellMesh | None = None,
     ) -> None:
         check_spec(spec, where)
-        self.spec, self.where, self.team = spec, where, team
+        self.spec, self.where = spec, where
         self.choice, self.mass_form = elements(spec.get("elements", {}), f"{where}.elements")
         self.mesh = mesh or shell_mesh(spec["mesh"], f"{where}.mesh")
         self.regions = read_regions(spec, self.mesh, where)
+        self.team = team if len(self.mesh.cells) >= team.size else fenicsx.ALONE
+        self._own = own_cells(self.regions, self.mesh, self.team)
         self.links = [
             self._with_rows(link)
             for link in read_links(spec.get("links", {}), self.mesh, f"{where}.links")
@@ -145,8 +147,8 @@ class ShellProblem:
         """Resultants of every cell in E, (m, c, 8), of displacements (n_dof, m); cells have the
         order of the mesh."""
         nodes = u.reshape(len(u) // 6, 6, u.shape[1])
-        out = np.empty((u.shape[1], len(self.mesh.cells), 8))
-        for region in self.regions:
+        out = np.zeros((u.shape[1], len(self.mesh.cells), 8))
+        for region in self._own:
             for first in range(0, u.shape[1], AT_ONCE):  # no pass without states
                 some = slice(first, first + AT_ONCE)
                 corners = nodes[region.nodes][..., some]
@@ -157,11 +159,11 @@ class ShellProblem:
                     corners.reshape(len(region.cells), 6 * region.nodes.shape[1], -1),
                 )
                 out[some, region.cells] = np.moveaxis(found, 2, 0)
-        return out
+        return self.team.total(out)
 
     @cached_property
     def _assembly(self) -> Assembly:
-        return Assembly(self.mesh, self.regions, self.choice, len(self.links), self.team)
+        return Assembly(self.mesh, self._own, self.choice, len(self.links))
 
     def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[Array]) -> sp.csr_matrix:
         """Add the matrices of the beams that stiffen the shell."""

@@ -4,8 +4,8 @@ A region has the cells of one physical surface that are of one kind: a surface o
 quadrilaterals gives two regions of one name.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import IntArray
 from ...solver.package.shell.cells import NONE, corner_counts
+from .. import fenicsx
 from ..laminate import (
     LaminateSpec,
     LaminateStiffness,
@@ -152,3 +153,19 @@ def _laminate(
             plain[key] = table[key]
     name = f"{region}: {table['material']}"
     return name, laminate_from_dict(plain, materials, where)
+
+
+def own_cells(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) -> list[Region]:
+    """The cells of this process of a team: a slice of the mesh across its longest direction."""
+    if team.size == 1:
+        return list(regions)
+    centres = mesh.centres_G
+    along = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
+    own = np.zeros(len(centres), dtype=bool)
+    own[along[team.share(len(centres))]] = True
+    parts = [(region, np.flatnonzero(own[region.cells])) for region in regions]
+    return [
+        replace(r, cells=r.cells[some], nodes=r.nodes[some], geometry=r.geometry[some])
+        for r, some in parts
+        if len(some)
+    ]
