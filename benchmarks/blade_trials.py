@@ -19,9 +19,9 @@ import yaml
 from blade_matrices import mass_centre, numbers, theirs
 
 from plymotion.solver.__main__ import main as plymotion
-from plymotion.solver.commands.blade.along import Along
 from plymotion.solver.commands.blade.shape import Layer
 from plymotion.solver.commands.blade.station import write_station
+from plymotion.solver.commands.blade.tables import Along
 from plymotion.solver.commands.blade.windio import Blade, read_blade
 from plymotion.solver.commands.section.results import read_results
 

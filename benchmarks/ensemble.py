@@ -86,7 +86,7 @@ def _tolerance(file: Path) -> tuple[float, list[float]]:
     plan = read_plan(file)
     specs = []
     for number in np.unique(np.linspace(0, len(plan.members) - 1, PROBED).astype(int)).tolist():
-        packages = {b: plan.package(k) for b, k in plan.members[number].own.packages.items()}
+        packages = {b: plan.package(k) for b, k in plan.members[number].packages.items()}
         specs.append(RunSpec(CASE, SWEEP, plan.mechanism_of(number), packages))
 
     def tips(method: Method, rtol: float) -> list[Any]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import h5py
 
-from plymotion.solver.commands.executors.executor import Task, distribute
+from plymotion.solver.commands.executors import Task, distribute
 from plymotion.solver.commands.sweep.file import believed_rows, result_of, write_sweep
 from plymotion.solver.commands.sweep.plan import read_plan
 

@@ -12,8 +12,8 @@ import os
 import sys
 from pathlib import Path
 
+from .commands.ending import complete, full_output, no_reader
 from .commands.parser import parser, run_command
-from .commands.streams import complete, full_output, no_reader
 from .errors import InputError, PackageError
 from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
@@ -96,7 +96,7 @@ def _guarded(options: argparse.Namespace) -> int:
     except Exception as error:
         if of_a_signal(error):
             return _interrupted()
-        from .commands.defect import DEFECT, report
+        from .commands.ending import DEFECT, report
 
         print(f"error: {report(error)}", file=sys.stderr)
         return DEFECT

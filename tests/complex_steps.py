@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plymotion.solver.commands.modes.case import read_spec
 from plymotion.solver.commands.modes.place import at_of
-from plymotion.solver.commands.modes.state import States
+from plymotion.solver.commands.modes.state import States, read_spec
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import position_rates
 from plymotion.solver.dynamics.model.model import Model

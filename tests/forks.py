@@ -66,8 +66,8 @@ MODULES = [
     *("numpy.ma", "h5py", "concurrent.futures.process", "matplotlib.backends.backend_agg"),
     *("plymotion.solver.__main__", "plymotion.solver.run.execution"),
     *("plymotion.solver.inputs.case.load", "plymotion.solver.inputs.case.specs"),
-    *("plymotion.solver.commands.run.command", "plymotion.solver.commands.sweep.command"),
-    *("plymotion.solver.commands.sweep.work", "plymotion.solver.commands.sweep.figure"),
+    *("plymotion.solver.commands.run", "plymotion.solver.commands.sweep.command"),
+    *("plymotion.solver.commands.sweep.work", "plymotion.solver.commands.sweep.show"),
     "plymotion.solver.report.build",
 ]
 OFF = {"PLYMOTION_COMPILED": "0"}

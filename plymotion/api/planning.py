@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..solver.commands.cases.turn import turn
+from plymotion.solver.commands.cases.command import turn
+
 from ..solver.errors import InputError
 from ..solver.fidelity.delivery.execution import answered, read_planned
 from ..solver.fidelity.delivery.members import checked_member, member_spec, of_model

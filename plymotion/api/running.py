@@ -4,10 +4,11 @@ from collections.abc import Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
 
+from plymotion.solver.commands.cases.command import turn
+from plymotion.solver.commands.fenicsx_side.launch import keep_preprocessors
+from plymotion.solver.commands.run import run_one
+
 from ..solver.commands.cases.packages import build_needed
-from ..solver.commands.cases.turn import turn
-from ..solver.commands.fenicsx_side.task import keep_preprocessors
-from ..solver.commands.run.one import run_one
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
 from ..solver.package.common.replaceable import named_by_user

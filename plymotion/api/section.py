@@ -5,10 +5,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..solver.commands.described.entries import Entry
-from ..solver.commands.described.make import Made, make_files, write_specs
-from ..solver.commands.executors.local import Local
-from ..solver.commands.fenicsx_side.task import keep_preprocessors
+from plymotion.solver.commands.described import Entry, Made, make_files, write_specs
+from plymotion.solver.commands.executors import Local
+from plymotion.solver.commands.fenicsx_side.launch import keep_preprocessors
+
 from ..solver.commands.section.command import described_spec
 from ..solver.commands.section.results import SectionResults, read_results
 from ..solver.errors import InputError

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from plymotion.solver.results.summary import SquareIntegral
+from plymotion.solver.results.summary import spectrum as amplitude_spectrum
+
 from ..solver.errors import InputError
 from ..solver.math.arrays import Array
-from ..solver.results.measures import SquareIntegral
-from ..solver.results.measures import spectrum as amplitude_spectrum
 from .frames import pandas
 from .html import curve, table
 

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 import plymotion
+from plymotion.solver.commands.cases.command import turn
+from plymotion.solver.commands.ending import INCOMPLETE
+from plymotion.solver.commands.executors import Here
 
-from ..solver.commands.cases.turn import turn
-from ..solver.commands.executors.local import Here
-from ..solver.commands.exit_codes import INCOMPLETE
 from ..solver.commands.sweep.command import CSV, FILE
 from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
 from ..solver.commands.sweep.member import FINISHED

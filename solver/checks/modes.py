@@ -1,17 +1,24 @@
-"""Whether the vibration modes of each body are enough, family by family."""
+"""Checks of the vibration modes of bodies: enough of them, damping, elastic rotations."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import ceil, tau
+from typing import Any
 
 import numpy as np
 
+from ..dynamics.analysis.rank import free_motions
+from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.evaluation.dense_equations import assemble
 from ..inputs.case.loaded import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
 from ..package.section.schema import RESULTANTS
-from ..results.codes import FEW_MODES
+from ..results.codes import FEW_MODES, ROTATION
 from ..results.finding import Finding
 from .finished import NEGLIGIBLE, FinishedRun, Missing
+
+# Whether the vibration modes of each body are enough, family by family.
 
 VIBRATION = ("fixed_normal", "experimental")  # kinds of modes, of package.schema.MODE_KINDS
 # Directions of the loads that deform a beam as the vibrations of a family do.
@@ -183,3 +190,139 @@ def _without_static_shapes(
         if one.phi_B[:, family.rows].any() or one.psi_B[:, family.rows].any()
     }
     return [p for p in loaded_places(name, run.mechanism) if p in moved and p not in covered]
+
+
+# Whether modal damping means in the mechanism what it means for the body by itself.
+
+MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
+# Share of the strain energy of a vibration that makes it one of a body: two like members of an arm
+# have half each, so that a larger share would pass over their bending.
+OWN = 0.25
+RIGID = 1e-10  # eigenvalue of motions without strain, over the largest
+
+
+def loaded_damping(run: FinishedRun) -> list[dict[str, Any]]:
+    """Return, of each damped body, its damping ratio in the mechanism and by itself.
+
+    Entries: `body`; `frequency_hz` and `damping_ratio` of the lowest vibration of the mechanism
+    that is one of the body (more than a quarter of the strain energy); `own_frequency_hz` and
+    `own_damping_ratio` of the mode that has most of it, of the body by itself. Vibrations are those
+    of the mechanism at the start: elastic bodies with their joints and masses, drives held, without
+    springs, weight and spin. Empty above 400 velocity coordinates.
+    """
+    packages, names = run.packages, run.built.body_names
+    damped = [
+        i for i, name in enumerate(names) if name in packages and packages[name].damping.any()
+    ]
+    if not damped or run.model.n_vel > MOST:
+        return []
+    found = _vibrations(run)
+    if found is None:
+        return []
+    omega, shapes = found
+    entries = []
+    for i in damped:
+        package = packages[names[i]]
+        j = int(run.model.vel_start[i]) + 6
+        q = shapes[j : j + package.n_mode]
+        share = np.einsum("ak,ak->k", q, package.stiffness @ q) / omega**2
+        of_body = np.flatnonzero(share > OWN)
+        if not of_body.size:
+            continue
+        k = int(of_body[0])  # the lowest
+        mode = int(np.argmax(q[:, k] ** 2 * np.diag(package.stiffness)))
+        if not package.damping[mode, mode]:
+            continue
+        own = float(package.damping[mode, mode] / (2.0 * package.frequencies[mode]))
+        loaded = float(q[:, k] @ package.damping @ q[:, k]) / (2.0 * float(omega[k]) * share[k])
+        entries.append(
+            {
+                "body": names[i],
+                "frequency_hz": float(omega[k]) / (2.0 * np.pi),
+                "damping_ratio": float(loaded),
+                "own_frequency_hz": float(package.frequencies[mode]) / (2.0 * np.pi),
+                "own_damping_ratio": own,
+            }
+        )
+    return entries
+
+
+def _vibrations(run: FinishedRun) -> tuple[Array, Array] | None:
+    """Return angular frequencies (v,), ascending, and velocities (n_vel, v) of unit modal mass.
+
+    None if the mass matrix of the free motions is singular.
+    """
+    model = run.model
+    equations = assemble(model, float(run.solution.t[0]), run.solution.y[0])
+    Z = free_motions(equations, model.inertia_scale).Z
+    K = np.zeros((model.n_vel, model.n_vel))
+    for i, name in enumerate(run.built.body_names):
+        if name in run.packages:
+            j, package = int(model.vel_start[i]) + 6, run.packages[name]
+            K[j : j + package.n_mode, j : j + package.n_mode] = package.stiffness
+    try:
+        inverse = np.linalg.inv(np.linalg.cholesky(Z.T @ equations.M @ Z))
+    except np.linalg.LinAlgError:
+        return None
+    values, vectors = np.linalg.eigh(inverse @ (Z.T @ K @ Z) @ inverse.T)
+    elastic = values > RIGID * values[-1]
+    return np.sqrt(values[elastic]), (Z @ inverse.T @ vectors)[:, elastic]
+
+
+# Elastic rotations: how far interfaces turn relative to the frame of their body.
+
+UNEVEN = 1.2  # of segments: rotation of the one that bends most, against that of equal bending
+
+
+def motion_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield bodies whose interfaces turn too far for small elastic rotations.
+
+    Of a body in segments, the segment that turns most stands for all.
+    """
+    worst: dict[str, tuple[float, str, int]] = {}  # body of the case: rotation, its part, index
+    segments: dict[str, int] = {}
+    for i, name in enumerate(run.built.body_names):
+        body = run.mechanism.bodies.get(name)
+        whole = getattr(body, "part_of", None) or name
+        if body is not None and body.kind == "beam":
+            segments[whole] = segments.get(whole, 0) + 1
+        if not run.model.n_mode[i]:
+            continue
+        rotation = max(
+            float(np.max(np.linalg.norm(q @ interface.psi_B.T, axis=1)))
+            for _, q in run.modes(i)
+            for interface in run.packages[name].interfaces
+        )
+        if rotation > worst.get(whole, (ROTATION.limit,))[0]:
+            worst[whole] = rotation, name, i
+    for whole, (rotation, name, i) in worst.items():
+        count = segments.get(whole, 0)
+        text = _text(whole, name, rotation, count, second_order=stiffened(run.model, i))
+        yield ROTATION.finding(text, body=whole, value=rotation)
+
+
+def _text(whole: str, name: str, rotation: float, count: int, *, second_order: bool) -> str:
+    """Return the message; `count` is the number of segments of a beam, 0 of another body.
+
+    The rotation relative to the chord of a segment is about inverse to their number; that of the
+    segment in which a beam bends most falls a little more slowly. A rotation above a full turn, of
+    displacements without meaning, says nothing of the number.
+    """
+    part = f" of segment {name}" if count > 1 else ""
+    turn = f"{whole}: an interface{part} turns by {rotation:.2f} rad relative to the body frame "
+    limit = f"below {ROTATION.limit:g} rad"
+    if rotation > tau:
+        limit += "; this result is invalid"
+    split = "split the body"
+    if count:
+        now = f" ({count} now)" if count > 1 else ""
+        number = ceil((UNEVEN if count > 1 else 1.0) * count * rotation / ROTATION.limit)
+        wanted = f" = {number}" if rotation <= tau else ""
+        split = f"divide the beam by segments{wanted}{now}"
+    if second_order:
+        frame = "" if count > 1 else "use a chord or mean-axis frame, or "
+        accuracy = "expect an error of about 2 % at 0.25 rad"
+        return f"{turn}(second-order body: {limit}; {accuracy}): {frame}{split}"
+    if count:
+        split += ", with solver.geometric_stiffening = true"
+    return f"{turn}(linear bodies: {limit}): {split}, or stiffen it"

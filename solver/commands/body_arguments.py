@@ -252,15 +252,15 @@ def add_export(commands: Any) -> None:
 def add_package_commands(commands: Any) -> None:
     """Add `experimental`, `info` and `validate` to the subcommands of an argument parser."""
     title = "make a modal package from measured modes (docs/modes.md)"
-    parser = add_command(commands, "experimental", "packages.command:run_experimental", title)
+    parser = add_command(commands, "experimental", "packages:run_experimental", title)
     text = "nodes, modes and places of a test, TOML"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     _add_new_package(parser, "--out")
     title = "show the content of a modal package"
-    parser = add_command(commands, "info", "packages.command:run_info", title)
+    parser = add_command(commands, "info", "packages:run_info", title)
     parser.add_argument("package", type=Path, metavar="PACKAGE", help=PACKAGE)
     title = "check modal packages against docs/format.md"
-    parser = add_command(commands, "validate", "packages.command:run_validate", title)
+    parser = add_command(commands, "validate", "packages:run_validate", title)
     parser.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help=PACKAGE)
 
 

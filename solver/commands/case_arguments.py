@@ -201,7 +201,7 @@ def add_modes(commands: Any) -> None:
 def add_plan(commands: Any) -> None:
     """Add `plan` to the subcommands of an argument parser."""
     title = "choose the model of a run by its accuracy"
-    parser = add_command(commands, "plan", "plan.command:run_plan", title, epilog=PLAN)
+    parser = add_command(commands, "plan", "plan:run_plan", title, epilog=PLAN)
     _add_run_of_case(parser)
     flag(parser, "no-check", "indicators only: no run of model and check")
     flag(parser, "json", "print the answer as JSON")
@@ -210,7 +210,7 @@ def add_plan(commands: Any) -> None:
 def add_chart(commands: Any) -> None:
     """Add `chart` to the subcommands of an argument parser."""
     title = "draw error against CPU time of the models of a run with [fidelity]"
-    parser = add_command(commands, "chart", "chart.command:run_chart", title)
+    parser = add_command(commands, "chart", "plan:run_chart", title)
     _add_run_of_case(parser)
     text = "the chart (default: DIR/plans/RUN.png)"
     parser.add_argument("--figure", type=Path, metavar="PNG", help=text)
@@ -219,7 +219,7 @@ def add_chart(commands: Any) -> None:
 def add_packages_command(commands: Any) -> None:
     """Add `packages` to the subcommands of an argument parser."""
     title = "build the modal packages of runs and sweeps"
-    call = "packages.command:run_packages"
+    call = "packages:run_packages"
     parser = add_command(commands, "packages", call, title, epilog=PACKAGES)
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="run or sweep file")
     add_executor(parser, "bodies")

@@ -44,7 +44,7 @@ from ..mechanism.assembly.assembly import assemble_model
 from ..mechanism.assembly.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..monitors.singularity import SingularityMonitor
 from ..signals.points import rotation_vectors
-from .executors.local import Local
+from .executors import Local
 from .fenicsx_side.launch import compile_forms
 
 

@@ -10,8 +10,8 @@ from ..math.late import late
 _PUBLIC = {
     "make_report": "build",
     "summary_table": "table",
-    "write_glb": "glb",
-    "write_vtk": "vtk",
+    "write_glb": "animation",
+    "write_vtk": "animation",
 }
 __all__ = [*_PUBLIC]
 

@@ -3,22 +3,54 @@
 from html import escape
 from typing import Any
 
-from .elements import section
-from .embed.blob import Blob, json_for_script
-from .embed.frames import NUMBERS
-from .embed.histories import NUMBERS as HISTORIES
-from .embed.histories import histories
-from .embed.inline import policy, script, style
-from .embed.scene import scene
+from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
+from .embed.inline import NUMBERS as HISTORIES
+from .embed.inline import Blob, histories, json_for_script, policy, script, style
+from .embed.scene import NUMBERS, scene
 from .fidelity import fidelity_section
-from .inputs import inputs_section
-from .modes import masses_section, modes_section
-from .reading import READING
-from .signals import signals_section
-from .status import banner, doubts, outcomes
+from .sections import READING, banner, doubts, inputs_section, outcomes, section, signals_section
 from .story import Comparison, Story
-from .strength import fatigue_section, strength_section, worst
-from .view import view
+
+# The section of report.html with the mechanism in motion; script/viewer.js fills it.
+
+_COLOURS = """<label>colour <select id='colour'>
+<option value='body'>body</option><option value='displacement'>displacement</option>
+<option value='energy'>strain energy</option><option value='exposure'>ply exposure 1/R</option>
+</select></label>"""
+_SCALES = "".join(f"<option>{scale}</option>" for scale in (1, 2, 5, 10, 20, 50, 100))
+_SPEEDS = "".join(
+    f"<option value='{speed}'{' selected' if speed == 1 else ''}>{speed:g}x</option>"
+    for speed in (0.001, 0.01, 0.1, 0.25, 0.5, 1, 2, 5)
+)
+
+_VIEW = (
+    "<div class='tools'>"
+    "<label>run <select id='view-run'></select></label>"
+    "<label>over it <select id='view-over'><option value=''>none</option></select></label>"
+    f"{_COLOURS}"
+    f"<label>deformation <select id='scale'>{_SCALES}</select></label>"
+    "<label>mode <select id='solo'><option value='-1'>all</option></select></label>"
+    "<label><input type='checkbox' id='edges' checked> edges</label>"
+    "<button type='button' id='worst'>worst ply</button>"
+    "<button type='button' id='home'>home</button></div>"
+    "<div id='stage'><canvas id='canvas' tabindex='0' role='img' "
+    "aria-label='The mechanism in motion. Drag to turn, wheel to zoom.'></canvas>"
+    "<div id='caption' role='status'></div><div id='legend'></div></div>"
+    "<div class='tools timeline'><button type='button' id='play'>play</button>"
+    "<input type='range' id='slider' min='0' max='1' step='any' value='0' aria-label='time'>"
+    "<output id='clock'>0 s</output>"
+    f"<label>speed <select id='speed'>{_SPEEDS}</select></label></div>"
+)
+
+
+def view(left_out: list[str]) -> str:
+    """Return the section; `left_out` are titles of runs without animation, for lack of space."""
+    names = escape(", ".join(left_out))
+    note = f"<p class='note'>Without animation, to keep the page small: {names}.</p>"
+    return section("view", "Motion", _VIEW, note if left_out else "")
+
+
+# report.html: one self-contained page, without other files or network.
 
 LIMIT = 2_900_000  # bytes of a page that can be mailed
 

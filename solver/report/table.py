@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ..results.verdict import verdict
+from ..results.summary import verdict
 
 WIDTH = 100  # columns of the screen that tables of signals take
 VALUES = {"final": 5, "min": 4, "max": 4}  # of a signal, and their digits

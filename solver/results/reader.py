@@ -11,9 +11,7 @@ import numpy as np
 from ..errors import nearest
 from ..package.common.container import get_text, kind_of_file, open_file
 from ..package.common.identity import check_file_checksum, version_of
-from .datasets import read_array
-from .nodes import drawn_by_views, positions_of_views
-from .records import Record, read_record, read_table, read_texts
+from .datasets import Record, read_array, read_record, read_table, read_texts
 from .schema import (
     FORMAT,
     FORMAT_VERSION,
@@ -23,6 +21,7 @@ from .schema import (
     Signal,
     check_result,
 )
+from .surfaces import drawn_by_views, positions_of_views
 from .view_file import body_of, link_of
 
 

@@ -1,14 +1,209 @@
-"""Surfaces of bodies for pictures: extruded beams, faces of meshes, bars between nodes."""
+"""Surfaces of bodies for pictures: extruded beams, faces of meshes, bars, boxes, spheres."""
 
 from collections.abc import Sequence
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
 from ..math.arrays import Array, IntArray
+from ..math.rotations import rotation_matrices
+from ..math.rows import ComputedRows, computed
 from ..math.shortest_rotation import shortest_rotations
 from .outline import Outline
+from .schema import BodyGeometry
 from .view import Surface
+
+# Positions of drawn points from the coordinates of their body.
+
+MANY = 16  # rigid bodies that are moved together
+MOST_STORED = 100_000_000  # bytes of positions that a result file has in any case
+
+
+def node_positions(
+    q: Array, first: int, nodes_B: Array, shapes_B: Array, out: Array | None = None
+) -> Array:
+    """Return global positions (k, n, 3) of nodes. Paper: Eq. (15).
+
+    First order in the modes, also for a stiffened body; for pictures.
+
+    Parameters
+    ----------
+    q : (k, n_pos) coordinates of the mechanism
+    first : column of the body's r_G (3), Euler parameters (4), then modal coordinates (m)
+    nodes_B : (n, 3) rest positions [m]
+    shapes_B : (m, n, 3) translations per unit mode [m]
+    out : (k, n, 3) to fill; None: a new array
+    """
+    found = np.empty((len(q), len(nodes_B), 3)) if out is None else out
+    # Time is the last axis until the end: long rows for NumPy, whatever the number of nodes.
+    modal = np.ascontiguousarray(q[:, first + 7 : first + 7 + len(shapes_B)].T)
+    x, y, z = (nodes_B[:, a, None] + shapes_B[:, :, a].T @ modal for a in range(3))
+    A = np.ascontiguousarray(rotation_matrices(q[:, first + 3 : first + 7]).transpose(1, 2, 0))
+    for a, (along_x, along_y, along_z) in enumerate(A):
+        place = along_x * x
+        place += along_y * y
+        place += along_z * z
+        place += q[:, first + a]
+        found[:, :, a] = place.T
+    return found
+
+
+Moved = tuple[int, Array, Array]  # first, nodes_B, shapes_B of a body, as above
+
+
+def all_positions(q: Any, bodies: Sequence[Moved]) -> Any:
+    """Return the positions (k, n, 3) of all bodies end to end, computed when read if q is long."""
+
+    count = sum(len(nodes) for _, nodes, _ in bodies)
+
+    starts = np.cumsum([0] + [len(nodes) for _, nodes, _ in bodies])
+    rigid = [i for i, (_, _, shapes) in enumerate(bodies) if not len(shapes)]
+    # Many rigid bodies together: each has few nodes. It takes more memory for each of them.
+    rigid = rigid if len(rigid) > MANY else []
+    single = sorted(set(range(len(bodies))) - set(rigid))
+    sizes = [len(bodies[i][1]) for i in rigid]
+    of_rigid = _joined([np.arange(starts[i], starts[i + 1]) for i in rigid], 0).astype(int)
+    nodes_B = _joined([bodies[i][1] for i in rigid], 3)
+    columns = np.array([bodies[i][0] for i in rigid], dtype=int)[:, None] + np.arange(7)
+
+    def points(first: int, end: int) -> Array:
+        some = q[first:end]
+        found = np.empty((len(some), count, 3))
+        for i in single:
+            node_positions(some, *bodies[i], found[:, starts[i] : starts[i + 1]])
+        if rigid:
+            at = some[:, columns]
+            A = rotation_matrices(at[..., 3:].reshape(-1, 4)).reshape(*at.shape[:2], 3, 3)
+            turned = np.einsum("kiab,ib->kia", np.repeat(A, sizes, axis=1), nodes_B)
+            found[:, of_rigid] = turned + np.repeat(at[..., :3], sizes, axis=1)
+        return found
+
+    return computed(q, (len(q), count, 3), points)
+
+
+def _joined(parts: list[Array], width: int) -> Array:
+    return np.concatenate(parts) if parts else np.zeros((0, width) if width else 0)
+
+
+def drawn_by_views(bodies: Sequence[BodyGeometry]) -> bool:
+    """Tell whether positions follow from the coordinates: all bodies have views."""
+    return bool(bodies) and all(body.view is not None for body in bodies)
+
+
+def positions_of_views(q: Array, bodies: Sequence[BodyGeometry]) -> ComputedRows:
+    """Return the positions (k, n, 3) of bodies with views, computed when they are read."""
+    moved = [
+        (body.view.first_position, body.nodes_B, body.view.shapes_B[:, :, :3])
+        for body in bodies
+        if body.view is not None
+    ]
+    count = sum(len(body.nodes_B) for body in bodies)
+    return ComputedRows((len(q), count, 3), lambda a, b: np.asarray(all_positions(q[a:b], moved)))
+
+
+# Surface of a rigid body for pictures: a box of its inertia, and bars to its places.
+
+THICKER = 1.3  # a box than the bars, at least
+LONGEST = 1.2  # edge of a box, over the reach of the mechanism
+# Corners of a box by the signs of its half edges, and its faces, outward.
+_SIGNS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
+_FACES = np.array(
+    [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+)
+
+
+def uniform_box(mass: float, S_B: Array, J_B: Array) -> tuple[Array, Array]:
+    """Edges (3,) [m] and axes (3, 3), by columns, of a uniform box with this inertia.
+
+    Parameters
+    ----------
+    S_B : (3,) first moment of mass about the origin [kg m]
+    J_B : (3, 3) inertia about the origin [kg m2]
+
+    Moments of inertia that no solid has give edges of length 0.
+    """
+    if not mass > 0.0:
+        return np.zeros(3), np.eye(3)
+    c = S_B / mass
+    about_centre = J_B - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    moments, axes = np.linalg.eigh(0.5 * (about_centre + about_centre.T))
+    with np.errstate(over="ignore"):  # of masses near the smallest number
+        squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
+    return np.sqrt(np.clip(squares, 0.0, 1e300)), axes * np.sign(np.linalg.det(axes))
+
+
+def rigid_surface(
+    nodes_B: Array, centre_B: Array, edges: Array, axes_B: Array, width: float, reach: float
+) -> Surface:
+    """Return a box at the centre of mass, and bars from the first node to each of the others.
+
+    Parameters
+    ----------
+    edges, axes_B : of the box
+    width : of the bars [m]
+    reach : size of the mechanism, which limits the box [m]
+    """
+    parts = Parts()
+    edges = edges * min(1.0, LONGEST * reach / max(float(edges.max()), 1e-300))
+    half = 0.5 * np.maximum(edges, THICKER * width)
+    corners = centre_B - nodes_B[0] + (_SIGNS * half) @ axes_B.T
+    first = parts.points(np.zeros(8, dtype=np.int64), corners)
+    parts.quads(first + _FACES, np.full(_FACES.shape, -1))
+    add_bars(parts, nodes_B, width)
+    return parts.surface()
+
+
+# Spheres on the surface of a body, which stand for point masses.
+
+SIDES = 12  # of the equator
+_BANDS = SIDES // 2
+DENSITY = 7850.0  # of the sphere, steel [kg/m3]
+LEAST, MOST = 0.012, 0.05  # radius over the size of the mechanism
+
+Ball = tuple[Array, float]  # centre (3,) in body axes [m], mass [kg]
+
+
+def radius(mass: float, reach: float) -> float:
+    """Return the radius [m] of a steel sphere of this mass, in bounds of the picture."""
+    of_steel = (3.0 * mass / (4.0 * np.pi * DENSITY)) ** (1.0 / 3.0)
+    return float(np.clip(of_steel, LEAST * reach, MOST * reach)) if reach > 0.0 else of_steel
+
+
+def with_spheres(surface: Surface, nodes_B: Array, balls: Sequence[Ball], reach: float) -> Surface:
+    """Return a surface and a sphere for each point mass, moving with the node nearest to it.
+
+    Parameters
+    ----------
+    nodes_B : (n, 3) nodes of the body [m]
+    reach : size of the mechanism [m]
+    """
+    parts = Parts()
+    parts.points(surface.node, surface.offset_B)
+    parts.triangles(surface.triangles, surface.edges, surface.site)
+    rings, quads = _unit_sphere()
+    for centre, mass in balls:
+        node = int(np.argmin(np.linalg.norm(nodes_B - centre, axis=1)))
+        points = centre - nodes_B[node] + radius(mass, reach) * rings
+        first = parts.points(np.full(len(points), node), points)
+        parts.quads(first + quads, np.full(quads.shape, -1), sides=0)
+    return parts.surface()
+
+
+def _unit_sphere() -> tuple[Array, IntArray]:
+    """Points (p, 3) on circles of latitude, poles included, and cells (f, 4), outward."""
+    polar = np.linspace(0.0, np.pi, _BANDS + 1)[:, None]
+    around = np.linspace(0.0, 2.0 * np.pi, SIDES, endpoint=False)[None, :]
+    x, y = np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around)
+    points = np.stack([x, y, np.cos(polar) * np.ones_like(around)], axis=-1).reshape(-1, 3)
+    band, side = np.meshgrid(np.arange(_BANDS), np.arange(SIDES), indexing="ij")
+    next_side = (side + 1) % SIDES
+    corners = [(band, side), (band + 1, side), (band + 1, next_side), (band, next_side)]
+    cells = np.stack([b * SIDES + s for b, s in corners], axis=-1).reshape(-1, 4)
+    return points, cells.astype(np.int64)
+
+
+# Surfaces of bodies for pictures: extruded beams, faces of meshes, bars between nodes.
 
 LINES = (3, 4, 21)  # VTK cell types: line, polyline, quadratic edge
 # Faces, by corners, of VTK cell types; higher orders start with the same corners.

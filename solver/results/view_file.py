@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .records import Record
+from .datasets import Record
 from .schema import BodyGeometry, ResultError
 from .summary import plain
 from .view import BodyView, Link, Side, Sites, Surface

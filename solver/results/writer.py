@@ -12,9 +12,16 @@ from ..math.arrays import Array, IntArray
 from ..math.rows import ComputedRows, LongRows
 from ..package.common.container import MAX_ATTRIBUTE, new_file, set_text
 from ..package.common.identity import write_file_checksum
-from .datasets import LARGE, PACKED, Datasets
-from .nodes import MOST_STORED, drawn_by_views
-from .records import MOST_NAMED, Record, write_record, write_table, write_texts
+from .datasets import (
+    LARGE,
+    MOST_NAMED,
+    PACKED,
+    Datasets,
+    Record,
+    write_record,
+    write_table,
+    write_texts,
+)
 from .schema import (
     FORMAT,
     FORMAT_VERSION,
@@ -25,6 +32,7 @@ from .schema import (
     check_result,
 )
 from .summary import plain
+from .surfaces import MOST_STORED, drawn_by_views
 from .view_file import GEOMETRY, LAYOUT, link_record, view_record
 
 Item = TypeVar("Item")

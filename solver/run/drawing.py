@@ -17,9 +17,18 @@ from ..package import ModalPackage
 from ..package.section.recovery_data import strengths
 from ..results import BodyGeometry
 from ..results.outline import Outline, section_outline
-from ..results.rigid import rigid_surface, uniform_box
-from ..results.spheres import Ball, with_spheres
-from ..results.surfaces import LINES, extruded, faces, frames_along, spokes, square
+from ..results.surfaces import (
+    LINES,
+    Ball,
+    extruded,
+    faces,
+    frames_along,
+    rigid_surface,
+    spokes,
+    square,
+    uniform_box,
+    with_spheres,
+)
 from ..results.view import BodyView, Link, Side, Sites, Surface
 from ..strength.beam_bodies import unit_stress_M
 from ..strength.governing import Points, governing_points

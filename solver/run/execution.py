@@ -18,11 +18,9 @@ from ..interrupts import held
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.finding import Finding
-from .disk_usage import disk_note, nearest_folder
 from .inputs_digest import inputs_sha256, still
-from .integration import integrated
-from .other_runs import histories_of
-from .outcome import RunSpec, collect
+from .integration import histories_of, integrated
+from .outcome import RunSpec, collect, disk_note, nearest_folder
 from .preparation import Prepared, prepare
 from .timing import FIRST_LINE_S, Stopwatch, Told
 

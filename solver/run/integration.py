@@ -1,16 +1,25 @@
-"""Integration of a prepared mechanism over its output times."""
+"""Integration of a prepared mechanism, and of the other runs that its signals read."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
+from ..inputs.case.combining import needed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Watch, integrate
 from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
-from .preparation import Prepared
+from ..signals import Histories, recorded
+from .outcome import RunSpec
+from .preparation import Prepared, prepare
+
+if TYPE_CHECKING:
+    from ..inputs.case.signals import Signal as SignalTable
+
+# Integration of a prepared mechanism over its output times.
 
 
 def output_times(t_end: float, step: float) -> Array:
@@ -76,3 +85,38 @@ def complete(prepared: Prepared) -> FinishedRun:
     if finished.solution.status == "interrupted":
         raise KeyboardInterrupt
     return finished
+
+
+# Other runs that the combined signals of a run read: they are integrated with it.
+
+
+def histories_of(
+    signals: Mapping[str, "SignalTable"],
+    runs: Mapping[str, RunSpec],
+    *,
+    allow_python: bool = False,
+) -> Histories:
+    """Return times and signals of the other runs that signals read.
+
+    A run that ends early has fewer times.
+
+    Parameters
+    ----------
+    signals : of a case; those of them that are combined
+    runs : the other runs by name
+
+    Raises
+    ------
+    InputError
+        As `prepare`, of another run.
+    """
+    found: dict[str, tuple[Array, dict[str, Array]]] = {}
+    for run, names in needed(signals).items():
+        other = runs[run]
+        prepared = prepare(other.mechanism, other.packages, names, allow_python=allow_python)
+        finished = complete(prepared)
+        recordings = recorded(prepared.measured, finished.model, finished.blocks)
+        blocks = [(recording, dict(rows)) for recording, rows in recordings]
+        values = {name: np.concatenate([v[name] for _, v in blocks]) for name in names}
+        found[run] = np.concatenate([r.t for r, _ in blocks]), values
+    return found

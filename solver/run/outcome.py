@@ -1,32 +1,43 @@
 """What a run leaves: histories, signals, checks and warnings from its solution."""
 
+import os
+import platform
+import shlex
+import shutil
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks.damping import loaded_damping
+from plymotion import __version__
+
 from ..checks.finished import FinishedRun, Past
 from ..checks.judge import judge
+from ..checks.modes import loaded_damping
 from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
+from ..math.compiled.versions import numba_version
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes import FEEDBACK
-from ..results.nodes import all_positions
+from ..results.surfaces import MOST_STORED, all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
 from .drawing import links, point_masses, with_views
-from .provenance import provenance
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
+
+# What a run leaves: histories, signals, checks and warnings from its solution.
 
 VTK_LINE = 3
 MOST_IN_MEMORY = 10 * IN_MEMORY  # bytes of reactions and signals
@@ -185,3 +196,72 @@ def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, .
         bodies.append(body)
         places.append((int(built.model.pos_start[i]), nodes, shapes))
     return tuple(bodies), all_positions(y, places)
+
+
+# What a result was computed with: versions, packages and the command.
+
+
+def provenance(packages: Mapping[str, ModalPackage]) -> dict[str, Any]:
+    """Return versions, the digest of the inputs of each package, and the command if it started
+    the run."""
+    found: dict[str, Any] = {
+        "versions": dict(_versions()),
+        "packages": {name: p.provenance.get("inputs_sha256") for name, p in packages.items()},
+    }
+    name, *words = sys.argv
+    if Path(name).stem in ("plymotion", "__main__"):
+        found["command"] = shlex.join(["plymotion", *words])
+    return found
+
+
+@cache
+def _versions() -> dict[str, str]:
+    found = {
+        "plymotion": __version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+    }
+    if find_spec("numba"):
+        found["numba"] = numba_version()
+    return found
+
+
+# Room on the disk that a run will take.
+
+WORTH_A_NOTE = 1_000_000_000  # bytes
+RIGID_BODY, PER_BODY = 3, 14  # drawn points; numbers of position and velocity
+CONSTRAINTS, OTHERS = 6, 8  # numbers of a joint; of time, energies, violations
+
+
+def nearest_folder(folder: Path) -> Path:
+    """Return a folder, or the one above it that exists."""
+    whole = Path(os.path.realpath(folder))  # Path.resolve raises where links form a loop
+    return next(each for each in (whole, *whole.parents) if each.is_dir())
+
+
+def disk_note(spec: RunSpec, folder: Path) -> str:
+    """Return a remark on a run whose results, on the disk of `folder`, are large; "" for others."""
+    mechanism = spec.mechanism
+    times = mechanism.solver.t_end / mechanism.solver.output_step
+    bodies = len(mechanism.bodies)
+    states = PER_BODY * bodies + 2 * sum(p.n_mode for p in spec.packages.values())
+    points = sum(len(p.nodes_B) for p in spec.packages.values())
+    points += RIGID_BODY * (bodies - len(spec.packages))
+    drawn = 8.0 * times * 3 * points
+    if mechanism.solver.node_positions == "auto" and drawn > MOST_STORED:
+        drawn = 0.0
+    others = CONSTRAINTS * len(mechanism.joints) + OTHERS + len(mechanism.signals)
+    results = 8.0 * times * (states + others) + drawn
+    passing = 8.0 * times * (states + others)
+    if results < WORTH_A_NOTE:
+        return ""
+    free = shutil.disk_usage(folder).free
+    return (
+        f"{times:.3g} output times need up to {_size(results)} in result.vtkhdf, and "
+        f"{_size(passing)} while the run lasts ({_size(free)} are free): a larger "
+        "solver.output_step needs less"
+    )
+
+
+def _size(count: float) -> str:
+    return f"{count / 1e9:.1f} GB"

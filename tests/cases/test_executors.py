@@ -18,12 +18,11 @@ from mpi_samples import ranks, with_mpi
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.executors import dask, local
-from plymotion.solver.commands.executors.executor import FRUITLESS, distribute
-from plymotion.solver.commands.executors.local import Here, Local
-from plymotion.solver.commands.sweep import portions, work
+from plymotion.solver.commands import executors
+from plymotion.solver.commands.executors import FRUITLESS, Here, Local, distribute
+from plymotion.solver.commands.sweep import work
 from plymotion.solver.commands.sweep.file import read_sweep
-from plymotion.solver.commands.sweep.portions import Portions
+from plymotion.solver.commands.sweep.work import Portions
 from plymotion.solver.errors import InputError
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
@@ -117,7 +116,7 @@ def test_workers_that_all_die_end_the_command(tmp_path):
 
 def test_processes_are_renewed(tmp_path, monkeypatch):
     """Memory that was not given back is free after a number of tasks."""
-    monkeypatch.setattr(local, "TASKS", 2)
+    monkeypatch.setattr(executors, "TASKS", 2)
     source = samples.Numbers(samples.process, tmp_path, range(6))
     distribute(Local(1), source)
     pids = [pid for _, pid in source.results]
@@ -156,8 +155,8 @@ def test_workers_end_with_their_parent(tmp_path, number):
     code = (
         "import sys\n"
         "from executor_samples import Numbers, sleeps\n"
-        "from plymotion.solver.commands.executors.executor import distribute\n"
-        "from plymotion.solver.commands.executors.local import Local\n"
+        "from plymotion.solver.commands.executors import distribute\n"
+        "from plymotion.solver.commands.executors import Local\n"
         "if __name__ == '__main__':\n"
         "    distribute(Local(2), Numbers(sleeps, sys.argv[1], range(2)))\n"
     )
@@ -181,7 +180,7 @@ def test_workers_end_with_their_parent(tmp_path, number):
 @POSIX
 @pytest.mark.provokes("worker-lost")
 def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(portions, "compute_portion", samples.deadly_portion)
+    monkeypatch.setattr(work, "compute_portion", samples.deadly_portion)
     plan = ball_plan(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0, 4.0]")
     rows = {}
     source = Portions(plan, range(4), plan.keys(), rows.__setitem__)
@@ -229,7 +228,7 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
             return super().next(lane, width)
 
     monkeypatch.setattr(work, "Portions", Watched)
-    monkeypatch.setattr(portions, "compute_portion", samples.noted_portion)
+    monkeypatch.setattr(work, "compute_portion", samples.noted_portion)
     first = cluster.worker()
     second = cluster.worker()
     killed = []
@@ -260,8 +259,8 @@ KILLED = """
 import sys
 import executor_samples
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import portions, work
-portions.compute_portion = executor_samples.noted_portion
+from plymotion.solver.commands.sweep import work
+work.compute_portion = executor_samples.noted_portion
 work.SAVE_S = 0.0  # each row at once
 sys.exit(main(sys.argv[1:]))
 """
@@ -327,7 +326,7 @@ def test_dask_workers_may_come_later(tmp_path, cluster):
 def test_wrong_executors(tmp_path, capsys, monkeypatch, words, message):
     if "--scheduler" in words and "--executor" not in words and "--jobs" not in words:
         pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    monkeypatch.setattr(dask, "CONNECT_S", 1.0)
+    monkeypatch.setattr(executors, "CONNECT_S", 1.0)
     file = ball(tmp_path, f"{FORCE} = [1.0]")
     assert sweep(file, *words) == 2
     assert message in capsys.readouterr().err

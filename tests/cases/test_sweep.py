@@ -11,7 +11,7 @@ from case_samples import HEAD, SOLVER, rigid
 from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import portion
+from plymotion.solver.commands.sweep import work
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
 from plymotion.solver.results.codes import SPIN
@@ -45,7 +45,7 @@ def computed(monkeypatch):
         numbers.extend(plan.members[k].number for k in places)
         return compute(plan, packages, places, keys)
 
-    monkeypatch.setattr(portion, "compute", watched)
+    monkeypatch.setattr(work, "compute", watched)
     return numbers
 
 
@@ -301,13 +301,13 @@ def test_what_is_no_sweep_file(text, tmp_path, capsys):
     ],
 )
 def test_figures(vary, shape, tmp_path, monkeypatch):
-    from plymotion.solver.commands.sweep import figure
+    from plymotion.solver.commands.sweep import show
 
     drawn = []
     for name in ("_curves", "_map", "_points"):
-        real = getattr(figure, name)
+        real = getattr(show, name)
         monkeypatch.setattr(
-            figure, name, lambda *a, real=real, name=name: drawn.append((name, a)) or real(*a)
+            show, name, lambda *a, real=real, name=name: drawn.append((name, a)) or real(*a)
         )
     file = ball(tmp_path, vary, 'signals = ["x"]')
     assert main(["sweep", str(file), "--quiet"]) in (0, 3)

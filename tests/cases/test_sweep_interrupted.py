@@ -10,7 +10,7 @@ import numpy as np
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import portion, work
+from plymotion.solver.commands.sweep import work
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
 
@@ -35,7 +35,7 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
         return compute(plan, packages, places, keys)
 
     with monkeypatch.context() as patch:
-        patch.setattr(portion, "compute", interrupted)
+        patch.setattr(work, "compute", interrupted)
         assert sweep(file) == 130
     assert not (file.with_suffix("") / "sweep.csv").exists()
     done = len(calls[0]) + len(calls[1])

@@ -11,7 +11,7 @@ from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.coupled import Stepper
-from plymotion.solver.run.coupled.course import Course
+from plymotion.solver.run.coupled.stepper import Course
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.outcome import RunSpec
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.section.analysis import analyse
-from plymotion.solver.commands.section.ply_peaks import judged_peaks
+from plymotion.solver.commands.section.show import judged_peaks
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.package.section.corners import reentrant_corners
 

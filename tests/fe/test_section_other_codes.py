@@ -8,7 +8,7 @@ import pytest
 from vabs_peer import orthotropic, stiffness, turned
 
 from plymotion.preprocess.section import analyse
-from plymotion.solver.commands.section.writers.meshes import write_vabs
+from plymotion.solver.commands.section.writers import write_vabs
 from plymotion.solver.inputs.section.other_codes import is_of_another_code, spec_of_another_code
 
 ORDER = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")

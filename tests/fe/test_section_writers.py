@@ -9,8 +9,13 @@ from section_cases import section
 
 from plymotion.preprocess.section import analyse
 from plymotion.solver.commands.section.conventions import convert, transform
-from plymotion.solver.commands.section.writers.blades import write_beamdyn, write_hawc2
-from plymotion.solver.commands.section.writers.meshes import turning_cells, write_becas, write_vabs
+from plymotion.solver.commands.section.writers import (
+    turning_cells,
+    write_beamdyn,
+    write_becas,
+    write_hawc2,
+    write_vabs,
+)
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.other_codes import spec_of_another_code
 

@@ -4,7 +4,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.laws import read_columns
-from plymotion.solver.inputs.common.toml_file import read_toml
+from plymotion.solver.inputs.common.text_file import read_toml
 
 
 def test_devices_are_no_files(tmp_path):

@@ -9,13 +9,13 @@ import time
 import pytest
 from hostile_profile import LONG, WAIT_S
 
-from plymotion.solver.commands.described import heartbeat
+from plymotion.solver.commands import described
 
 
 def test_a_line_for_what_takes_long(capsys, monkeypatch):
-    assert heartbeat.FIRST_S < 2.0
-    monkeypatch.setattr(heartbeat, "FIRST_S", 0.01)
-    beat = heartbeat.Heartbeat()
+    assert described.FIRST_S < 2.0
+    monkeypatch.setattr(described, "FIRST_S", 0.01)
+    beat = described.Heartbeat()
     told = ""
     try:
         beat.doing = "two: meshing"

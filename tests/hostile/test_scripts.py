@@ -3,8 +3,8 @@
 import pytest
 
 from plymotion.solver.__main__ import main, parser
-from plymotion.solver.commands.executors.local import Local
-from plymotion.solver.commands.fenicsx_side.workers import start_of
+from plymotion.solver.commands.executors import Local
+from plymotion.solver.commands.fenicsx_side.launch import start_of
 from plymotion.solver.inputs.scripts import scripts
 
 

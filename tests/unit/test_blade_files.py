@@ -9,7 +9,7 @@ import pytest
 from blade_samples import along, anchor, blade_table, circle, layer, symmetric, write_blade
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.blade.contour import contour
+from plymotion.solver.commands.blade.shape import contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
 from plymotion.solver.math.polylines import lengths_along

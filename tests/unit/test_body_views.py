@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 
-from plymotion.solver.results.rigid import rigid_surface
+from plymotion.solver.results.surfaces import rigid_surface
 from plymotion.solver.results.view import BodyView, Surface
 
 

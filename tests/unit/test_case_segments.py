@@ -194,7 +194,7 @@ def test_members_of_a_sweep_vary_the_whole_body(tmp_path: Path) -> None:
         bodies = plan.mechanism_of(number).bodies
         assert list(bodies) == ["arm-1", "arm-2", "arm-3", "arm-4"]
         assert bodies["arm-2"].length == length / 4
-        assert set(plan.members[number].own.packages) == set(bodies)
+        assert set(plan.members[number].packages) == set(bodies)
 
 
 def spinning(segments: int, **changes: Any) -> tuple[list[np.ndarray], dict[str, Any]]:

@@ -9,8 +9,8 @@ from beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.measured_modes.measurement import INERTIAS
-from plymotion.solver.commands.measured_modes.tables import (
+from plymotion.solver.commands.measured_modes.measurement import (
+    INERTIAS,
     MeasuredFile,
     MeasuredInterface,
     MeasuredMode,

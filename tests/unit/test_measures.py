@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.results.measures import SquareIntegral, spectrum
+from plymotion.solver.results.summary import SquareIntegral, spectrum
 
 
 def _rms(t, values, *cuts):

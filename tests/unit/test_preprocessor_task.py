@@ -5,7 +5,7 @@ import os
 import pytest
 
 import plymotion as pm
-from plymotion.solver.commands.fenicsx_side import task
+from plymotion.solver.commands.fenicsx_side import launch
 from plymotion.solver.errors import InputError
 
 
@@ -15,10 +15,10 @@ def test_a_preprocessor_that_does_not_start_is_named(tmp_path, monkeypatch):
     python = tmp_path / "python"
     python.write_text("#!/bin/sh\necho broken >&2\nexit 2\n")
     python.chmod(0o755)
-    monkeypatch.setattr(task, "_found", lambda: str(python))
-    start = task.Start("", "body", ())
+    monkeypatch.setattr(launch, "_found", lambda: str(python))
+    start = launch.Start("", "body", ())
     with pytest.raises(InputError, match=f"^{python}: the preprocessor does not run: "):
-        task.make(start, tmp_path / "body.json")
+        launch.make(start, tmp_path / "body.json")
 
 
 def test_python_keeps_fenicsx_loaded_and_commands_end_it(
@@ -30,7 +30,7 @@ def test_python_keeps_fenicsx_loaded_and_commands_end_it(
 
     def section(density):
         pm.Section.from_file(square, {"materials.unit.rho": density}, out=tmp_path)
-        return task._idle[-1].process
+        return launch._idle[-1].process
 
     first = section(1.0)
     second = section(2.0)
@@ -40,8 +40,8 @@ def test_python_keeps_fenicsx_loaded_and_commands_end_it(
     assert first.exit_code() != 0
     third = section(3.0)
     assert third.runs()
-    monkeypatch.setattr(task, "_kept", False)  # as in a command
-    with task.preprocessors(lambda _: None):
+    monkeypatch.setattr(launch, "_kept", False)  # as in a command
+    with launch.preprocessors(lambda _: None):
         pass
-    assert task._idle == []
+    assert launch._idle == []
     assert not third.runs()

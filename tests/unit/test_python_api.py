@@ -12,8 +12,8 @@ from case_samples import HEAD, SOLVER, rigid
 
 import plymotion as pm
 from plymotion.solver.__main__ import main as command
+from plymotion.solver.commands.cases.command import turn
 from plymotion.solver.commands.cases.report import report_case
-from plymotion.solver.commands.cases.turn import turn
 from plymotion.solver.inputs.case.schema import CaseFile, Mechanism
 
 SWING = (

@@ -7,8 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from plymotion.solver.report.fidelity import fidelity_section, ladder_file, with_ladder
-from plymotion.solver.report.ladder import chart
+from plymotion.solver.report.fidelity import chart, fidelity_section, ladder_file, with_ladder
 from plymotion.solver.report.story import Story
 
 LADDER = {

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from result_samples import swinging_rod
 
-from plymotion.solver.report.comparison import crossings, spread
-from plymotion.solver.report.motion import plane, segments, travelling_point
+from plymotion.solver.report.figures import crossings, plane, segments, spread, travelling_point
 from plymotion.solver.report.story import Story
 from plymotion.solver.results import BodyGeometry, Signal
 

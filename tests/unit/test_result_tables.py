@@ -14,7 +14,7 @@ from plymotion.solver.results import (
     read_result,
     write_result,
 )
-from plymotion.solver.results.nodes import all_positions, node_positions
+from plymotion.solver.results.surfaces import all_positions, node_positions
 from plymotion.solver.results.view import BodyView
 
 

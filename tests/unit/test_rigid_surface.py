@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.math.rotations import vector_to_matrix
-from plymotion.solver.results.rigid import rigid_surface, uniform_box
-from plymotion.solver.results.spheres import with_spheres
+from plymotion.solver.results.surfaces import rigid_surface, uniform_box, with_spheres
 
 EDGES = np.array([0.3, 0.5, 1.2])  # m
 MASS = 7.0

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plymotion.solver.commands.described.entries import Entry, entries_of
-from plymotion.solver.commands.fenicsx_side.workers import Work
-from plymotion.solver.commands.section.batch_list import read_list
+from plymotion.solver.commands.described import Entry, entries_of
+from plymotion.solver.commands.fenicsx_side.launch import Work
+from plymotion.solver.commands.section.command import read_list
 from plymotion.solver.commands.section.results import SectionResults
 from plymotion.solver.commands.section.show import section_json, section_text
 from plymotion.solver.commands.section.summary import Row, summary_text, write_summary
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.changes import changed
+from plymotion.solver.inputs.section.study import changed
 from plymotion.solver.package.common.shares import by_mesh, mesh_key, shard, share
 
 

@@ -8,12 +8,13 @@ import pytest
 from matplotlib.image import imread
 from section_samples import rectangle
 
-from plymotion.solver.commands.section.figures.cell_field import CellField
-from plymotion.solver.commands.section.figures.detail import detail_of
-from plymotion.solver.commands.section.figures.drawing import shape_of
-from plymotion.solver.commands.section.figures.ply_colours import ply_colours
-from plymotion.solver.commands.section.figures.section import draw_section
-from plymotion.solver.commands.section.figures.states import shear_flow
+from plymotion.solver.commands.section.figures.drawing import (
+    CellField,
+    detail_of,
+    ply_colours,
+    shape_of,
+)
+from plymotion.solver.commands.section.figures.section import draw_section, shear_flow
 from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.package.section.schema import Ply, SectionFile
 from plymotion.solver.package.section.stress import cell_means, unit_stress

@@ -12,8 +12,7 @@ from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.shell.figures import feature_edges, magnification, view_axes
 from plymotion.solver.commands.shell.findings import case_findings, stacking
-from plymotion.solver.commands.shell.normals import normal_lines
-from plymotion.solver.commands.shell.show import shell_text
+from plymotion.solver.commands.shell.show import normal_lines, shell_text
 from plymotion.solver.commands.shell.show_json import shell_json
 from plymotion.solver.package.shell.io import read_shell, write_shell
 

@@ -7,7 +7,7 @@ from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.report.table import summary_table
-from plymotion.solver.results.verdict import invalid_words, verdict
+from plymotion.solver.results.summary import invalid_words, verdict
 
 ERROR = {"code": "spin-above-clamped-frequency", "level": "error", "t": 0.25, "message": "-"}
 WARNING = {"code": "modes-too-few", "level": "warning", "message": "-"}

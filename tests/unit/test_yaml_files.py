@@ -4,8 +4,8 @@ import pytest
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.common import yaml_file
-from plymotion.solver.inputs.common.yaml_file import read_yaml
+from plymotion.solver.inputs.common import text_file
+from plymotion.solver.inputs.common.text_file import read_yaml
 
 
 def growing(levels: int) -> str:
@@ -62,6 +62,6 @@ def test_plain_aliases_merges_and_reused_anchors_are_read(tmp_path):
 def test_a_file_that_is_too_large_is_not_read(tmp_path, monkeypatch):
     file = tmp_path / "large.yaml"
     file.write_text("a: 1\n")
-    monkeypatch.setattr(yaml_file, "BYTES", 4)
+    monkeypatch.setattr(text_file, "BYTES", 4)
     with pytest.raises(InputError, match="not read: more than"):
         read_yaml(file)

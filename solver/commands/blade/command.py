@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +12,62 @@ from ...inputs.case.file import CASE_FILE
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from ..body_arguments import add_section
-from ..defect import DEFECT, report
-from ..described.screen import USER_ERROR
-from ..exit_codes import worst
+from ..case_arguments import add_modes
+from ..described import USER_ERROR
+from ..ending import DEFECT, report, worst
+from ..modes.command import run_modes
 from ..section.command import run_section
-from .body import body_csv
-from .case import write_blade_case
-from .cells import StationMesh
-from .export import write_for
-from .given import differences
-from .spin import spin_blade
+from .layers import StationMesh
 from .station import write_station
-from .stations import Station, analysed, complete, station_csv, station_text
-from .windio import Blade, read_blade
+from .stations import (
+    COUNT,
+    Station,
+    analysed,
+    body_csv,
+    complete,
+    error_csv,
+    error_text,
+    frequencies_at_rest,
+    station_csv,
+    station_text,
+    write_blade_case,
+    write_for,
+)
+from .windio import Blade, differences, read_blade
+
+# Frequencies of a blade over the speed of its rotor.
+
+FREQUENCIES = "frequencies.csv"
+
+
+def spin_blade(
+    speeds: str, blade: Blade, stations: Sequence[Station], case: Path, *, quiet: bool
+) -> None:
+    """Print and write the frequencies at rest with their errors, and those over speed.
+
+    Parameters
+    ----------
+    speeds : as `plymotion modes --at spin=` has them
+    case : the case of the blade; the files are written beside it
+
+    Raises
+    ------
+    InputError : fewer than two complete stations; what `plymotion modes` finds.
+    """
+    if len(complete(stations)) < 2:
+        raise InputError(f"blade: --spin {speeds}: expected two complete stations or more")
+    out = case.parent
+    frequencies, errors = frequencies_at_rest(blade, stations, quiet=True)
+    write_text(out / FREQUENCIES, error_csv(frequencies, errors))
+    print(f"\n{error_text(frequencies, errors)}\n{out / FREQUENCIES}\n")
+    parser = argparse.ArgumentParser()
+    add_modes(parser.add_subparsers())
+    words = ["modes", str(case), "--at", f"spin={speeds}", "--count", str(COUNT)]
+    words += ["--out", str(out), *(["--quiet"] if quiet else [])]
+    run_modes(parser.parse_args(words))
+
+
+# `plymotion blade`: meshes, sections and the table of all stations.
 
 REMOVED = 0.02  # share of the layers' area without room, above which a warning says so
 

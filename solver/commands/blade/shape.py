@@ -1,5 +1,6 @@
-"""The outer shape of a blade: its airfoils, and chord, twist and thickness along the span."""
+"""The outer shape of a blade and its contour at a station."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,8 +9,9 @@ from scipy.interpolate import PchipInterpolator
 
 from ...errors import nearest
 from ...math.arrays import Array
-from .along import STRAIGHT, Along
-from .tables import Table, Tables
+from .tables import STRAIGHT, Along, Table, Tables
+
+# The outer shape of a blade: its airfoils, and chord, twist and thickness along the span.
 
 POINTS = 400  # of a contour
 SAME = 6  # digits in which thicknesses of airfoils are equal
@@ -179,3 +181,105 @@ def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
     points = np.column_stack([x, y])
     upper, lower = np.trapezoid(y[nose::-1], x[nose::-1]), np.trapezoid(y[nose:], x[nose:])
     return points if upper >= lower else points[::-1]
+
+
+# The outer contour of a blade at a station.
+
+
+def contour(shape: Shape, r: float) -> Array:
+    """Points (n, 2) from the trailing edge over suction side and leading edge back [m].
+
+    In the axes of the section: x2 from the reference axis to the leading edge, x3 to the suction
+    side. Airfoils are blended by their relative thickness.
+    """
+    chord, offset = shape.chord.at(r), shape.offset.at(r)
+    points = _blended(shape, r)
+    height = shape.height.at(r)
+    return np.column_stack([offset - chord * points[:, 0], height + chord * points[:, 1]])
+
+
+def _blended(shape: Shape, r: float) -> Array:
+    """Blend by relative thickness; airfoils of the same thickness by their places on the span."""
+    groups: dict[float, list[Airfoil]] = {}
+    for airfoil in shape.airfoils:
+        groups.setdefault(airfoil.thickness, []).append(airfoil)
+    sizes = np.array(sorted(groups))
+    shapes = np.array([_along_span(groups[size], r) for size in sizes])
+    if len(sizes) == 1:
+        return np.asarray(shapes[0])
+    thickness = np.clip(shape.thickness.at(r), sizes[0], sizes[-1])
+    return np.asarray(PchipInterpolator(sizes, shapes)(thickness))
+
+
+def _along_span(airfoils: list[Airfoil], r: float) -> Array:
+    """Shape at r of airfoils of one thickness: linear between their places."""
+    if len(airfoils) == 1:
+        return airfoils[0].sampled
+    places = [(place, airfoil) for airfoil in airfoils for place in airfoil.places]
+    places.sort(key=lambda one: one[0])
+    after = next((k for k, (place, _) in enumerate(places) if place > r), len(places))
+    (p0, one), (p1, two) = places[max(after - 1, 0)], places[min(after, len(places) - 1)]
+    if p0 >= p1:
+        return one.sampled
+    f = min(max((r - p0) / (p1 - p0), 0.0), 1.0)
+    return (1.0 - f) * one.sampled + f * two.sampled
+
+
+def edge_angle(points: Array) -> float:
+    """Angle between both sides at the trailing edge [rad]; pi: a round section."""
+    span = max(3, len(points) // 60)
+    one, two = points[span] - points[0], points[-1 - span] - points[-1]
+    cosine = one @ two / (np.linalg.norm(one) * np.linalg.norm(two))
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+# Sizes and layers of a blade that cannot be, and those that are unlike any blade.
+
+LONGEST, WIDEST = 300.0, 30.0  # [m] the longest blades are 150 m, with a chord of 8 m
+SLENDER, STOUT = 0.005, 0.5  # chord over length; blades have 0.03 to 0.25
+TWISTED = 45.0  # [deg] blades have up to 25
+NO_ARC = 1e-9  # [-]
+NOTHING = 1e-9  # [m] thickness that is round-off
+
+
+def doubts(shape: Shape) -> Iterator[str]:
+    """Yield sizes that are possible, but unlike blades: key and words."""
+    length = float(np.ptp(shape.length.values))
+    chord, twist = float(shape.chord.values.max()), float(np.abs(shape.twist.values).max())
+    if length > LONGEST:
+        yield f"reference_axis.z.values: a blade of {length:g} m; expected metres"
+    if chord > WIDEST or not SLENDER < chord / length < STOUT:
+        yield (
+            f"outer_shape.chord.values: up to {chord:g} m, {chord / length:.3g} of the length of "
+            f"{length:g} m; expected metres"
+        )
+    if twist > TWISTED:
+        yield f"outer_shape.twist.values: up to {twist:g}; expected degrees"
+
+
+def check_layers(tables: Tables, shape: Shape, layers: Sequence[Layer]) -> None:
+    """Refuse layers that cannot be.
+
+    Raises
+    ------
+    InputError : a negative thickness, one above that of the section, or nowhere an arc.
+    """
+    for i, layer in enumerate(layers):
+        path, t = f"structure.layers[{i}]", layer.thickness
+        if t.values.min() < -NOTHING:
+            words = f"{t.values.min():g} of {layer.name}; expected 0 or more [m]"
+            raise tables.error(f"{path}.thickness.values", words)
+        for r, value in zip(t.grid.tolist(), t.values.tolist(), strict=True):
+            room = shape.chord.at(r) * shape.thickness.at(r)
+            if value > room:
+                words = f"{value:g} of {layer.name} at r = {r:g}, where the section is {room:.3g} m"
+                raise tables.error(f"{path}.thickness.values", f"{words} thick; expected metres")
+        if layer.web or not t.values.any():
+            continue
+        grid = np.union1d(np.union1d(layer.start.grid, layer.end.grid), t.grid)
+        arcs = np.array([[one.at(r) for one in (layer.start, layer.end)] for r in grid])
+        around = (arcs[:, 0] > 0.5) & (arcs[:, 1] < 0.5)
+        if not (around | (arcs[:, 1] - arcs[:, 0] > NO_ARC)).any():
+            (start, end) = arcs[0]
+            words = f"{layer.name} begins at {start:g} and ends at {end:g}; expected an end behind"
+            raise tables.error(f"{path}.end_nd_arc", f"{words} the start")

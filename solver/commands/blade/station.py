@@ -1,19 +1,328 @@
 """One station of a blade: its mesh and its section description."""
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
 from ...errors import InputError, nearest
+from ...math.arrays import Array
+from ...math.polylines import lengths_along
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_text
-from .cells import StationMesh
-from .contour import contour
-from .materials import GLUE
-from .mesh import station_mesh
-from .shape import Layer
-from .wall import Band, WebLayers
-from .windio import Blade, region_name
+from .layers import (
+    THINNEST,
+    Band,
+    StationMesh,
+    WebLayers,
+    add_web,
+    breaks,
+    check_feet,
+    enclosed,
+    feet_of,
+    fitted,
+    joined,
+    level_under,
+    material_of,
+    rows_of,
+    thickness,
+    with_face,
+)
+from .shape import Layer, contour, edge_angle
+from .windio import GLUE, Blade, region_name
+
+# Mesh of a station: quadrilaterals in columns and rows, webs between inner nodes of the shell.
+
+COLUMNS = 160  # along the contour, without those at ends of layers
+ROOM = 0.9  # share of the room between the two sides that walls may fill
+MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
+NEXT = 0.9  # of the spacing of columns: those nearer do not limit the wall
+LEAST = 0.2  # of the length of a cell outside, its length inside
+PASSES = 6  # at most, until feet of webs are as wide as their layers
+FITTED = 5e-3  # change of a width that is small enough
+CLOSE = 0.15  # columns nearer than this share of the spacing are one
+
+
+def station_mesh(
+    points: Array, bands: list[Band], webs: list[WebLayers], edge: Band
+) -> StationMesh:
+    """Mesh the shell of a contour and its webs.
+
+    Parameters
+    ----------
+    points : (n, 2) contour from the trailing edge over suction side and leading edge back [m]
+    bands : layers of the shell, from outside inwards
+    webs : in any order; they must not cross
+    edge : material that closes a trailing edge too sharp for a mitre; its thickness is a length
+
+    Raises
+    ------
+    InputError : feet of webs that overlap; the message begins with the key.
+    """
+    mesh = StationMesh()
+    points, corners = with_face(points, bands)
+    s = lengths_along(points)
+    perimeter = float(s[-1])
+    rows = [joined(row, perimeter) for row in rows_of(bands)]
+    mitred = edge_angle(points) >= MITRE
+    total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
+    low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
+    nose = float(s[len(points) // 2]) / perimeter
+    ends = [low, *corners, high]
+    fixed = [*ends, nose] if any(band.angle_deg for band in bands) else ends
+    for last in [False] * PASSES + [True]:
+        check_feet(webs, perimeter, *(corners or (low, high)))
+        arcs = _columns(rows, webs, perimeter, fixed)
+        outer = _smooth(points, s / perimeter, arcs)
+        normals = _normals(points, s / perimeter, arcs, outer, ends, mitred)
+        t, mesh.removed = _thickness(rows, webs, arcs, outer, normals, perimeter)
+        inner = outer + t.sum(axis=0)[:, None] * normals
+        wider, change = fitted(webs, arcs, inner, perimeter)
+        if change < FITTED or last:
+            break
+        webs = wider
+    depth = np.vstack([np.zeros(len(arcs)), np.cumsum(t, axis=0)])
+    numbers = _grid(mesh, outer, normals, depth, mitred)
+    _shell(mesh, rows, arcs, numbers, t, nose)
+    for web in webs:
+        add_web(mesh, web, arcs, numbers[-1], perimeter, perimeter / COLUMNS)
+    if not mitred:
+        _trailing_edge(mesh, numbers, edge)
+    return mesh
+
+
+def _thickness(
+    rows: list[list[Band]],
+    webs: list[WebLayers],
+    arcs: Array,
+    outer: Array,
+    normals: Array,
+    perimeter: float,
+) -> tuple[Array, float]:
+    """Thickness of rows at columns [m], and the share of the layers without room."""
+    t = np.array([thickness(row, arcs, perimeter) for row in rows])
+    full = t.sum(axis=0)
+    limit = _uncrossed(_gradual(_room(arcs, outer, normals), outer), full, outer, normals)
+    share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
+    spacing = np.gradient(arcs)
+    removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
+    t *= share
+    for web in webs:
+        level_under(web, t, arcs, perimeter)
+    t[t < THINNEST] = 0.0
+    return t, removed
+
+
+def _cut(points: Array, arcs: Array, gap: float) -> tuple[float, float]:
+    """Arcs at which both sides are `gap` apart, near the trailing edge and not on its face."""
+    n = len(points)
+    width = np.linalg.norm(points[: n // 2] - points[: n - n // 2 - 1 : -1][: n // 2], axis=1)
+    wide = width >= gap
+    wide[: _blunt(points)] = False
+    k = int(np.argmax(wide)) if wide.any() else n // 4
+    if k == 0:
+        return 0.0, 1.0
+    f = (gap - width[k - 1]) / max(width[k] - width[k - 1], 1e-30)
+    f = 1.0 if width[k - 1] >= gap else f  # the end of the face
+    one = arcs[k - 1] + f * (arcs[k] - arcs[k - 1])
+    two = arcs[n - k] + f * (arcs[n - 1 - k] - arcs[n - k])
+    return float(one), float(two)
+
+
+def _blunt(points: Array) -> int:
+    """Number of points at either end whose contour is the face of the trailing edge: across x2."""
+    most = len(points) // 20
+    one, two = np.diff(points[: most + 1], axis=0), np.diff(points[: -most - 2 : -1], axis=0)
+    steep = [np.abs(d[:, 1]) > np.abs(d[:, 0]) for d in (one, two)]
+    across = np.flatnonzero(steep[0] | steep[1])
+    return int(across[-1]) + 1 if across.size else 0
+
+
+def _columns(
+    rows: list[list[Band]], webs: list[WebLayers], perimeter: float, ends: list[float]
+) -> Array:
+    """Arcs of the columns: `ends` (of the contour, and its corners), ends of layers and feet of
+    webs exactly, others between them."""
+    low, high = min(ends), max(ends)
+    spacing = 1.0 / COLUMNS
+    feet = [feet_of(web, perimeter, spacing) for web in webs]
+    wanted = [float(arc) for both in feet for arc in both.ravel()]
+
+    def under(arc: float) -> bool:
+        return any(foot.min() < arc < foot.max() for both in feet for foot in both)
+
+    wanted += [arc for arc in ends if not under(arc)]  # the nose may be under a foot
+    apart = CLOSE * min(spacing, 0.01 / perimeter)
+    for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
+        near = min(abs(arc - other) for other in wanted) <= apart
+        if low < arc < high and not under(arc) and not near:
+            wanted.append(arc)
+    fixed = sorted(wanted)
+    found = [fixed[0]]
+    for one, two in itertools.pairwise(fixed):
+        count = max(1, round((two - one) / spacing))
+        found += [one + (two - one) * k / count for k in range(1, count + 1)]
+    return np.array(found)
+
+
+def _smooth(points: Array, at: Array, arcs: Array) -> Array:
+    at, first = np.unique(at, return_index=True)
+    return np.asarray(PchipInterpolator(at, points[first])(arcs))
+
+
+def _normals(
+    points: Array, at: Array, arcs: Array, outer: Array, corners: Sequence[float], mitred: bool
+) -> Array:
+    """Inward normals (n, 2) at arcs; at a corner so long that the walls keep their thickness.
+
+    Chords that reach as far as a column to both sides give the direction. Those between columns
+    would not do: beside a foot of a web, one is a millimetre long and the next a hundred.
+
+    Parameters
+    ----------
+    points, at : the contour and its arcs
+    outer : its points at `arcs`
+    corners : columns where the contour ends or has a corner
+    """
+    found = _mitres(outer, mitred)
+    reach = np.abs(arcs[:, None] - np.array(corners)).min(axis=1)
+    reach = np.minimum(reach, 1.0 / COLUMNS)
+    smooth = reach > 0.0
+    chords = _smooth(points, at, arcs + reach) - _smooth(points, at, arcs - reach)
+    normal = _sense(outer) * np.column_stack([-chords[:, 1], chords[:, 0]])
+    found[smooth] = normal[smooth] / np.linalg.norm(normal[smooth], axis=1)[:, None]
+    return found
+
+
+def _sense(outer: Array) -> float:
+    """1 if the contour is counter-clockwise, so that inside is to the left of it; -1 if not."""
+    return float(np.sign(enclosed(outer)))
+
+
+def _mitres(outer: Array, mitred: bool) -> Array:
+    """Inward normals (n, 2) between the chords of columns."""
+    steps = np.diff(outer, axis=0)
+    steps /= np.linalg.norm(steps, axis=1)[:, None]
+    side = _sense(outer) * np.column_stack([-steps[:, 1], steps[:, 0]])
+    before = np.vstack([side[-1] if mitred else side[0], side])
+    after = np.vstack([side, side[0] if mitred else side[-1]])
+    both = before + after
+    return np.asarray(both / np.maximum(0.5 * (both * both).sum(axis=1), 0.2)[:, None])
+
+
+def _room(arcs: Array, outer: Array, normals: Array) -> Array:
+    """How thick the wall may be at each column, so that the two sides do not meet [m].
+
+    Columns nearer than their spacing do not count: beside a foot of a web they are a millimetre
+    apart, where small errors of the normal would look like a strong curvature.
+    """
+    direction = normals / np.linalg.norm(normals, axis=1)[:, None]
+    found = np.full(len(outer), np.inf)
+    for k in range(len(outer)):
+        d = outer - outer[k]
+        ahead = d @ direction[k]
+        size = (d * d).sum(axis=1)
+        # The largest circle that touches the contour here and holds no other point of it.
+        usable = (ahead > 1e-9) & (np.abs(arcs - arcs[k]) > NEXT / COLUMNS)
+        radius = size[usable] / (2.0 * ahead[usable])
+        found[k] = ROOM * float(radius.min(initial=np.inf))
+    return found
+
+
+def _gradual(limit: Array, outer: Array) -> Array:
+    """A limit that changes no faster along the contour than by its length."""
+    steps = np.linalg.norm(np.diff(outer, axis=0), axis=1)
+    found = limit.copy()
+    for k in range(len(steps)):
+        found[k + 1] = min(found[k + 1], found[k] + steps[k])
+    for k in range(len(steps) - 1, -1, -1):
+        found[k] = min(found[k], found[k + 1] + steps[k])
+    return found
+
+
+def _uncrossed(limit: Array, full: Array, outer: Array, normals: Array) -> Array:
+    """A limit with which neighbouring columns do not cross: the inner face keeps its direction."""
+    steps = np.diff(outer, axis=0)
+    found = limit.copy()
+    for _ in range(60):
+        inner = outer + np.minimum(full, found)[:, None] * normals
+        along = (np.diff(inner, axis=0) * steps).sum(axis=1)
+        crossed = np.flatnonzero(along < LEAST * (steps * steps).sum(axis=1))
+        if not crossed.size:
+            break
+        at = np.unique(np.concatenate([crossed, crossed + 1]))
+        found[at] = 0.8 * np.minimum(full, found)[at]
+        found = _gradual(found, outer)
+    return found
+
+
+def _grid(
+    mesh: StationMesh, outer: Array, normals: Array, depth: Array, mitred: bool
+) -> list[list[int]]:
+    """Node numbers, row by row: of the outer surface first; rows of no thickness share nodes."""
+    n = len(outer)
+    last = n - 1 if mitred else n
+    numbers: list[list[int]] = []
+    for row, level in enumerate(depth):
+        line: list[int] = []
+        for k in range(last):
+            if row and level[k] - depth[row - 1][k] <= 0.0:
+                line.append(numbers[-1][k])
+            else:
+                line.append(mesh.node(outer[k] + level[k] * normals[k]))
+        if mitred:
+            line.append(line[0])
+        numbers.append(line)
+    mesh.outer = [(a, b) for a, b in zip(numbers[0][:-1], numbers[0][1:], strict=True)]
+    return numbers
+
+
+def _shell(
+    mesh: StationMesh,
+    rows: list[list[Band]],
+    arcs: Array,
+    numbers: list[list[int]],
+    t: Array,
+    nose: float,
+) -> None:
+    """Cells of the shell. Angles of the file turn fibres to the leading edge on both sides."""
+    middle = 0.5 * (arcs[:-1] + arcs[1:])
+    for k, row in enumerate(rows):
+        for j, arc in enumerate(middle):
+            if max(t[k, j], t[k, j + 1]) <= 0.0:
+                continue
+            band = material_of(row, float(arc))
+            if band.angle_deg and arc > nose:
+                band = replace(band, name=f"{band.name}-pressure", angle_deg=-band.angle_deg)
+            above, below = numbers[k], numbers[k + 1]
+            corners = (above[j], above[j + 1], below[j + 1], below[j])
+            mesh.cell(corners, band)
+
+
+def _trailing_edge(mesh: StationMesh, numbers: list[list[int]], edge: Band) -> None:
+    """A plate that closes the cut trailing edge, behind the ends of both walls."""
+    down = [line[0] for line in numbers]
+    up = [line[-1] for line in reversed(numbers)]
+    one, two = (np.array(mesh.nodes[k]) for k in (down[-1], up[0]))
+    steps = max(2, len(numbers) - 1)
+    between = [mesh.node(one + (two - one) * k / steps) for k in range(1, steps)]
+    face = list(dict.fromkeys([*down, *between, *up]))
+    across = np.array(mesh.nodes[face[-1]]) - np.array(mesh.nodes[face[0]])
+    aft = np.array([across[1], -across[0]]) / np.linalg.norm(across)
+    centre = np.array(mesh.nodes).mean(axis=0)
+    if aft @ (np.array(mesh.nodes[face[0]]) - centre) < 0.0:
+        aft = -aft
+    behind = [mesh.node(np.array(mesh.nodes[k]) + edge.thickness * aft) for k in face]
+    for k in range(len(face) - 1):
+        mesh.cell((face[k], face[k + 1], behind[k + 1], behind[k]), edge)
+    mesh.directions[edge.name] = (float(-across[0]), float(-across[1]))
+
+
+# One station of a blade: its mesh and its section description.
 
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
 EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge

@@ -1,16 +1,37 @@
-"""The analysed stations of a blade: which are complete, their table and its text."""
+"""The analysed stations: their table, the blade as a body and a case, files of other codes."""
 
 import csv
 import io
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+import shlex
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from ...errors import InputError, printable
+from ...inputs.case import load_case
+from ...inputs.case.beam_table import COLUMNS, TRAPEZE, UPPER
+from ...inputs.case.file import CASE_FILE
+from ...inputs.case.specs import write_case
+from ...math.arrays import Array
+from ...math.polylines import lengths_along
+from ...package.body.io import read_package
+from ...package.common.temporary import write_text
+from ...package.common.toml_text import toml_value
+from ...package.section.io import read_section
+from ...package.section.trapeze import trapeze_strains
+from ..cases.packages import build_packages, specs_of
+from ..section.conventions import BLADE_AXES_LEADING_EDGE, transform
 from ..section.results import SectionResults, read_results
-from ..section.summary import UPPER
-from .cells import StationMesh
+from ..section.writers import write_beamdyn, write_hawc2
+from .layers import StationMesh
 from .windio import Blade
+
+# The analysed stations of a blade: which are complete, their table and its text.
 
 
 @dataclass(frozen=True)
@@ -82,3 +103,350 @@ def station_text(blade: Blade, stations: list[Station]) -> str:
         z, chord = blade.length.at(station.r), blade.chord.at(station.r)
         lines.append(f"{station.r:7.4f}  {z:7.3f}  {chord:6.3f}  {M[0, 0]:7.2f}  {values}")
     return "\n".join(lines)
+
+
+# Estimated errors of the frequencies of a blade: of its sections, stations and elements.
+#
+# The clamped blade is computed again with another table or with fewer elements: with every second
+# station, with stiffnesses that are lower by the error estimate of the sections, and with half of
+# the elements. Errors of the elements fall with the square of their length, those of the stations
+# about linearly with their distance (docs/blade.md), because lay-up and shape change within a few
+# of them.
+
+AS_IT_IS, SECTIONS, STATIONS, ELEMENTS = "blade", "sections", "stations", "elements"
+COUNT = 6
+# Error over the change when half of the stations or elements are left out.
+SHARES = {SECTIONS: 1.0, STATIONS: 1.5, ELEMENTS: 1.0 / 3.0}
+
+BODY = """
+[bodies.{name}]
+kind = "beam"
+table = "{name}.csv"
+elements = {elements}
+modes = [{{ kind = "lowest", count = {count} }}]
+interfaces = {{ root = {{ at = "start" }} }}
+
+[joints.{name}]
+kind = "fixed"
+between = ["ground.hub", "{name}.root"]
+"""
+ERRORS_HEAD = """\
+format = 1
+title = "Errors of frequencies"
+
+[ground.hub]
+position = [0.0, 0.0, 0.0]
+
+[solver]
+t_end = 1.0
+output_step = 1.0
+
+[runs.all]
+"""
+
+
+def frequencies_at_rest(
+    blade: Blade, stations: Sequence[Station], *, quiet: bool
+) -> tuple[Array, dict[str, Array]]:
+    """Return the lowest frequencies [Hz] of the clamped blade, and their relative errors by cause.
+
+    A cause that cannot be estimated is left out: of the sections without their estimates, of the
+    stations if there are fewer than three.
+    """
+    known = complete(stations)
+    elements = elements_of(len(known))
+    tables = {AS_IT_IS: (known, elements), ELEMENTS: (known, elements // 2)}
+    if softer := _softer(known):
+        tables[SECTIONS] = (softer, elements)
+    if len(known) > 2:
+        fewer = [*known[:-1:2], known[-1]]
+        tables[STATIONS] = (fewer, max(elements, 2 * (len(fewer) - 1)))
+    found = _computed(blade, tables, quiet=quiet)
+    own = found.pop(AS_IT_IS)
+    errors = {name: SHARES[name] * np.abs(w / own - 1.0) for name, w in found.items()}
+    return own, errors
+
+
+def _softer(stations: Sequence[Station]) -> list[Station]:
+    """The stations with K lowered by its estimate; none if one has no estimate."""
+    found = []
+    for station in stations:
+        one = station.results
+        if one is None or one.error_estimate is None:
+            return []
+        K = one.K - np.diag(np.diag(one.error_estimate))
+        if np.linalg.eigvalsh(K)[0] <= 0.0:
+            return []
+        found.append(replace(station, results=replace(one, K=K)))
+    return found
+
+
+def _computed(
+    blade: Blade, tables: Mapping[str, tuple[Sequence[Station], int]], *, quiet: bool
+) -> dict[str, Array]:
+    """Frequencies [Hz] of clamped beams by name."""
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
+        folder = Path(temporary)
+        text = ERRORS_HEAD
+        for name, (stations, elements) in tables.items():
+            write_text(folder / f"{name}.csv", body_csv(blade, stations))
+            text += BODY.format(name=name, elements=elements, count=COUNT)
+        write_text(folder / CASE_FILE, text)
+        write_case(load_case(folder / CASE_FILE), folder / "out")
+        bodies = folder / "out" / "bodies"
+        build_packages(specs_of(folder / "out", ["all"]), bodies, quiet=quiet)
+        files = {name: next(bodies.glob(f"{name}*.vtkhdf")) for name in tables}
+        return {
+            name: read_package(file).frequencies[:COUNT] / (2.0 * np.pi)
+            for name, file in files.items()
+        }
+
+
+def error_text(frequencies: Array, errors: dict[str, Array]) -> str:
+    """Return the table that the screen shows."""
+    names = [name for name in SHARES if name in errors]
+    lines = [
+        "Frequencies of the clamped blade at rest, and their estimated errors:",
+        f"{'mode':>4}  {'[Hz]':>9}" + "".join(f"  {name:>9}" for name in names),
+    ]
+    for k, f in enumerate(frequencies):
+        cells = "".join(f"  {100.0 * errors[name][k]:8.2g}%" for name in names)
+        lines.append(f"{k + 1:4d}  {f:9.5g}{cells}")
+    return "\n".join(lines)
+
+
+def error_csv(frequencies: Array, errors: dict[str, Array]) -> str:
+    """Return the same numbers as a file."""
+    names = [name for name in SHARES if name in errors]
+    lines = [",".join(["mode", "frequency_hz", *(f"error_{name}" for name in names)])]
+    for k, f in enumerate(frequencies):
+        values = (f, *(errors[name][k] for name in names))
+        lines.append(",".join([str(k + 1), *(repr(float(v)) for v in values)]))
+    return "\n".join([*lines, ""])
+
+
+# The blade as a beam body: a table of its stations that the case of a mechanism reads.
+#
+# Body axes: x along the pitch axis to the tip, y to the leading edge, z to the suction side, of a
+# section without twist; in windIO's axes z, -y and x.
+
+BODY_HEAD = """\
+# Beam body of {name}, written by `plymotion blade`. In a case:
+#   [bodies.blade]
+#   kind = "beam"
+#   table = "beam.csv"
+# Body axes: x along the pitch axis to the tip, y to the leading edge, z to the suction side.
+# Sections: x1 along the line, x2 to the leading edge, x3 to the suction side.
+# K stiffness [N, N m, N m2] and M mass per length [kg/m, kg, kg m], both about the line.
+# A1 ... A6: second-order strains of a twisted section (trapeze effect).
+"""
+
+
+def line_of(blade: Blade, places: Sequence[float]) -> Array:
+    """Return points (n, 3) of the reference axis at r, in body axes [m]."""
+    r = np.array(places)
+    return np.column_stack(
+        [blade.length.smooth(r), -blade.sweep.smooth(r), blade.prebend.smooth(r)]
+    )
+
+
+def body_csv(blade: Blade, stations: Sequence[Station]) -> str:
+    """Return the table of a beam body from the complete stations.
+
+    A positive twist of the file turns the leading edge to the pressure side, which is a negative
+    rotation about x.
+    """
+    complete = [(s, s.results) for s in stations if s.results is not None]
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream)
+    writer.writerow([*COLUMNS, *TRAPEZE])
+    points = line_of(blade, [station.r for station, _ in complete])
+    for (station, one), point in zip(complete, points, strict=True):
+        row = [*point, -blade.twist.at(station.r)]
+        row += [A[i, j] for A in (one.K, one.M) for i, j in UPPER]
+        row += [*trapeze_strains(one.K, read_section(station.file).recovery)]
+        writer.writerow([repr(float(value) + 0.0) for value in row])
+    return BODY_HEAD.format(name=blade.file.name) + stream.getvalue()
+
+
+# The case of a turning blade: the beam of a blade's table on the hub of its file.
+
+LEAST_ELEMENTS = 60  # at least, of a blade
+MODES = 10  # vibrations of the body
+TIP_SPEED = 80.0  # [m/s] of the run
+
+TEXT = """\
+# The blade of {file_name} on a hub that turns, written by `plymotion blade`.
+#   plymotion modes {file} --at spin=0:{speed:.3g}:{step:.3g} --count 6    frequencies over speed
+#   plymotion {file}    the run: from rest to {speed:.3g} rad/s, {tip:.0f} m/s at the tip
+# beam.csv has the line and the 6x6 stiffness and mass of {stations} stations. No weight, no air.
+
+format = 1
+title = {title}
+
+[bodies.hub] # its motion is prescribed, so its mass has no influence
+kind = "rigid"
+mass = 1000.0
+inertia = [[1000.0, 0.0, 0.0], [0.0, 1000.0, 0.0], [0.0, 0.0, 1000.0]]
+interfaces = {{ axis = {{ position = [0.0, 0.0, 0.0] }}, rim = {{ position = {root} }} }}
+
+[bodies.blade] # x to the tip, y to the leading edge, z to the suction side
+kind = "beam"
+table = "beam.csv"
+elements = {elements}
+modes = [{{ kind = "lowest", count = {modes} }}, {{ kind = "static-axial" }}]
+position = {root} # at the radius of the hub, {radius:g} m
+rotation_deg = [0.0, {cone!r}, 0.0] # the cone
+reference = {{ kind = "clamped", at = "root" }}
+interfaces = {{ root = {{ at = "start" }}, tip = {{ at = "end" }} }}
+
+[ground.axis]
+position = [0.0, 0.0, 0.0]
+
+[joints.axis]
+kind = "revolute"
+between = ["ground.axis", "hub.axis"]
+axis = [0.0, 0.0, 1.0] # the leading edge leads
+drive = {{ ramp = {{ speed = {speed:.6g}, duration = 20.0 }} }}
+
+[joints.clamp]
+kind = "fixed"
+between = ["hub.rim", "blade.root"]
+
+[signals.flap]
+kind = "deflection"
+at = "blade.tip"
+component = "z"
+description = "tip, to the suction side"
+
+[signals.edge]
+kind = "deflection"
+at = "blade.tip"
+component = "y"
+description = "tip, to the leading edge"
+
+[solver]
+t_end = 25.0
+output_step = 0.05
+geometric_stiffening = true
+
+[runs.spin-up]
+title = "spin-up"
+
+[figures.flap]
+title = "Deflection of the tip"
+signal = "flap"
+runs = ["spin-up"]
+"""
+
+
+def write_blade_case(blade: Blade, stations: Sequence[Station], folder: Path) -> Path:
+    """Write the case of a blade whose table beam.csv is in `folder`; returns its file."""
+    count = len(complete(stations))
+    radius, cone = blade.hub.radius, blade.hub.cone_deg
+    angle = math.radians(cone)
+    length = float(blade.length.values[-1] - blade.length.values[0])
+    speed = TIP_SPEED / (radius + length)
+    file = folder / CASE_FILE
+    text = TEXT.format(
+        file_name=printable(blade.file.name),
+        title=toml_value(f"Blade of {blade.file.name}"),
+        file=printable(shlex.quote(str(file))),
+        speed=speed,
+        step=speed / 8.0,
+        tip=TIP_SPEED,
+        stations=count,
+        root=[radius * math.cos(angle), 0.0, -radius * math.sin(angle) + 0.0],
+        elements=elements_of(count),
+        modes=MODES,
+        radius=radius,
+        cone=cone,
+    )
+    write_text(file, text)
+    return file
+
+
+def elements_of(stations: int) -> int:
+    """Elements of a blade: equally many between its stations, an even number."""
+    between = max(stations - 1, 1)
+    return between * 2 * max(1, math.ceil(0.5 * LEAST_ELEMENTS / between))
+
+
+# Blade files of other codes: stiffness, mass and geometry for BeamDyn and HAWC2.
+
+
+def write_for(code: str, blade: Blade, stations: Sequence[Station], folder: Path) -> list[Path]:
+    """Write the files of a blade for another code; returns them.
+
+    Parameters
+    ----------
+    code : one of OF_BLADES
+    stations : from root to tip; those that have failed are left out
+
+    Raises
+    ------
+    InputError : fewer than two complete stations.
+    """
+    found = [(s.r, s.results) for s in stations if s.results is not None]
+    if len(found) < 2:
+        raise InputError(f"blade: --to {code}: expected two complete stations or more")
+    places, results = [r for r, _ in found], [one for _, one in found]
+    writer = _beamdyn if code == "beamdyn" else _hawc2
+    return writer(blade, places, results, folder)
+
+
+def _beamdyn(
+    blade: Blade, places: list[float], results: list[SectionResults], folder: Path
+) -> list[Path]:
+    """Matrices about the reference axis, and the key points of the primary input file."""
+    points = line_of(blade, places)
+    x, y, z = points.T
+    file = write_beamdyn(
+        folder / "blade_beamdyn.dat",
+        lengths_along(points).tolist(),
+        [one.K for one in results],
+        [one.M for one in results],
+        title=blade.file.stem,
+        blade_axes=BLADE_AXES_LEADING_EDGE,
+    )
+    title = printable(blade.file.stem)
+    lines = [
+        f"          1   member_total    - Total number of members (-)  [{title}]",
+        f"{len(x):11d}   kp_total        - Total number of key points (-) [must be at least 3]",
+        f"     1 {len(x):4d}                 - Member number; Number of key points in this member",
+        "\t\t kp_xr \t\t\t kp_yr \t\t\t kp_zr \t\t initial_twist",
+        "\t\t  (m)  \t\t\t  (m)  \t\t\t  (m)  \t\t   (deg)",
+    ]
+    for r, *point in zip(places, z, -y, x, strict=True):
+        lines.append("  ".join(f"{value: .10E}" for value in (*point, blade.twist.at(r))))
+    keys = folder / "blade_beamdyn_geometry.dat"
+    write_text(keys, "\n".join(lines) + "\n")
+    return [file, keys]
+
+
+def _hawc2(
+    blade: Blade, places: list[float], results: list[SectionResults], folder: Path
+) -> list[Path]:
+    """Matrices about the half-chord line, and its c2_def: x to the leading edge, z to the tip."""
+    to_middle = np.array(
+        [[blade.offset.at(r) - 0.5 * blade.chord.at(r), blade.height.at(r)] for r in places]
+    )
+    twist = -np.radians([blade.twist.at(r) for r in places])
+    c, s = np.cos(twist), np.sin(twist)
+    middle = line_of(blade, places)
+    middle[:, 1] += c * to_middle[:, 0] - s * to_middle[:, 1]
+    middle[:, 2] += s * to_middle[:, 0] + c * to_middle[:, 1]
+    file = write_hawc2(
+        folder / "blade_hawc2_st.dat",
+        lengths_along(middle).tolist(),
+        [transform(one.K, d) for one, d in zip(results, to_middle, strict=True)],
+        [transform(one.M, d, kind="mass") for one, d in zip(results, to_middle, strict=True)],
+        title=blade.file.stem,
+    )
+    lines = ["begin c2_def ;", f"  nsec {len(places)} ;"]
+    for k, (x, y, z) in enumerate(middle):
+        values = " ".join(f"{value: .8e}" for value in (y, z, x, np.degrees(twist[k])))
+        lines.append(f"  sec {k + 1} {values} ;")
+    geometry = folder / "blade_hawc2_c2_def.htc"
+    write_text(geometry, "\n".join([*lines, "end c2_def ;", ""]))
+    return [file, geometry]

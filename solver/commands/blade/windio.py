@@ -1,30 +1,199 @@
-"""Read the blade of a windIO 2 turbine file: outer shape, layers, webs, materials.
+"""Read the blade of a windIO 2 turbine file: layers, webs, materials, hub."""
 
-A quantity along the span is a table of `grid` (0 at the root, 1 at the tip) and `values`. Positions
-along the contour are arc lengths from the trailing edge over the suction side and the leading edge
-back to the trailing edge, divided by the whole arc; anchors.py reads them.
-"""
-
+import math
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...errors import InputError, nearest
-from ...inputs.common.yaml_file import read_yaml
+from ...inputs.common.text_file import read_yaml
+from ...math.arrays import Array
 from ...package.common.plausible import material_doubts
-from .along import STRAIGHT, WHOLE, Along
-from .anchors import HANDLES, RULES, Anchors
-from .checks import check_layers, doubts
-from .contour import contour
-from .given import Given, read_given
-from .hub import NO_HUB, Hub, read_hub
-from .materials import read_materials
-from .shape import Layer, Shape, read_shape
-from .tables import Table, Tables
+from ..section.results import SectionResults
+from .shape import Layer, Shape, check_layers, contour, doubts, read_shape
+from .tables import HANDLES, RULES, STRAIGHT, WHOLE, Along, Anchors, Table, Tables
+
+# Materials of a windIO file, as a section description has them.
+
+GLUE = "adhesive"  # part of the name of the material of bond lines
+
+
+def read_materials(tables: Tables, top: Table, used: Set[str]) -> dict[str, dict[str, Any]]:
+    """Return the materials of the blade by name; those of other components may have other keys.
+
+    Parameters
+    ----------
+    used : names of the materials of layers
+    """
+    found = {}
+    for i, entry in enumerate(tables.entries(top, "materials")):
+        name = tables.text(entry, f"materials[{i}].name")
+        if name in used or GLUE in name.lower():
+            found[name] = _material(tables, entry, f"materials.{name}")
+    return found
+
+
+def _material(tables: Tables, entry: Table, path: str) -> dict[str, Any]:
+    (rho,) = tables.numbers(entry, f"{path}.rho", 1).tolist()
+    if not entry.get("orth"):
+        E, nu = (float(tables.numbers(entry, f"{path}.{key}", 1)[0]) for key in ("E", "nu"))
+        return {"kind": "isotropic", "E": E, "nu": nu, "rho": rho}
+    found: dict[str, Any] = {"kind": "orthotropic", "rho": rho}
+    for key, names in (
+        ("E", ("E1", "E2", "E3")),
+        ("G", ("G12", "G13", "G23")),
+        ("nu", ("nu12", "nu13", "nu23")),
+    ):
+        found |= dict(zip(names, tables.numbers(entry, f"{path}.{key}", 3).tolist(), strict=True))
+    if strength := _strength(entry):
+        found["strength"] = strength
+    return found
+
+
+def _strength(entry: Table) -> dict[str, float]:
+    """Strengths of a ply; files without them write zeros or infinity."""
+    try:
+        Xt, Xc, S = (np.array(entry[key], dtype=float) for key in ("Xt", "Xc", "S"))
+        values = np.array([Xt[0], Xc[0], Xt[1], Xc[1], S[0]])
+    except (KeyError, TypeError, ValueError, IndexError):
+        return {}
+    if not (np.isfinite(values).all() and values.min() > 0.0):
+        return {}
+    return dict(zip(("Xt", "Xc", "Yt", "Yc", "S12"), values.tolist(), strict=True))
+
+
+# The hub of a windIO turbine: where the root of a blade is, and its cone.
+
+UPWIND = "upwind"
+
+
+@dataclass(frozen=True)
+class Hub:
+    """The place of the root of a blade. A file without a hub: on the axis, without cone."""
+
+    radius: float = 0.0  # [m] from the axis to the root, along the blade
+    cone_deg: float = 0.0  # positive: the tip to the pressure side, as upwind rotors have it
+
+
+NO_HUB = Hub()
+
+
+def read_hub(table: Mapping[str, Any]) -> Hub:
+    """Return the hub of a windIO table; what it does not have, or not as a number, is 0."""
+    components, assembly = table["components"], table.get("assembly")
+    hub = components.get("hub")
+    hub = hub if isinstance(hub, dict) else {}
+    orientation = assembly.get("rotor_orientation") if isinstance(assembly, dict) else None
+    sign = 1.0 if str(orientation or UPWIND).lower() == UPWIND else -1.0
+    return Hub(0.5 * _number(hub.get("diameter")), sign * _number(hub.get("cone_angle")))
+
+
+def _number(value: Any) -> float:
+    try:
+        found = float(value)
+    except (TypeError, ValueError, OverflowError):
+        return 0.0
+    return found if math.isfinite(found) else 0.0
+
+
+# Stiffness and mass that a windIO file has itself, beside those of its stations.
+
+DIFFERENT = 0.1  # relative difference that is a finding
+# EI about the tension centre and the principal axes: files name the axes of K44 and K55 both ways.
+QUANTITIES = {
+    "mass": "kg/m",
+    "EA": "N",
+    "EI flap": "N m2",
+    "EI edge": "N m2",
+    "GJ": "N m2",
+}
+BENDING = ("K33", "K34", "K35", "K44", "K45", "K55")
+
+
+@dataclass(frozen=True)
+class Given:
+    """`elastic_properties` of a file: mass and stiffnesses along the span; no key: not given."""
+
+    mass: Along | None
+    stiffness: dict[str, Along]
+
+    def at(self, r: float) -> dict[str, float]:
+        """What the file says at r, of QUANTITIES; without what it does not have there."""
+        found = {}
+        if self.mass is not None and self.mass.covers(r):
+            found["mass"] = self.mass.at(r)
+        K = {key: one.at(r) for key, one in self.stiffness.items() if one.covers(r)}
+        if {"K33", "K44", "K55"} <= K.keys():
+            EA, X, Y, XX, XY, YY = (K.get(key, 0.0) for key in BENDING)
+            found |= _bending(np.array([[EA, X, Y], [X, XX, XY], [Y, XY, YY]]))
+        if "K66" in K:
+            found["GJ"] = _torsion(K)
+        return {key: value for key, value in found.items() if value > 0.0}
+
+
+def read_given(tables: Tables, structure: Table) -> Given | None:
+    """Return what a file has in `structure.elastic_properties`, None if nothing."""
+    if structure.get("elastic_properties") is None:
+        return None
+    path = "structure.elastic_properties"
+    properties = tables.table(structure, path)
+    parts: dict[str, dict[str, Along]] = {}
+    for part in ("inertia_matrix", "stiffness_matrix"):
+        parts[part] = {}
+        if properties.get(part) is None:
+            continue
+        table = tables.table(properties, f"{path}.{part}")
+        for key in table:
+            if key == "mass" or (part == "stiffness_matrix" and str(key).startswith("K")):
+                pair = {key: {"grid": table.get("grid"), "values": table[key]}}
+                parts[part][str(key)] = tables.along(pair, f"{path}.{part}.{key}")
+    return Given(parts["inertia_matrix"].get("mass"), parts["stiffness_matrix"])
+
+
+def differences(given: Given, r: float, results: SectionResults) -> list[str]:
+    """Return the quantities of a station in which file and section differ, with both numbers."""
+    K = results.K
+    ours = {"mass": float(results.M[0, 0]), "GJ": float(1.0 / np.linalg.inv(K)[3, 3])}
+    ours |= _bending(K[np.ix_([0, 4, 5], [0, 4, 5])])
+    found = []
+    for key, theirs in given.at(r).items():
+        ratio = ours[key] / theirs
+        if abs(ratio - 1.0) > DIFFERENT:
+            found.append(
+                f"{key} {ours[key]:.4g} {QUANTITIES[key]}, elastic_properties {theirs:.4g} "
+                f"(x {ratio:.3g})"
+            )
+    return found
+
+
+def _bending(K: Array) -> dict[str, float]:
+    """EA, and the principal EI about the tension centre, of a stiffness of tension and bending."""
+    EI = K[1:, 1:] - np.outer(K[1:, 0], K[0, 1:]) / K[0, 0] if K[0, 0] > 0.0 else K[1:, 1:]
+    flap, edge = np.linalg.eigvalsh(EI).tolist()
+    return {"EA": float(K[0, 0]), "EI flap": flap, "EI edge": edge}
+
+
+def _torsion(K: dict[str, float]) -> float:
+    """GJ of a section that is free to warp; K66 where a file has no shear stiffness."""
+    full = np.array(
+        [[K.get(f"K{min(i, j)}{max(i, j)}", 0.0) for j in range(1, 7)] for i in range(1, 7)]
+    )
+    if np.linalg.eigvalsh(full)[0] <= 0.0:
+        return K["K66"]
+    return float(1.0 / np.linalg.inv(full)[5, 5])
+
+
+# Read the blade of a windIO 2 turbine file: outer shape, layers, webs, materials.
+#
+# A quantity along the span is a table of `grid` (0 at the root, 1 at the tip) and `values`.
+# Positions along the contour are arc lengths from the trailing edge over the suction side and the
+# leading edge back to the trailing edge, divided by the whole arc; anchors.py reads them.
 
 HALF = 'if it prints "Blade component could not be converted", its file is not complete'
 OLD = ("outer_shape_bem", "internal_structure_2d_fem")

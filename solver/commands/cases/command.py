@@ -3,16 +3,17 @@
 import argparse
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ...errors import InputError
-from ...inputs.case.file import case_file
+from ...errors import InputError, few, nearest
+from ...inputs.case.file import case_file, case_name
 from ...math.cores import cores
 from ...package.common.replaceable import RECORD as FILES
-from ..exit_codes import INCOMPLETE, INPUT, INTERRUPTED, worst
-from .chosen import build_folder, chosen_runs, chosen_sweeps
+from ...package.common.replaceable import refuse_link
+from ..ending import INCOMPLETE, INPUT, INTERRUPTED, worst
 from .finished import (
     RECORD,
     finished_before,
@@ -22,7 +23,132 @@ from .finished import (
     state_of,
     state_since,
 )
-from .turn import turn
+
+if TYPE_CHECKING:
+    from ...inputs.case.load import Case
+
+# Which case, which of its runs and sweeps, which folder: for all commands with a case file.
+
+
+def build_folder(file: Path, *, coarse: bool = False) -> Path:
+    """Return build/<case>, or build/<case>-coarse, of a case file or the folder of one."""
+    return Path("build") / (case_name(case_file(file)) + ("-coarse" if coarse else ""))
+
+
+def chosen_runs(case: "Case", names: Sequence[str] | None) -> list[str]:
+    """Return the runs asked for in the order of the case; all of them if none is named."""
+    return _chosen(case, "--run", "run", names, case.runs) or list(case.runs)
+
+
+def chosen_sweeps(case: "Case", names: Sequence[str] | None) -> list[str]:
+    """Return the sweeps asked for in the order of the case."""
+    return _chosen(case, "--sweep", "sweep", names, case.top.sweeps)
+
+
+def chosen_run(case: "Case", name: str | None, *, only: bool = False) -> str:
+    """Return the run asked for; if none is named the first one, or with `only` the only one."""
+    if only and name is None and len(case.runs) > 1:
+        raise InputError(f"--run: expected one of {few(case.runs)}")
+    return chosen_runs(case, None if name is None else [name])[0]
+
+
+def _chosen(
+    case: "Case", option: str, kind: str, names: Sequence[str] | None, known: Iterable[str]
+) -> list[str]:
+    every = list(known)
+    for name in names or ():
+        if name not in every:
+            hint = nearest(name, every)
+            raise InputError(f"{option} {name}: {case.file} has no such {kind}{hint}")
+    return [name for name in every if name in (names or ())]
+
+
+# One command at a time works in the folder of a case; the others wait for it.
+
+POLL_S = 0.1
+
+
+@contextmanager
+def turn(folder: Path, *, quiet: bool = False) -> Iterator[None]:
+    """Lock a folder, which is made if missing; the end of the process, however it ends, unlocks it.
+
+    Without locks of this kind (Windows) nobody waits.
+    """
+    refuse_link(folder / "any")
+    try:
+        import fcntl
+        import os
+    except ImportError:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+        return
+    made = _make(folder)
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        told = quiet
+        while True:
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if not told:
+                    print(f"{folder}: waiting for another command", file=sys.stderr, flush=True)
+                told = True
+                time.sleep(POLL_S)
+            except OSError:  # a file system without locks
+                break
+        yield
+    finally:
+        os.close(descriptor)
+        _remove_empty(made)
+
+
+def _make(folder: Path) -> list[Path]:
+    """Make a folder and those above it; return the new ones, the innermost first."""
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise InputError(f"--out {folder}: expected a folder, found a file") from error
+    return new
+
+
+def _remove_empty(folders: list[Path]) -> None:
+    """Remove folders in which a command that failed has left nothing."""
+    for folder in folders:
+        try:
+            folder.rmdir()
+        except OSError:
+            return
+
+
+# The sweeps of a case that a command was asked for.
+
+
+def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace, jobs: int) -> int:
+    """Compute sweeps whose bodies are built; return the worst exit code."""
+    from ..sweep.command import run_sweep  # the solver takes 0.2 s to import
+
+    codes = []
+    for name in names:
+        sweep = argparse.Namespace(
+            sweep=out / "sweeps" / f"{name}.json",
+            out=out / "sweeps" / name,
+            jobs=jobs,
+            executor=None,
+            scheduler=None,
+            shard=None,
+            fresh=options.force,
+            csv=False,
+            figures=not options.no_report,
+            quiet=options.quiet,
+            allow_doubtful=options.allow_doubtful,
+        )
+        codes.append(run_sweep(sweep))
+    return worst(codes)
+
+
+# `plymotion case.toml`: check the case, build its bodies, integrate its runs, write the report.
 
 # What the results depend on, of the options of a command.
 ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "figures")
@@ -35,7 +161,7 @@ def run_any(options: argparse.Namespace) -> int:
     """Take a case to its report, or integrate run files; return the worst exit code."""
     if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
         return run_case(options)
-    from ..run.command import run_runs
+    from ..run import run_runs
 
     return run_runs(options)
 
@@ -71,7 +197,6 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     from ...inputs.case.source_files import source_files
     from ...inputs.case.specs import write_case
     from .packages import named_packages
-    from .sweeps import compute_sweeps
 
     def say(text: str) -> None:
         """Tell of a stage, so that a long one is not silent."""
@@ -118,7 +243,7 @@ def _build(
     keep_going: bool,
 ) -> None:
     """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
-    from ..executors.local import Local
+    from ..executors import Local
     from .packages import BodiesFailed, build_packages, needed_specs
 
     for folder, specs in needed_specs(named).items():
@@ -138,7 +263,7 @@ def _integrated(
     out: Path, runs: Sequence[str], options: argparse.Namespace, jobs: int, say: Say
 ) -> tuple[int, str]:
     """Integrate runs and write their report; return the exit code and what was written."""
-    from ..run.command import run_files
+    from ..run import run_files
 
     say(f"runs: {len(runs)}")
     code = run_files(

@@ -13,10 +13,8 @@ from ...package.common.plain_data import canonical
 from ...package.common.replaceable import refuse_link
 from ...package.common.shares import by_mesh
 from ...package.fingerprint import fingerprint, has_fingerprint
-from ..executors.executor import Executor
-from ..executors.local import Local
-from ..fenicsx_side.launch import Line
-from ..fenicsx_side.workers import make_all, start_of
+from ..executors import Executor, Local
+from ..fenicsx_side.launch import Line, make_all, start_of
 
 Entry = dict[str, Any]  # file and digests of a package, as a run file has them
 

@@ -37,7 +37,7 @@ def report_case(
         Not the folder of a case; no finished run; figures without matplotlib.
     """
     from ...report import make_report, summary_table, write_glb, write_vtk
-    from ...report.case_table import case_table
+    from ...report.story import case_table
 
     try:
         case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))

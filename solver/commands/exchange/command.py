@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...interrupts import INTERRUPTED
-from ..defect import DEFECT
+from ..ending import DEFECT
 from ..fenicsx_side.launch import environment, importable
 from ..measured_modes import experimental_package, load_measurement, write_measured
 
@@ -44,7 +44,7 @@ def _from_modes(tables: Path, options: argparse.Namespace) -> int:
 def run_export(options: argparse.Namespace) -> int:
     """Run `plymotion export`; returns the exit code."""
     if options.target == "fmu":
-        from .fmu.command import export_fmu
+        from .fmu.write import export_fmu
 
         return export_fmu(options)
     for name in ("run", "inputs", "coarse", "packages"):

@@ -1,21 +1,32 @@
-"""Start the preprocessor in the Python with FEniCSx and exchange lines of text with it."""
+"""Start preprocessors in the Python with FEniCSx, and hand specifications out to them."""
 
+import atexit
 import contextlib
 import json
 import os
+import platform
 import shutil
 import signal
 import subprocess
 import tempfile
+import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import plymotion
 
 from ...errors import InputError
+from ...inputs.common.gmsh_file import content_sha256
+from ...inputs.scripts import are_refused
+from ..executors import Executor, Local, Task, distribute
 from .interpreter import find_interpreter
+
+# Start the preprocessor in the Python with FEniCSx and exchange lines of text with it.
 
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
 # Variables of this process's MPI job, if any; a worker must not join it.
@@ -157,3 +168,291 @@ class Preprocessor:
         text = text.replace("error: ", "")
         how = f"killed by signal {-code}" if code < 0 else f"ended with code {code}"
         return "\n".join([how, *text.splitlines()[-5:]])
+
+
+# The task of a worker: have one file made by a preprocessor process of its own.
+
+START_FAILED = 2  # exit code of a preprocessor that cannot start
+IDLE_S = 60.0  # a preprocessor without work ends; a worker of dask may live for days
+END_S = 10.0  # time for an idle process to end [s]
+CLEANUP_S = 2.0  # time for an interrupted process to clean up [s]
+
+
+@dataclass(frozen=True)
+class Start:
+    """How the preprocessor is started."""
+
+    python: str  # empty: what each worker finds on its machine
+    command: str
+    options: tuple[str, ...]
+
+
+@dataclass(eq=False)
+class _Started:
+    """A preprocessor process; it ends when it has had no work for a time."""
+
+    start: Start
+    python: str
+    folder: str  # the current one at its start: what specifications name may be relative to it
+    process: Preprocessor
+    owner: int  # process that started it; a fork of it must not use it
+    timer: threading.Timer | None = None
+
+
+_lock = threading.Lock()  # of the two lists
+_idle: list[_Started] = []
+_busy: list[_Started] = []
+_listeners: list[Callable[[str], None]] = []
+_kept = False
+
+
+def keep_preprocessors() -> None:
+    """Keep the preprocessors of this process for further files, `IDLE_S` long.
+
+    A command ends them with its files. A Python program that changes and builds bodies again and
+    again would load FEniCSx each time.
+    """
+    global _kept
+    _kept = True
+
+
+def make(start: Start, spec: Path) -> Line:
+    """Have the file of a specification made; return its outcome as in preprocess/batch.py.
+
+    A preprocessor that crashes makes this file fail, and the next one has another.
+
+    Raises
+    ------
+    InputError
+        No Python with FEniCSx, or the preprocessor does not start.
+    """
+    own = _taken(start)
+    line = own.process.make(spec, _tell(spec))
+    with _lock:
+        ended = own not in _busy
+        if not ended:
+            _busy.remove(own)
+        if line is not None and not ended:
+            own.timer = threading.Timer(IDLE_S, _end_idle, (own,))
+            own.timer.daemon = True
+            own.timer.start()
+            _idle.append(own)
+    if line is not None:
+        return line
+    reason, code = own.process.end_reason(), own.process.exit_code()
+    if code == START_FAILED:
+        raise InputError(f"{own.python}: the preprocessor does not run: {reason}")
+    return crashed(reason)
+
+
+def _taken(start: Start) -> _Started:
+    """Return a preprocessor without work that was started in this way, or a new one."""
+    folder = os.getcwd()
+    with _lock:
+        for own in _idle:
+            same = (own.start, own.folder, own.owner) == (start, folder, os.getpid())
+            if same and own.process.runs():
+                _idle.remove(own)
+                _busy.append(own)
+                assert own.timer is not None
+                own.timer.cancel()
+                return own
+    python = start.python or _found()
+    process = Preprocessor(python, _home(), start.command, start.options)
+    own = _Started(start, python, folder, process, os.getpid())
+    with _lock:
+        _busy.append(own)
+    return own
+
+
+def _end_idle(own: _Started) -> None:
+    """End a preprocessor that has had no work."""
+    with _lock:
+        if own not in _idle:
+            return
+        _idle.remove(own)
+    own.process.end(END_S)
+
+
+def crashed(reason: str) -> Line:
+    """Return the outcome of a file whose preprocessor has ended."""
+    return {
+        "status": "failed",
+        "seconds": 0.0,
+        "text": "",
+        "warnings": [],
+        "error": f"the preprocessor ended unexpectedly: {reason}",
+        "defect": "",
+        "crashed": reason,
+    }
+
+
+@contextlib.contextmanager
+def preprocessors(progress: Callable[[str], None]) -> Iterator[None]:
+    """End the preprocessors of this process after a block: at once if it was interrupted.
+
+    Parameters
+    ----------
+    progress : called with what they begin; those of other processes do not call it
+    """
+    _listeners.append(progress)
+    finished = False
+    try:
+        yield
+        finished = True
+    finally:
+        _listeners.remove(progress)
+        if not (finished and _kept):
+            _end_all(at_once=not finished)
+
+
+def _end_all(*, at_once: bool) -> None:
+    """End the preprocessors that this process has started."""
+    with _lock:
+        found = [own for own in (*_idle, *_busy) if own.owner == os.getpid()]
+        _idle.clear()
+        _busy.clear()
+    if at_once:
+        for own in found:
+            own.process.interrupt()
+    for own in found:
+        if own.timer is not None:
+            own.timer.cancel()
+        own.process.end(CLEANUP_S if at_once else END_S)
+
+
+def _tell(spec: Path) -> Callable[[str], None]:
+    def progress(step: str) -> None:
+        for listener in _listeners:
+            listener(f"{spec.stem}: {step}")
+
+    return progress
+
+
+@cache
+def _found() -> str:
+    try:
+        return find_interpreter()
+    except InputError as error:
+        raise InputError(f"{platform.node()}: {error}") from error
+
+
+@cache
+def _home() -> Path:
+    """Return the folder with `plymotion`, which is there as long as this process."""
+    stack = ExitStack()
+    atexit.register(stack.close)
+    return stack.enter_context(importable())
+
+
+# Specifications of a batch, handed out to an executor: each mesh to one worker if possible.
+
+MESHES = (".msh", ".geo", ".py")
+MOST_CRASHES = 3  # number of crashes without a result in between after which the batch is aborted
+
+
+class Work:
+    """Remaining files, in groups of equal mesh."""
+
+    def __init__(self, groups: Sequence[Sequence[Path]]) -> None:
+        self._free = deque(deque(group) for group in groups if group)
+        self._taken: dict[int, deque[Path]] = {}
+
+    def next(self, lane: int) -> Path | None:
+        """The next file for a lane: of its own group, of a new group, or of half of another's."""
+        if not self._taken.get(lane):
+            if self._free:
+                self._taken[lane] = self._free.popleft()
+            else:
+                largest = max(self._taken.values(), key=len, default=deque[Path]())
+                half = deque[Path]()
+                for _ in range((len(largest) + 1) // 2):
+                    half.appendleft(largest.pop())
+                self._taken[lane] = half
+        own = self._taken[lane]
+        return own.popleft() if own else None
+
+
+class _Specifications:
+    """The source of an executor (executors/executor.py)."""
+
+    def __init__(self, work: Work, start: Start, done: Callable[[Path, Line], None]) -> None:
+        self._work, self._start, self._done = work, start, done
+        self._crashes = 0
+
+    def next(self, lane: int, width: int) -> Task | None:
+        """Return the next specification for a lane."""
+        spec = self._work.next(lane)
+        return None if spec is None else Task(make, (self._start, spec.resolve()), spec)
+
+    def took(self, task: Task, result: Any) -> None:
+        """Report an outcome. Raises InputError: the preprocessor crashes all the time."""
+        if result["status"] == "built" and (changed := _changed_mesh(task.content)):
+            # Nobody knows which content was read: the file would be taken for that of the first.
+            task.content.with_suffix(".vtkhdf").unlink(missing_ok=True)
+            words = f"{changed}: was changed while it was analysed; the same command does it again"
+            result = result | {"status": "failed", "error": words}
+        self._crashes = self._crashes + 1 if "crashed" in result else 0
+        if self._crashes == MOST_CRASHES:
+            raise InputError(f"the preprocessor does not run: {result['crashed']}")
+        self._done(task.content, result)
+
+    def lost(self, task: Task) -> None:
+        """Report a file whose worker died."""
+        self._done(task.content, crashed("its worker died"))
+
+
+def _changed_mesh(spec: Path) -> str:
+    """Return a mesh or script that is not as its specification has read it; "" if there is none."""
+    pending: list[Any] = [json.loads(spec.read_text(encoding="utf-8"))]
+    while pending:
+        value = pending.pop()
+        if isinstance(value, dict):
+            name, digest = value.get("file"), value.get("sha256")
+            if isinstance(name, str) and isinstance(digest, str) and name.endswith(MESHES):
+                file = Path(name)
+                if not file.is_file() or content_sha256(file) != digest:
+                    return name
+            pending += value.values()
+        elif isinstance(value, list):
+            pending += [each for each in value if isinstance(each, dict | list)]
+    return ""
+
+
+def start_of(command: str, options: Sequence[str], executor: Executor) -> Start:
+    """Return how an executor starts the preprocessor; workers elsewhere find their own Python.
+
+    Raises
+    ------
+    InputError
+        No Python with FEniCSx on this machine, which is to compute.
+    """
+    python = find_interpreter() if isinstance(executor, Local) else ""
+    refused = ["--no-scripts"] if are_refused() else []  # a specification may name one itself
+    return Start(python, command, (*options, *refused))
+
+
+def make_all(
+    groups: Sequence[Sequence[Path]],
+    start: Start,
+    *,
+    executor: Executor,
+    done: Callable[[Path, Line], None],
+    progress: Callable[[str], None],
+) -> None:
+    """Make the file of every specification.
+
+    If a worker crashes, only its current file is lost.
+
+    Parameters
+    ----------
+    groups : specification files, those of equal mesh together
+    done : called with each specification and its outcome
+    progress : called with the step that a worker of this machine begins
+
+    Raises
+    ------
+    InputError : the preprocessor does not start.
+    """
+    with preprocessors(progress):
+        distribute(executor, _Specifications(Work(groups), start, done))

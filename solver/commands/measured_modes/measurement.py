@@ -1,17 +1,160 @@
 """Read a modal test: nodes with masses, frequencies, shapes, interfaces."""
 
+import csv
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from ...errors import InputError, nearest
 from ...inputs.common import lines, read_toml
+from ...inputs.common.table import Name, Table, unit
 from ...math.arrays import Array, IntArray
-from .columns import read_columns
-from .tables import MeasuredFile
+
+# Every key of a file of measured modes (docs/modes.md).
+
+
+class MeasuredReference(Table):
+    """`[reference]`: support of the body in the test; it defines the reference condition."""
+
+    kind: Literal["clamped", "mean-axis"] = Field(
+        description="clamped: one interface was fixed to a rig; mean-axis: the body was free"
+    )
+    at: Name | None = Field(default=None, description="interface that was held, if clamped")
+
+    @model_validator(mode="after")
+    def _place(self) -> "MeasuredReference":
+        if (self.kind == "clamped") != (self.at is not None):
+            raise ValueError("expected `at` with an interface if clamped, no `at` if mean-axis")
+        return self
+
+
+class MeasuredMode(Table):
+    """`[[modes]]`: one measured mode."""
+
+    frequency_hz: float = Field(gt=0, description="natural frequency", json_schema_extra=unit("Hz"))
+    shape: str = Field(
+        description="CSV file: node, ux, uy, uz and rx, ry, rz where measured; any scale"
+    )
+    damping_ratio: float = Field(
+        default=0.0, ge=0, lt=1, description="fraction of critical", json_schema_extra=unit("-")
+    )
+    label: str = Field(default="", description="name in results; absent: name of the shape's file")
+
+
+class MeasuredInterface(Table):
+    """`[interfaces.NAME]`: where joints, masses and signals attach."""
+
+    nodes: list[int] = Field(
+        min_length=1, description="nodes of the interface; its motion is their mean"
+    )
+
+
+class MeasuredFile(Table):
+    """The top of the file."""
+
+    format: Literal[1] = Field(description="version of this format")
+    body: str = Field(min_length=1, description="name of the body")
+    title: str = Field(default="", description="description of the test, one line")
+    nodes: str = Field(
+        description="CSV file: node, x, y, z [m], mass [kg] and Jxx, Jyy, Jzz, Jxy, Jxz, Jyz "
+        "[kg m2] about the node where known"
+    )
+    lines: list[list[int]] = Field(
+        default=[], description="nodes connected by lines in pictures, one list for each line"
+    )
+    mass_normalised: bool = Field(
+        default=False, description="shapes have unit modal mass; compared with the nodal masses"
+    )
+    reference: MeasuredReference = Field(description="support in the test")
+    modes: list[MeasuredMode] = Field(min_length=1, description="measured modes")
+    interfaces: dict[Name, MeasuredInterface] = Field(min_length=1, description="named places")
+
+
+# Columns of numbers from a CSV file with the names in its first line.
+
+
+def read_columns(
+    file: Path, required: tuple[str, ...], optional: tuple[str, ...]
+) -> tuple[IntArray, dict[str, Array]]:
+    """Node numbers (n,) of the column `node`, and the other columns by name, (n,) each.
+
+    Empty lines and lines that begin with # are ignored. Values are separated by commas or, if the
+    first line contains any, by semicolons.
+
+    Raises
+    ------
+    InputError : no such file; a column is unknown or missing; a value is not a number; a node
+        occurs twice. Names file, line and column.
+    """
+    rows = _rows(file)
+    head_line, head = rows[0]
+    known = ("node", *required, *optional)
+    for name in head:
+        if name not in known:
+            raise InputError(f"{file}:{head_line}: column {name!r}: unknown{nearest(name, known)}")
+        if head.count(name) > 1:
+            raise InputError(f"{file}:{head_line}: column {name!r}: occurs twice")
+    for name in ("node", *required):
+        if name not in head:
+            raise InputError(
+                f"{file}:{head_line}: column {name!r}: missing; expected a first line that names "
+                f"it, found {', '.join(head)}"
+            )
+    numbers = np.empty((len(rows) - 1, len(head)))
+    for k, (line, texts) in enumerate(rows[1:]):
+        if len(texts) != len(head):
+            raise InputError(f"{file}:{line}: expected {len(head)} values, found {len(texts)}")
+        for j, text in enumerate(texts):
+            numbers[k, j] = _number(file, line, head[j], text)
+    columns = {name: numbers[:, j] for j, name in enumerate(head)}
+    nodes = columns.pop("node").astype(np.int64)
+    for k in range(1, len(nodes)):
+        if nodes[k] in nodes[:k]:
+            raise InputError(f"{file}:{rows[k + 1][0]}: node {nodes[k]} occurs twice")
+    return nodes, columns
+
+
+def _rows(file: Path) -> list[tuple[int, list[str]]]:
+    """Numbered non-empty lines, split into stripped texts."""
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except (FileNotFoundError, IsADirectoryError) as error:
+        raise InputError(f"{file}: no such file") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{file}: expected text in UTF-8 ({error})") from error
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip(" ,;\t") and not line.lstrip().startswith("#")
+    ]
+    if len(lines) < 2:
+        raise InputError(f"{file}: expected a line of names and a line for each node")
+    separator = ";" if ";" in lines[0][1] else ","
+    reader = csv.reader((line for _, line in lines), delimiter=separator, skipinitialspace=True)
+    return [
+        (number, [text.strip() for text in texts])
+        for (number, _), texts in zip(lines, reader, strict=True)
+    ]
+
+
+def _number(file: Path, line: int, column: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not np.isfinite(value) or (column == "node" and value != round(value)):
+        expectation = "a whole number" if column == "node" else "a number with a decimal point"
+        raise InputError(
+            f"{file}:{line}: column {column!r}: expected {expectation}, found {text!r}"
+        )
+    return value
+
+
+# Read a modal test: nodes with masses, frequencies, shapes, interfaces.
 
 INERTIAS = {
     "Jxx": (0, 0),

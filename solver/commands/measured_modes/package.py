@@ -1,6 +1,7 @@
-"""A modal package from measured modes: lumped inertia of the nodes, measured frequencies."""
+"""A modal package from measured modes: lumped inertia, measured frequencies, corrected shapes."""
 
 import sys
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
@@ -9,11 +10,142 @@ import numpy as np
 
 from plymotion import __version__
 
+from ...errors import InputError
 from ...math.arrays import Array, IntArray
 from ...package import Interface, ModalPackage, from_stations
+from ...package.body.invariants import rigid_motions
 from ...package.validation import write_valid
 from .measurement import Measurement
-from .shapes import Corrected, corrected_shapes
+
+# Correction of measured shapes: reference condition, orthonormality in the nodal masses.
+#
+# A measured shape has an arbitrary scale, is only nearly orthogonal to the others in the nodal
+# masses, and contains a small motion of the support. There are three corrections, each with a
+# warning if it is large:
+#
+# - the frame: the motion of held nodes is set to zero; from the shapes of a free body the rigid
+#   motions are removed, so that they have no momentum (mean axis);
+# - scale: unit modal mass;
+# - orthogonality: each shape is made orthogonal to those of lower frequency (Gram-Schmidt).
+#   The lowest shapes are most important and most accurate; they change least. An equal correction
+#   of all shapes makes the lowest frequencies of a modified body several times less accurate.
+#
+# The measured frequencies are kept.
+
+HELD = 0.01  # limit of the motion of held nodes, relative to the largest motion
+RIGID = 0.1  # limit of the rigid motion in a shape, relative to its mass norm
+COUPLED = 0.1  # limit of the cosine of two shapes in the nodal masses
+SCALED = 0.1  # limit of the deviation of the modal mass of mass-normalised shapes from 1
+
+
+@dataclass
+class Corrected:
+    """Shapes (m, n, 6) of unit modal mass, and warnings about the measurement."""
+
+    shapes_B: Array
+    warnings: list[dict[str, str]] = field(default_factory=list)
+
+    def add_warning(self, code: str, message: str) -> None:
+        """Add a warning."""
+        self.warnings.append({"code": code, "message": message})
+
+
+def corrected_shapes(measured: Measurement) -> Corrected:
+    """Apply the reference condition to measured shapes, scale and orthogonalise them.
+
+    Raises
+    ------
+    InputError : a held interface moves; shapes are not independent.
+    """
+    out = Corrected(measured.shapes_B.copy())
+    if measured.table.reference.kind == "clamped":
+        _apply_clamped(measured, out)
+    else:
+        _apply_mean_axis(measured, out)
+    _orthonormalise(measured, out)
+    return out
+
+
+def mass_times(measured: Measurement, shapes_B: Array) -> Array:
+    """Momentum and angular momentum of each node per unit rate of shapes (m, n, 6)."""
+    momentum = measured.node_mass[:, None] * shapes_B[..., :3]
+    spin = np.einsum("nab,mnb->mna", measured.node_inertia_B, shapes_B[..., 3:])
+    return np.concatenate([momentum, spin], axis=-1)
+
+
+def _apply_clamped(measured: Measurement, out: Corrected) -> None:
+    at = str(measured.table.reference.at)
+    rows = measured.rows(at)
+    for part, unit in ((slice(0, 3), "displacement"), (slice(3, 6), "rotation")):
+        largest = np.abs(out.shapes_B[..., part]).max(axis=(1, 2))
+        moved = np.abs(out.shapes_B[:, rows, part]).max(axis=(1, 2))
+        bad = np.flatnonzero(moved > HELD * largest)
+        if bad.size:
+            i = int(bad[0])
+            raise InputError(
+                f"mode {measured.labels[i]!r}: the {unit} of the held interface {at} is "
+                f"{moved[i] / largest[i]:.1%} of the largest, expected below {HELD:.0%}: "
+                'for a body that was not held, use reference.kind = "mean-axis"'
+            )
+    out.shapes_B[:, rows] = 0.0
+
+
+def _apply_mean_axis(measured: Measurement, out: Corrected) -> None:
+    R = np.moveaxis(rigid_motions(measured.nodes_B), 2, 0)  # (6, n, 6)
+    MR, X = mass_times(measured, R), out.shapes_B
+    inertia = np.einsum("ink,jnk->ij", R, MR)
+    # nodes on a line without rotary inertia have no inertia about the line, so nothing is removed
+    share = np.linalg.pinv(inertia, rcond=1e-10, hermitian=True) @ np.einsum("ink,mnk->im", MR, X)
+    rigid = np.einsum("im,ink->mnk", share, R)
+    before = np.einsum("mnk,mnk->m", X, mass_times(measured, X))
+    ratio = np.sqrt(np.einsum("mnk,mnk->m", rigid, mass_times(measured, rigid)) / before)
+    out.shapes_B = X - rigid
+    for i in np.flatnonzero(ratio > RIGID):
+        out.add_warning(
+            "measured-shape-rigid",
+            f"mode {measured.labels[i]!r}: {ratio[i]:.0%} of the shape is rigid-body motion "
+            f"(expected for a free body: below {RIGID:.0%}); it was removed. Check the nodal "
+            "masses and the suspension",
+        )
+
+
+def _orthonormalise(measured: Measurement, out: Corrected) -> None:
+    X = out.shapes_B
+    gram = np.einsum("ink,jnk->ij", X, mass_times(measured, X))
+    scale = np.sqrt(np.diag(gram))
+    if not (scale > 0.0).all():
+        label = measured.labels[int(np.argmin(scale))]
+        raise InputError(
+            f"mode {label!r}: the shape moves no mass; expected motion of nodes with mass"
+        )
+    if measured.table.mass_normalised:
+        for i in np.flatnonzero(np.abs(scale**2 - 1.0) > SCALED):
+            out.add_warning(
+                "measured-modal-mass",
+                f"mode {measured.labels[i]!r}: the nodal masses give a modal mass of "
+                f"{scale[i] ** 2:.3g}, but mass_normalised = true requires 1",
+            )
+    cosine = gram / np.outer(scale, scale)
+    if not np.linalg.eigvalsh(cosine)[0] > 1e-3:
+        i, j = np.unravel_index(np.argmax(np.abs(np.triu(cosine, 1))), cosine.shape)
+        raise InputError(
+            f"modes {measured.labels[i]!r} and {measured.labels[j]!r}: the shapes are not "
+            f"independent (cosine {cosine[i, j]:.3f} in the nodal masses): measure more nodes or "
+            "directions to distinguish them"
+        )
+    pairs = np.argwhere(np.abs(np.triu(cosine, 1)) > COUPLED)
+    for i, j in pairs:
+        out.add_warning(
+            "measured-shapes-coupled",
+            f"modes {measured.labels[i]!r} and {measured.labels[j]!r}: cosine "
+            f"{cosine[i, j]:.2f} in the nodal masses (modes: below {COUPLED:g}); the second was "
+            "made orthogonal to the first. Check masses and shapes",
+        )
+    upper = np.linalg.inv(np.linalg.cholesky(cosine)).T / scale[:, None]
+    out.shapes_B = np.einsum("ink,ij->jnk", X, upper)
+
+
+# A modal package from measured modes: lumped inertia of the nodes, measured frequencies.
 
 VTK_VERTEX, VTK_LINE = 1, 3
 

@@ -9,7 +9,7 @@ from ...dynamics.model.coordinates import moved
 from ...math.arrays import Array
 from ...package.common.container import new_file, set_text
 from ...package.common.replaceable import is_ours
-from ...report.motion import segments
+from ...report.figures import segments
 from ...report.style import PALE, Canvas, colour, house_style
 from ...results import BodyGeometry, write_animation
 from ...run.outcome import drawn_shapes

@@ -1,6 +1,7 @@
 """The command `plymotion section`: numbers, section files and figures from descriptions."""
 
 import argparse
+import glob
 import json
 import sys
 from collections import Counter
@@ -10,25 +11,84 @@ from typing import Any
 
 from ...errors import InputError
 from ...inputs.common import read_toml
-from ...inputs.section.changes import changed
 from ...inputs.section.expand import section_spec
 from ...inputs.section.other_codes import is_of_another_code, spec_of_another_code
+from ...inputs.section.study import changed, study_variants
 from ...package.common.materials import MaterialError
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import share
 from ...package.section.io import read_section
 from ..body_arguments import FOLDERS
-from ..described.entries import Entry, entries_of
-from ..described.make import Made, Request
-from ..described.run import run_described
-from ..described.screen import USER_ERROR, drawn, file_lines, show_each, tell_failure
-from .batch_list import read_list
-from .ply_peaks import judged_peaks
+from ..described import (
+    USER_ERROR,
+    Entry,
+    Made,
+    Request,
+    drawn,
+    entries_of,
+    file_lines,
+    run_described,
+    show_each,
+    tell_failure,
+)
 from .results import read_results
-from .show import section_json, section_text
-from .show_loads import load_text
+from .show import judged_peaks, load_text, section_json, section_text
 from .summary import Row, summary_json, summary_text, write_summary
-from .writers.choice import write_for
+from .writers import write_for
+
+# The sections of a batch: a folder, a pattern, a list, or a study.
+
+
+def read_list(place: str) -> list[Entry]:
+    """Read a batch list.
+
+    Parameters
+    ----------
+    place : a folder of descriptions (*.toml), a pattern such as "sections/box-*.toml", a study
+        (see study.py), or a text file with the name of a description in each line, relative to its
+        folder; `#` starts a comment
+
+    Raises
+    ------
+    InputError : it does not exist, names no section, or is wrong.
+    """
+    path = Path(place)
+    if path.is_dir():
+        found = entries_of(sorted(path.glob("*.toml")))
+    elif glob.has_magic(place):
+        found = entries_of(Path(name) for name in sorted(glob.glob(place, recursive=True)))
+    elif path.suffix == ".toml":
+        found = _study_entries(path)
+    else:
+        found = entries_of(path.parent / name for name in _names(path))
+    if not found:
+        raise InputError(f"{place}: names no section; expected descriptions (*.toml)")
+    return found
+
+
+def _names(path: Path) -> list[str]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (FileNotFoundError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: not a batch list; expected folder, pattern, study (.toml) or text file"
+        ) from error
+    return [name for line in text.splitlines() if (name := line.split("#")[0].strip())]
+
+
+def _study_entries(path: Path) -> list[Entry]:
+    table = read_toml(path, "batch list")
+    if "mesh" in table:
+        raise InputError(f"{path}: this is a section description: use it without --batch")
+    study, variants = study_variants(path, table)
+    return [
+        Entry(base.name + suffix, base.file, changes)
+        for base in entries_of(path.parent / name for name in study.sections)
+        for suffix, changes in variants
+    ]
+
+
+# The command `plymotion section`: numbers, section files and figures from descriptions.
 
 
 def run_section(options: argparse.Namespace) -> int:

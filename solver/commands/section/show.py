@@ -1,14 +1,205 @@
-"""The numbers of a section as text for the screen and as plain data for programs."""
+"""Sections as text for the screen: numbers, and stresses of the plies under given resultants."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...math.arrays import Array
-from ...package.section.schema import RESULTANTS
+from ...package.section.corners import near_corner, reentrant_corners
+from ...package.section.recovery_data import strengths
+from ...package.section.schema import (
+    RESULTANTS,
+    STRESSES,
+    Ply,
+    SectionFile,
+    SectionMeshData,
+    SectionRecovery,
+)
+from ...strength import criteria_of
+from ...strength.beam_bodies import unit_stress_M
 from .conventions import convert
 from .results import SectionResults
+
+# The highest stresses and the strength ratios of every ply under given resultants.
+
+
+@dataclass(frozen=True)
+class Reserve:
+    """Factor on all resultants at which a criterion predicts failure."""
+
+    ratio: float  # strength ratio R; margin of safety R - 1    [-]
+    mode: str
+    point: tuple[float, float]  # x2, x3 of the first failure   [m]
+
+
+@dataclass(frozen=True)
+class PlyPeak:
+    """One ply: its highest stresses, and the first failure by each criterion."""
+
+    ply: Ply
+    stress_M: Array  # (6,) of largest size, with sign: 11, 22, 33, 23, 13, 12 [Pa]
+    reserves: dict[str, Reserve]  # by criterion; empty without strengths
+
+
+def ply_peaks(
+    recovery: SectionRecovery, F: Array, left_out: NDArray[np.bool_] | None = None
+) -> list[PlyPeak]:
+    """Peak stresses and reserves of all plies, in their order.
+
+    Parameters
+    ----------
+    F : (6,) F1, F2, F3, M1, M2, M3 at the reference point [N, N m]
+    left_out : (p,) True for points that are not judged; absent: none
+
+    Raises
+    ------
+    MaterialError : a table of strengths that cannot be used.
+    """
+    stress_M = unit_stress_M(recovery) @ np.asarray(F, dtype=float)
+    known = strengths(recovery)
+    judged = np.ones(len(recovery.ply), dtype=bool) if left_out is None else ~left_out
+    peaks = []
+    for row, ply in enumerate(recovery.plies):
+        points = np.flatnonzero(judged & (recovery.ply == row))
+        if not len(points):
+            continue  # thinner than the distance between the points, or left out
+        own = stress_M[points]
+        largest = own[np.argmax(np.abs(own), axis=0), np.arange(6)]
+        reserves = {}
+        if ply.material in known:
+            strength = known[ply.material]
+            for criterion in criteria_of(strength):
+                verdict = criterion.assess(own, strength)
+                worst = int(np.argmax(verdict.exposure))
+                x2, x3 = recovery.points[points[worst]]
+                mode = verdict.modes[int(verdict.mode[worst])]
+                ratio = float(verdict.ratio[worst])
+                reserves[criterion.name] = Reserve(ratio, mode, (float(x2), float(x3)))
+        peaks.append(PlyPeak(ply, largest, reserves))
+    return peaks
+
+
+def weakest(peaks: Sequence[PlyPeak]) -> dict[str, PlyPeak]:
+    """The ply with the least margin by each criterion, of the plies that it judges."""
+    found: dict[str, PlyPeak] = {}
+    for peak in peaks:
+        for name, reserve in peak.reserves.items():
+            if name not in found or reserve.ratio < found[name].reserves[name].ratio:
+                found[name] = peak
+    return found
+
+
+def judged_peaks(
+    section: SectionFile, F: Array, distance: float | None
+) -> tuple[list[PlyPeak], list[dict[str, str]]]:
+    """`ply_peaks` of a section, and warnings about the places of the least margins.
+
+    distance : from re-entrant corners [m], below which points are not judged; absent: all are
+    """
+    recovery, mesh = section.recovery, section.mesh
+    if distance is None:
+        peaks = ply_peaks(recovery, F)
+        return peaks, corner_warnings(mesh, peaks)
+    left_out = near_corner(mesh, recovery.points, distance)
+    return ply_peaks(recovery, F, left_out), []
+
+
+def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[str, str]]:
+    """Warning if least margins lie in cells at re-entrant corners: they depend on the mesh."""
+    nodes, sizes = reentrant_corners(mesh)
+    if not len(nodes):
+        return []
+    found = []
+    for name, peak in weakest(peaks).items():
+        reserve = peak.reserves[name]
+        away = np.linalg.norm(mesh.nodes[nodes] - reserve.point, axis=1)
+        nearest = int(np.argmin(away))
+        if away[nearest] < sizes[nearest]:
+            found.append((reserve.ratio, away[nearest], nodes[nearest], name))
+    if not found:
+        return []
+    _, away_least, node, _ = min(found)
+    x2, x3 = mesh.nodes[node]
+    names = [name for *_, name in found]
+    least = (
+        f"the least margins by {', '.join(names)} lie"
+        if names[1:]
+        else f"the least margin by {names[0]} lies"
+    )
+    return [
+        {
+            "code": "stress-at-corner",
+            "message": f"{least} at a re-entrant corner, the worst {away_least:.3g} m from "
+            f"({x2:.4g}, {x3:.4g}): a finer mesh gives a smaller one; choose a distance with "
+            "--corner-distance",
+        }
+    ]
+
+
+# Stresses and margins of the plies under given resultants, as text for the screen.
+
+
+def load_text(
+    peaks: Sequence[PlyPeak], F: Sequence[float], warnings: Sequence[Mapping[str, str]] = ()
+) -> str:
+    """Return the highest stress of every ply under resultants F, its smallest margins, warnings."""
+    loads = ", ".join(
+        f"{name} = {value:g} {'N' if name[0] == 'F' else 'N m'}"
+        for name, value in zip(RESULTANTS, F, strict=True)
+    )
+    columns = [f"s{name}" for name in STRESSES]
+    width = max([len("region"), *(len(_ply(peak)) for peak in peaks)])
+    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>11}" for name in columns)
+    lines = [
+        "Stresses of largest magnitude in each ply [MPa], in its axes, under",
+        loads,
+        head,
+        *(
+            f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}"
+            + "".join(f"{value:11.4g}" for value in peak.stress_M / 1e6)
+            for peak in peaks
+        ),
+    ]
+    doubts = [f"warning [{w['code']}] {w['message']}" for w in warnings]
+    return "\n".join([*lines, "", *_margins(peaks, width), *doubts])
+
+
+def _ply(peak: PlyPeak) -> str:
+    return f"{peak.ply.region} {peak.ply.index + 1} {peak.ply.material}"
+
+
+def _margins(peaks: Sequence[PlyPeak], width: int) -> list[str]:
+    without = sorted({peak.ply.material for peak in peaks if not peak.reserves})
+    lines = [f"No margins for {', '.join(without)}: no strengths are given"] if without else []
+    least = weakest(peaks)
+    if not least:
+        return lines
+    lines += [
+        "Margins of safety: load factor at failure minus 1",
+        f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>14}" for name in least),
+    ]
+    for peak in peaks:
+        if peak.reserves:
+            cells = "".join(f"{_margin(peak.reserves.get(name)):>14}" for name in least)
+            lines.append(f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}{cells}")
+    for name, worst in least.items():
+        reserve = worst.reserves[name]
+        x2, x3 = reserve.point
+        lines.append(
+            f"least by {name}: {reserve.ratio - 1.0:.3g} in {_ply(worst)} "
+            f"({reserve.mode}) at x2 = {x2:.4g} m, x3 = {x3:.4g} m"
+        )
+    return lines
+
+
+def _margin(reserve: Reserve | None) -> str:
+    return "-" if reserve is None else f"{reserve.ratio - 1.0:.3g}"
+
+
+# The numbers of a section as text for the screen and as plain data for programs.
 
 # Entries below this share of sqrt(K_ii K_jj) are round-off: shown as 0.
 ROUND_OFF = 1e-10

@@ -13,10 +13,7 @@ from ...package.common.materials import MaterialError
 from ...package.shell.io import read_shell
 from ...package.shell.schema import ShellFile
 from ..body_arguments import FOLDERS
-from ..described.entries import entries_of
-from ..described.make import Made, Request
-from ..described.run import run_described
-from ..described.screen import drawn, file_lines, show_each
+from ..described import Made, Request, drawn, entries_of, file_lines, run_described, show_each
 from .show import shell_text
 from .show_json import shell_json
 

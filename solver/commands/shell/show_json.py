@@ -6,8 +6,7 @@ from typing import Any
 from ...math.arrays import Array
 from ...package.shell.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
-from .findings import CaseFindings, case_findings, stacking
-from .ply_extremes import PlyExtreme
+from .findings import CaseFindings, PlyExtreme, case_findings, stacking
 from .show import not_estimated, title_of
 
 

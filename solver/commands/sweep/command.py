@@ -10,13 +10,12 @@ from ...interrupts import INTERRUPTED
 from ...package.common.replaceable import refuse_foreign, refuse_link
 from ...package.common.shares import share
 from ...package.common.temporary import write_text
-from ..executors.choice import executor_of
-from ..exit_codes import INCOMPLETE
-from .figure import draw_sweep
+from ..ending import INCOMPLETE
+from ..executors import executor_of
 from .file import SweepResult, result_of, sweep_csv
 from .member import FAILED, PENDING, STOPPED
 from .plan import read_plan
-from .show import tell
+from .show import draw_sweep, tell
 from .work import Work, settled
 
 FILE, CSV = "sweep.h5", "sweep.csv"

@@ -93,7 +93,7 @@ def _spec(
 def _member(
     plan: Plan, packages: Packages, number: int, check: Mapping[str, int]
 ) -> tuple[RunSpec, dict[str, ModalPackage]]:
-    spec = _spec(plan, packages, plan.members[number].own.packages, number)
+    spec = _spec(plan, packages, plan.members[number].packages, number)
     return spec, {**spec.packages, **packages.named(check)}
 
 

@@ -1,8 +1,9 @@
 """sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md."""
 
 import csv
+import hashlib
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,41 @@ from ...results.summary import MEASURES
 from ...run.integration import output_times
 from .member import CHECKS, COST, DAMAGE, Row
 from .plan import Plan
-from .row_digest import row_sha256
+
+# The digest of a member's row in sweep.h5: a restart believes no other row.
+
+ROW_TEXTS = ("key", "status", "message", "code")
+
+
+def row_sha256(row: Row, signals: Iterable[str], histories: Iterable[str], n_t: int) -> str:
+    """Return the digest of all that the file keeps of a row.
+
+    Parameters
+    ----------
+    signals, histories : names in the file; `n_t` is the number of output times of histories
+    """
+    texts = [getattr(row, name) for name in ROW_TEXTS] + list(row.warnings)
+    numbers = [row.t_end]
+    for name in sorted(signals):
+        numbers += [_number(row.signals.get(name, {}).get(measure)) for measure in MEASURES]
+    numbers += [row.checks.get(name, np.nan) for name in CHECKS]
+    numbers += [row.cost.get(name, np.nan) for name in COST]
+    digest = hashlib.sha256("\0".join(texts).encode())
+    digest.update(_plain(numbers))
+    nothing = np.full(n_t, np.nan)
+    for name in sorted(histories):
+        digest.update(_plain(row.histories.get(name, nothing)))
+    return digest.hexdigest()
+
+
+def _plain(values: object) -> bytes:
+    """Return numbers as bytes, every NaN the same."""
+    array = np.array(values, dtype="<f8")
+    array[np.isnan(array)] = np.nan
+    return array.tobytes()
+
+
+# sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md.
 
 FORMAT = "plymotion sweep"
 FORMAT_VERSION = (1, 2)

@@ -17,8 +17,7 @@ from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary
 from ...results.codes import DEFECT, INPUT, PACKAGE
-from ...run.integration import integrated, output_times
-from ...run.other_runs import histories_of
+from ...run.integration import histories_of, integrated, output_times
 from ...run.outcome import RunSpec
 from ...run.preparation import prepare
 from ...signals import Recording, Sensor, fatigue_entry
@@ -131,7 +130,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
         for run, variant in member.other_runs.items()
     }
     read = with_parts(kept, mechanism.signals)
-    own = RunSpec(plan.case, plan.run, mechanism, packages.of(member.own))
+    own = RunSpec(plan.case, plan.run, mechanism, packages.of(member))
     if plan.fidelity is not None:
         from ...fidelity.delivery.members import member_spec  # most sweeps need no planner
         from .model_plan import model_plan

@@ -26,31 +26,27 @@ Number = Annotated[int, Field(ge=0)]  # in a list of the file
 ROWS = 2  # version of what is computed of a member: raised when its numbers change their meaning
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(Table):
     """What is varied."""
 
     name: str
-    keys: tuple[str, ...]
+    keys: list[str]
     unit: str
 
 
-@dataclass(frozen=True)
-class Variant:
+class Variant(Table):
     """A run with changes."""
 
     changes: dict[str, Any]  # dotted keys of the mechanism
-    packages: dict[str, int]  # body -> number in the list of packages
+    packages: dict[str, Number]  # body -> number in the list of packages
 
 
-@dataclass(frozen=True)
-class Member:
+class Member(Variant):
     """One point of the design."""
 
-    values: tuple[float, ...]
-    own: Variant
+    values: list[float]
     other_runs: dict[str, Variant]  # that combined signals read
-    number: int  # in the sweep
+    number: Number = 0  # in the sweep
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,7 @@ class Plan:
         return in_segments(resolved(self._others_of(number)[run], where))
 
     def _table_of(self, number: int) -> dict[str, Any]:
-        return put(self.table, self.members[number].own.changes)
+        return put(self.table, self.members[number].changes)
 
     def _others_of(self, number: int) -> dict[str, dict[str, Any]]:
         others = self.members[number].other_runs
@@ -118,7 +114,7 @@ class Plan:
 
     def digest(self) -> str:
         """Return the hash of the members, their packages and the solver, without the plan."""
-        members = [[member.values, member.own.changes] for member in self.members]
+        members = [[member.values, member.changes] for member in self.members]
         contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
         return data_sha256([__version__, solver_sha256(), self.table, members, contents])
 
@@ -135,30 +131,11 @@ class Plan:
         for number, member in enumerate(self.members):
             used = [
                 {body: contents[k] for body, k in variant.packages.items()}
-                for variant in (member.own, *member.other_runs.values())
+                for variant in (member, *member.other_runs.values())
             ]
             tables = [self._table_of(number), self._others_of(number)]
             found.append(data_sha256([*common, *tables, used]))
         return found
-
-
-class _Variant(Table):
-    changes: dict[str, Any]
-    packages: dict[str, Number]
-
-    def variant(self) -> Variant:
-        return Variant(self.changes, self.packages)
-
-
-class _Member(_Variant):
-    values: list[float]
-    other_runs: dict[str, _Variant]
-
-
-class _Parameter(Table):
-    name: str
-    keys: list[str]
-    unit: str
 
 
 class _Package(Table):
@@ -185,12 +162,12 @@ class _File(Table):
     title: str
     run: str
     design: str
-    parameters: list[_Parameter]
+    parameters: list[Parameter]
     signals: list[str]
     histories: list[str]
     mechanism: dict[str, Any]
     other_runs: dict[str, dict[str, Any]]
-    members: list[_Member]
+    members: list[Member]
     packages: list[_Package]
     fidelity: _Fidelity | None = None
 
@@ -250,22 +227,14 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         title=found.title,
         run=found.run,
         design=found.design,
-        parameters=tuple(Parameter(p.name, tuple(p.keys), p.unit) for p in found.parameters),
+        parameters=tuple(found.parameters),
         signals=tuple(found.signals),
         histories=tuple(found.histories),
         table=found.mechanism,
         mechanism=resolved(found.mechanism, str(file)),
         packages=tuple(package.model_dump(exclude_none=True) for package in found.packages),
         other_runs=found.other_runs,
-        members=tuple(
-            Member(
-                tuple(m.values),
-                m.variant(),
-                {run: other.variant() for run, other in m.other_runs.items()},
-                number,
-            )
-            for number, m in enumerate(found.members)
-        ),
+        members=tuple(m.model_copy(update={"number": k}) for k, m in enumerate(found.members)),
         fidelity=found.fidelity.model_dump() if found.fidelity else None,
         allow_doubtful=allow_doubtful,
     )

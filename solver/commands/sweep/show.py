@@ -1,13 +1,20 @@
-"""What became of the members of a sweep, on the screen."""
+"""The results of a sweep on the screen and as figures."""
 
 import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style, unit_text
 from ...results.codes import CODES
 from .file import SweepResult
 from .member import FAILED, FINISHED, PENDING, STOPPED, Row
+
+# What became of the members of a sweep, on the screen.
 
 TOLD = 10  # kinds of messages of members that did not finish
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
@@ -66,3 +73,127 @@ def _alike(rows: Sequence[Row]) -> list[list[int]]:
             words = NUMBER.sub("#", row.message)
             found.setdefault((row.status, row.code, words), []).append(k)
     return list(found.values())
+
+
+# Figures of a sweep: each signal's final value and extremes against what was varied.
+
+SHOWN = (("final", "final value"), ("min", "smallest"), ("max", "largest"))
+FAMILY = 6  # values of one of two parameters up to which curves are drawn in place of a map
+
+
+def draw_sweep(folder: Path, result: SweepResult) -> list[Path]:
+    """Draw DIR/<signal>.png for every signal. Raises InputError without matplotlib."""
+    files = []
+    with house_style():
+        for name in result.signal_units:
+            if np.isfinite(result.signal(name, "min")).any():
+                files.append(draw_signal(folder / f"{name}.png", result, name))
+    return files
+
+
+def draw_signal(path: Path, result: SweepResult, name: str) -> Path:
+    """Draw one signal: curves over one parameter, a map over two, points over more."""
+    axes_values = [np.unique(column) for column in result.values.T]
+    varied = [i for i, values in enumerate(axes_values) if len(values) > 1] or [0]
+    full = len(result.rows) == np.prod([len(axes_values[i]) for i in varied])
+    if len(varied) == 1:
+        canvas = _curves(result, name, varied[0], None)
+    elif len(varied) == 2 and full:
+        few = min(varied, key=lambda i: len(axes_values[i]))
+        if len(axes_values[few]) <= FAMILY:
+            canvas = _curves(result, name, next(i for i in varied if i != few), few)
+        else:
+            canvas = _map(result, name, varied)
+    else:
+        canvas = _points(result, name, varied)
+    words = result.signal_words[name] or name
+    canvas.figure.suptitle(
+        f"{result.title}: {words}{unit_text(result.signal_units[name])}",
+        fontsize=10.5,
+        fontweight="bold",
+        x=0.02,
+        ha="left",
+    )
+    lost = result.count(STOPPED, FAILED)
+    if lost:
+        note = f"x: {lost} of {len(result.rows)} members stopped or failed; values up to there"
+        canvas.figure.supxlabel(note, fontsize=7.5, color=GREY, x=0.98, ha="right")
+    return canvas.save(path)
+
+
+def _curves(result: SweepResult, name: str, along: int, few: int | None) -> Canvas:
+    """Draw a panel for each measure, a curve for each value of the parameter `few`."""
+    canvas = Canvas(10.0, 3.4)
+    panels = canvas.panels(1, len(SHOWN))
+    x = result.values[:, along]
+    family = [None] if few is None else list(np.unique(result.values[:, few]))
+    early = _early(result)
+    for axes, (measure, words) in zip(panels, SHOWN, strict=True):
+        y = result.signal(name, measure)
+        for i, value in enumerate(family):
+            own = np.ones(len(x), dtype=bool) if few is None else result.values[:, few] == value
+            order = np.flatnonzero(own)[np.argsort(x[own], kind="stable")]
+            label = None if few is None else f"{value:g}"
+            line = np.where(early, np.nan, y)[order]  # no line to what ended at another time
+            axes.plot(x[order], line, "o-", markersize=3, color=colour(i), label=label)
+            gone = order[early[order]]
+            axes.plot(x[gone], y[gone], "x", color=colour(i), markersize=6)
+        axes.set(title=words, xlabel=_label(result, along))
+    if few is not None:
+        handles = panels[0].get_legend_handles_labels()
+        canvas.figure.legend(*handles, loc="outside right center", title=_label(result, few))
+    return canvas
+
+
+def _map(result: SweepResult, name: str, varied: list[int]) -> Canvas:
+    """Draw a map for each measure over two parameters."""
+    canvas = Canvas(11.0, 3.6)
+    panels = canvas.panels(1, len(SHOWN))
+    i, j = varied
+    across, i_at = np.unique(result.values[:, i], return_inverse=True)
+    up, j_at = np.unique(result.values[:, j], return_inverse=True)
+    early = _early(result)
+    for axes, (measure, words) in zip(panels, SHOWN, strict=True):
+        field = np.full((len(up), len(across)), np.nan)
+        field[j_at, i_at] = result.signal(name, measure)
+        image = axes.pcolormesh(
+            across, up, np.ma.masked_invalid(field), shading="nearest", cmap="cividis"
+        )
+        axes.plot(result.values[early, i], result.values[early, j], "x", color=WARNING)
+        axes.grid(False)
+        axes.set(title=words, xlabel=_label(result, i))
+        canvas.figure.colorbar(image, ax=axes)
+    panels[0].set_ylabel(_label(result, j))
+    return canvas
+
+
+def _points(result: SweepResult, name: str, varied: list[int]) -> Canvas:
+    """Draw a point for each member, a row of panels for each measure."""
+    canvas = Canvas(3.2 * len(varied) + 0.6, 2.4 * len(SHOWN) + 0.4)
+    panels = canvas.panels(len(SHOWN), len(varied), sharex="col", sharey="row")
+    early = _early(result)
+    for row, (measure, words) in enumerate(SHOWN):
+        y = result.signal(name, measure)
+        for column, i in enumerate(varied):
+            axes, x = panels[row * len(varied) + column], result.values[:, i]
+            axes.plot(x[~early], y[~early], "o", markersize=3, color=colour(0))
+            axes.plot(x[early], y[early], "x", color=WARNING)
+            if column == 0:
+                axes.set_ylabel(words, color=INK)
+            if row == len(SHOWN) - 1:
+                axes.set_xlabel(_label(result, i))
+    return canvas
+
+
+def _early(result: SweepResult) -> NDArray[np.bool_]:
+    """Return a mask (k,) of the members that ended early."""
+    return np.array([row.status in (STOPPED, FAILED) for row in result.rows], dtype=bool)
+
+
+def _text(result: SweepResult, parameter: int) -> tuple[str, str]:
+    return result.parameter_names[parameter], result.parameter_units[parameter]
+
+
+def _label(result: SweepResult, parameter: int) -> Any:
+    name, unit = _text(result, parameter)
+    return f"{name}{unit_text(unit)}"

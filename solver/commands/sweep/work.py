@@ -1,23 +1,144 @@
-"""The rows of a sweep: what is known, what is computed, and when it is saved."""
+"""The rows of a sweep: handed out to an executor in portions, computed and saved."""
 
+import math
+import platform
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from tqdm import tqdm
 
 from ...errors import InputError
+from ...inputs.case.sources import solver_sha256
 from ...interrupts import held
 from ...math.compiled import COMPILED
+from ...package.common.plain_data import data_sha256
 from ...results import ResultError
+from ...results.codes import WORKER_LOST
 from ..cases.finished import state_of
-from ..executors.executor import Executor, distribute
-from ..executors.local import Local
+from ..executors import Executor, Local, Task, distribute
 from .file import believed_rows, result_of, write_sweep
-from .member import Row
-from .plan import Plan
-from .portions import Portions
+from .member import FAILED, Packages, Row, compute
+from .plan import Member, Plan, read_plan
+
+# A portion of the members of a sweep: what a worker computes at a time.
+
+_ALONE = threading.Lock()  # workers of dask may have several threads; integrators share memory
+
+
+@dataclass(frozen=True)
+class Order:
+    """What all portions of a sweep have in common."""
+
+    file: Path  # the sweep file, under the same name for all workers
+    content: str  # digest of the sweep and its packages: another one is read again
+    solver: str  # digest of the solver's sources
+    allow_doubtful: bool
+
+
+def compute_portion(
+    order: Order, members: Sequence[Member], keys: Sequence[str]
+) -> tuple[list[Row], float]:
+    """Return the rows of some members and the time that they took [s].
+
+    Rows that an interruption left without an end are pending.
+
+    Raises
+    ------
+    InputError
+        The sweep file cannot be read here, or the sources of this worker are others.
+    """
+    begin = time.perf_counter()
+    if solver_sha256() != order.solver:
+        raise InputError(
+            f"{platform.node()}: the worker has other sources of Plymotion than the command: "
+            "restart the workers"
+        )
+    with _ALONE:
+        plan, packages = _read(order)
+        rows = compute(plan.part(members), packages, range(len(members)), keys)
+    return rows, time.perf_counter() - begin
+
+
+@lru_cache(maxsize=1)
+def _read(order: Order) -> tuple[Plan, Packages]:
+    plan = read_plan(order.file, allow_doubtful=order.allow_doubtful)
+    return plan, Packages(plan)
+
+
+# The members of a sweep, handed out to an executor in portions.
+
+PORTION_S = 2.0  # time that a portion of members should take: progress is reported after each
+LOST = "the process that computed it died (out of memory?)"
+
+
+class Portions:
+    """Hands out members in portions that grow while they are quick.
+
+    A worker that dies takes only the member with it that it was at.
+
+    Parameters
+    ----------
+    numbers : of the members that are to be computed
+    keys : of all members
+    report : called with each row
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        numbers: Sequence[int],
+        keys: Sequence[str],
+        report: Callable[[int, Row], None],
+    ) -> None:
+        self._plan, self._keys, self._report = plan, keys, report
+        self._order = Order(
+            plan.file.resolve(), data_sha256(list(keys)), solver_sha256(), plan.allow_doubtful
+        )
+        self._left = list(reversed(numbers))
+        self._alone: list[int] = []
+        self._size = 1
+
+    def next(self, lane: int, width: int) -> Task | None:
+        """Return the next members; small portions at the end, so that all workers end together."""
+        if self._alone:
+            numbers = [self._alone.pop()]
+        else:
+            size = min(self._size, math.ceil(len(self._left) / (2 * width)))
+            numbers = [self._left.pop() for _ in range(size)]
+        if not numbers:
+            return None
+        members = [self._plan.members[k] for k in numbers]
+        keys = [self._keys[k] for k in numbers]
+        return Task(compute_portion, (self._order, members, keys), numbers)
+
+    def took(self, task: Task, result: tuple[list[Row], float]) -> None:
+        """Report rows. Raises KeyboardInterrupt if the computation was interrupted."""
+        rows, seconds = result
+        for number, row in zip(task.content, rows, strict=True):
+            if row.done:
+                self._report(number, row)
+        if not all(row.done for row in rows):
+            raise KeyboardInterrupt
+        if len(rows) >= self._size:
+            wanted = round(len(rows) * PORTION_S / max(seconds, 1e-6))
+            self._size = max(1, min(2 * self._size, wanted))
+
+    def lost(self, task: Task) -> None:
+        """Hand members out again, each alone; one that was alone has failed."""
+        if len(task.content) > 1:
+            self._alone += task.content
+            return
+        (number,) = task.content
+        row = Row(self._keys[number], status=FAILED, message=LOST, code=WORKER_LOST.name)
+        self._report(number, row)
+
+
+# The rows of a sweep: what is known, what is computed, and when it is saved.
 
 SAVE_S = 10.0  # least time between two savings on the way
 

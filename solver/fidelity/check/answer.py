@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...checks.motion import motion_findings
+from ...checks.modes import motion_findings
 from ...math.arrays import Array
 from ...run.outcome import RunSpec
 from ..base.plan import Plan

@@ -7,8 +7,8 @@ from pydantic import BaseModel
 
 from ..common import read_toml
 from ..common.table import plain_table
-from ..section.changes import changed
 from ..section.description import checked as checked_section
+from ..section.study import changed
 from ..shell.description import checked as checked_shell
 
 if TYPE_CHECKING:

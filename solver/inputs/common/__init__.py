@@ -2,6 +2,6 @@
 
 from .messages import lines
 from .table import Name, Table, unit
-from .toml_file import read_toml
+from .text_file import read_toml
 
 __all__ = ["Name", "Table", "lines", "read_toml", "unit"]

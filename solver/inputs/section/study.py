@@ -1,31 +1,90 @@
-"""A study: descriptions of sections and the keys that are varied.
-
-format = 1
-sections = ["box.toml", "tube.toml"]      # descriptions, beside this file
-combine = "product"                       # of the sweeps; or "zip": one value of each
-
-[[sweep]]
-key = "laminates.wall.angles_deg"         # a key of the descriptions
-values = [[0, 0], [15, -15], [30, -30]]
-names = ["a", "b", "c"]                   # optional: parts of the sections' names
-
-[[sweep]]
-key = "laminates.wall.angles_deg"
-csv = "angles.csv"                        # rows of numbers, or "name, 1, 2" and "soft, 45, -45"
-"""
+"""Changes of keys of section descriptions, and studies that vary them."""
 
 import csv
 import itertools
 import re
+import tomllib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
-from ...errors import InputError
+from ...errors import InputError, nearest
 from ..common import Table, lines
+
+# Change of keys of a section description.
+
+
+def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> dict[str, Any]:
+    """Return the table of a description with other values.
+
+    Parameters
+    ----------
+    changes : dotted key, with numbers for positions in a list, and its value
+    file : of the table, for messages
+
+    Raises
+    ------
+    InputError : a key that does not exist.
+    """
+    table = deepcopy(table)
+    for key, value in changes.items():
+        *path, last = _parts(key)
+        place: Any = table
+        for i, part in enumerate(path):
+            if _at(place, part) not in _known(place):
+                raise InputError(
+                    f"{file}: {'.'.join(path[: i + 1])}: no such table, needed for the change of "
+                    f'"{key}"{nearest(part, map(str, _known(place)))}'
+                )
+            place = place[_at(place, part)]
+        if not isinstance(place, dict) and _at(place, last) not in _known(place):
+            raise InputError(f'{file}: {".".join(path)}: has no {last}, the change of "{key}"')
+        place[_at(place, last)] = value
+    return table
+
+
+def _parts(key: str) -> list[str]:
+    """Return the parts of a dotted key, by the rules of TOML."""
+    parts: list[str] = []
+    try:
+        inner: Any = tomllib.loads(f"{key} = 0")
+        while isinstance(inner, dict):
+            ((part, inner),) = inner.items()
+            parts.append(part)
+    except ValueError as error:
+        raise InputError(f'sweep.key = "{key}": not a dotted key of TOML: {error}') from error
+    return parts
+
+
+def _at(place: Any, part: str) -> str | int:
+    return int(part) if isinstance(place, list) and part.isdecimal() else part
+
+
+def _known(place: Any) -> list[Any]:
+    """Keys of a table, positions of a list; none of a value."""
+    if isinstance(place, dict):
+        return list(place)
+    return list(range(len(place))) if isinstance(place, list) else []
+
+
+# A study: descriptions of sections and the keys that are varied.
+#
+# format = 1
+# sections = ["box.toml", "tube.toml"]      # descriptions, beside this file
+# combine = "product"                       # of the sweeps; or "zip": one value of each
+#
+# [[sweep]]
+# key = "laminates.wall.angles_deg"         # a key of the descriptions
+# values = [[0, 0], [15, -15], [30, -30]]
+# names = ["a", "b", "c"]                   # optional: parts of the sections' names
+#
+# [[sweep]]
+# key = "laminates.wall.angles_deg"
+# csv = "angles.csv"                        # rows of numbers, or "name, 1, 2" and "soft, 45, -45"
 
 FileName = Annotated[str, Field(pattern=r"^[\w.+-]+$")]  # it becomes part of a folder's name
 Variants = list[tuple[str, dict[str, Any]]]  # end of the name, dotted keys with their values

@@ -29,9 +29,8 @@ import numpy as np
 from ...errors import InputError, few
 from ...math.arrays import Array, IntArray
 from ...package.common.anisotropic import UPPER, of_upper
-from .numbered_rows import NumberedRows
 from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
-from .records import Records
+from .records import NumberedRows, Records
 
 UNIFORM = 500.0  # a second theta1 above this says that the first holds for the whole cell
 CONSTANTS = {0: 2, 1: 9, 2: 21}

@@ -1,10 +1,134 @@
-"""Scripts and styles as the page contains them, with the hashes that its policy allows."""
+"""What report.html carries inside: arrays, histories, scripts and styles with their hashes."""
 
 import base64
 import hashlib
 import json
+import zlib
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...math.arrays import Array, IntArray
+from ...results import RunResult
+from ...results.summary import plain
+from ..figures import UNITS, WORDS
+
+# All arrays of a page as one text: byte-shuffled, compressed, base64.
+
+TYPES = {"<f4": "f4", "<f8": "f8", "<u2": "u2", "<u4": "u4", "|u1": "u1"}
+LEVEL = 6
+
+
+class Blob:
+    """Arrays that the page reads by number; equal ones are kept once.
+
+    Bytes of the same significance stand together (first bytes of all numbers, then second bytes,
+    ...), which halves the compressed size of smooth histories.
+    """
+
+    def __init__(self) -> None:
+        self.index: list[dict[str, Any]] = []
+        self._known: dict[bytes, int] = {}
+        self._size = 0  # bytes before compression
+        self._squeeze = zlib.compressobj(LEVEL, zlib.DEFLATED, 31)  # gzip without a time
+        self._packed = b""  # what the compression has given up to now
+
+    def add(self, values: Array | IntArray, kind: str = "<f4") -> int:
+        """Add an array as numbers of a kind (a key of TYPES); return its number."""
+        array = np.ascontiguousarray(values, dtype=np.dtype(kind))
+        raw = array.reshape(-1).view(np.uint8).reshape(-1, array.dtype.itemsize).T.tobytes()
+        key = hashlib.sha256(repr((kind, array.shape)).encode() + raw).digest()
+        if key not in self._known:
+            self._known[key] = len(self.index)
+            self.index.append({"type": TYPES[kind], "shape": array.shape, "at": self._size})
+            self._packed += self._squeeze.compress(raw)
+            self._size += len(raw)
+        return self._known[key]
+
+    def text(self) -> str:
+        """Return the arrays as base64 of a gzip stream without time and name."""
+        data = self._packed + self._squeeze.copy().flush()
+        return base64.b64encode(data).decode("ascii")
+
+    def mark(self) -> Callable[[], None]:
+        """Return a function that takes out what is added from now on."""
+        index, known = list(self.index), dict(self._known)
+        size, squeeze, packed = self._size, self._squeeze.copy(), self._packed
+
+        def undo() -> None:
+            self.index, self._known = index, known
+            self._size, self._squeeze, self._packed = size, squeeze, packed
+
+        return undo
+
+
+def json_for_script(value: Any) -> str:
+    """Return JSON that may stand in a <script> element; NaN and infinity become null."""
+    text = json.dumps(plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+# Histories of a run for the plots: signals, energies, error of their balance, violations.
+
+NUMBERS = 350_000  # of all histories of a page; longer ones keep the extremes of intervals
+FEWEST = 500  # rows of a run at least
+
+
+def histories(blob: Blob, result: RunResult, share: int) -> dict[str, Any]:
+    """Add the histories of a run; return what the page needs to plot them.
+
+    share : numbers that this run may take
+    """
+    groups = {
+        "signals": [(s.name, s.unit, s.description or s.name, s.values) for s in result.signals],
+        "energies": [(n, "J", words, _from_start(n, result)) for n, words in WORDS.items()],
+        "balance": [("balance", "-", "error of the energy balance", result.relative_balance)],
+        "violations": [(n, UNITS.get(n, "-"), n, v) for n, v in result.violations.items()],
+    }
+    every = [np.asarray(each[3]) for group in groups.values() for each in group]
+    rows = chosen_rows(every, len(result.t), max(share // (len(every) + 2), FEWEST))
+    found: dict[str, Any] = {
+        "t": blob.add(np.asarray(result.t)[rows], "<f8"),
+        "complete": len(rows) == len(result.t),
+        "steps": len(result.t),
+    }
+    for name, group in groups.items():
+        found[name] = [
+            {"name": n, "unit": unit, "text": text, "values": blob.add(np.asarray(values)[rows])}
+            for n, unit, text, values in group
+        ]
+    return found
+
+
+def chosen_rows(series: list[Array], k: int, most: int) -> IntArray:
+    """Return at most about `most` of k rows: all, or the extremes of every series in intervals.
+
+    No maximum or minimum of an interval is lost, in contrast to every n-th row.
+    """
+    if k <= most or not series:
+        return np.arange(k)
+    size = -(-k * 2 * len(series) // most)  # rows of an interval
+    starts = np.arange(0, k, size)
+    kept = [np.array([0, k - 1])]
+    for values in series:
+        padded = np.full(len(starts) * size, np.nan)
+        padded[:k] = values
+        blocks = np.where(np.isfinite(padded), padded, np.nan).reshape(len(starts), size)
+        usable = np.flatnonzero(np.isfinite(blocks).any(axis=1))
+        for extreme in (np.nanargmin, np.nanargmax):
+            kept.append(starts[usable] + extreme(blocks[usable], axis=1))
+    return np.unique(np.concatenate(kept))
+
+
+def _from_start(name: str, result: RunResult) -> Array:
+    values = np.asarray(result.energies[name])
+    return values - values[0] if name == "potential" else values
+
+
+# Scripts and styles as the page contains them, with the hashes that its policy allows.
 
 ROOM = Path(__file__).parents[1]
 VENDOR = ROOM / "vendor" / "uplot"

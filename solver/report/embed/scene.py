@@ -6,11 +6,128 @@ import numpy as np
 
 from ...math.arrays import Array, IntArray
 from ...results import BodyGeometry, RunResult
-from ...results.view import BodyView, Link, Sites
+from ...results.view import BodyView, Link, Side, Sites
 from ..story import Story
-from .blob import Blob
-from .frames import frame_rows, largest_displacement, largest_energy, one_sign
-from .glyphs import WIDTH, foot, glyph, joint_width
+from .inline import Blob
+
+# Times of the animation, and the ranges of its colours over all output times.
+
+MOST, FEWEST = 400, 60  # times of the animation of a run
+NUMBERS = 250_000  # of the animations of a page
+AT_ONCE = 4_000_000  # numbers in memory at a time
+
+
+def frame_rows(t: Array, peaks: list[float], width: int, share: int) -> IntArray:
+    """Rows of evenly spaced output times, with the first, the last and those of peaks.
+
+    width : numbers of one time; share : numbers that this run may take
+    """
+    most = min(max(share // max(width, 1), FEWEST), MOST, len(t))
+    even = np.linspace(0, len(t) - 1, most).round().astype(int)
+    nearest = [int(np.argmin(np.abs(t - peak))) for peak in peaks]
+    return np.unique(np.concatenate([even, np.array(nearest, dtype=int)]))
+
+
+def one_sign(parameters: Array) -> Array:
+    """Euler parameters (k, 4) with the sign of their neighbours, so that they interpolate."""
+    same = (parameters[1:] * parameters[:-1]).sum(axis=1) >= 0
+    signs = np.cumprod(np.concatenate([[1.0], np.where(same, 1.0, -1.0)]))
+    return np.asarray(parameters * signs[:, None])
+
+
+def largest_energy(view: BodyView, q: Array) -> float:
+    """Largest strain energy for unit length or area of all sites and times.
+
+    q : (k, m) modal coordinates at all output times
+    """
+    sites = view.sites
+    if sites is None or not q.shape[1]:
+        return 0.0
+    C, R = sites.compliance[sites.kind], sites.resultants_E
+    G = 0.5 * np.einsum("sim,sij,sjl->sml", R, C, R, optimize=True)
+    one, two = np.triu_indices(q.shape[1])
+    pairs = G[:, one, two] * np.where(one == two, 1.0, 2.0)
+    step = max(1, AT_ONCE // max(len(pairs), len(one), 1))
+    largest = 0.0
+    for first in range(0, len(q), step):
+        some = q[first : first + step]
+        largest = max(largest, float((pairs @ (some[:, one] * some[:, two]).T).max(initial=0.0)))
+    return largest
+
+
+def largest_displacement(view: BodyView, q: Array) -> float:
+    """Largest elastic displacement of all nodes and times [m]; q as above."""
+    m = q.shape[1]
+    if not m:  # taken as rigid
+        return 0.0
+    U = view.shapes_B[:, :, :3].reshape(m, 3 * view.shapes_B.shape[1])
+    step = max(1, AT_ONCE // max(U.shape[1], 1))
+    largest = 0.0
+    for first in range(0, len(q), step):
+        found = (q[first : first + step] @ U).reshape(-1, 3)
+        largest = max(largest, float(np.einsum("ni,ni->n", found, found).max(initial=0.0)))
+    return float(np.sqrt(largest))
+
+
+# Shapes for joints: what turns is a disc about its axis, what slides a bar along it.
+
+WIDTH = 0.012  # of a glyph, over the size of the scene
+MOST_WIDTH = 0.04  # the same, of the joint of a thick beam
+OUTSIDE = 1.1  # width of a joint, over the radius of its beam
+SHIFTS = ("x", "y", "z")
+
+
+def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
+    """Return points (p, 3) of a joint, in its axes, and triangles (f, 3).
+
+    free : what the joint leaves of x, y, z, about x, about y, about z (results/view.py)
+    """
+    shifts = [each for each in free if each in SHIFTS]
+    if shifts and len(shifts) < len(SHIFTS):
+        return _prism(4, 0.5 * width, 2.0 * width)
+    if free == ("about z",):
+        return _prism(12, 0.9 * width, 1.3 * width)
+    return _ball(width)
+
+
+def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
+    """Width of a joint [m], enough to be seen outside the beam that carries it.
+
+    size : of the scene [m]
+    """
+    least = WIDTH * size
+    if not len(view.shapes_B):
+        return least
+    node = int(np.argmin(np.linalg.norm(body.nodes_B - side.position_B, axis=1)))
+    around = np.linalg.norm(view.surface.offset_B[view.surface.node == node], axis=1)
+    return min(max(least, OUTSIDE * float(around.max(initial=0.0))), MOST_WIDTH * size)
+
+
+def foot(width: float) -> tuple[Array, IntArray]:
+    """Return points and triangles of a place on the ground, as above."""
+    return _prism(4, 0.8 * width, 0.8 * width)
+
+
+def _prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:
+    angle = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
+    points = np.concatenate([np.column_stack([ring, np.full(sides, z)]) for z in (-half, half)])
+    k = np.arange(sides)
+    there = (k + 1) % sides
+    side = [
+        np.column_stack(each) for each in ((k, there, there + sides), (k, there + sides, k + sides))
+    ]
+    fan = np.column_stack([np.zeros(sides - 2, dtype=int), k[1:-1], k[2:]])
+    return points, np.concatenate([*side, fan[:, ::-1], fan + sides])
+
+
+def _ball(radius: float) -> tuple[Array, IntArray]:
+    points = radius * np.concatenate([np.eye(3), -np.eye(3)])
+    faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    return points, np.array(faces)
+
+
+# The moving bodies of a run for the view of the page: see solver/results/view.py.
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "Zt", "Zc", "S23", "S13", "S12", "F12_star")

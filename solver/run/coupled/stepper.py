@@ -1,21 +1,211 @@
 """A mechanism that moves from one communication point to the next, with inputs in between."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...dynamics.elements.forces.contract import OfTime
+from ...dynamics.elements.forces.table import ELEMENTS, LOADS
+from ...dynamics.elements.joints.contract import Displacement, DrivenBy
+from ...dynamics.elements.joints.table import JOINTS
+from ...dynamics.evaluation.laws import law_values
 from ...dynamics.model.model import Model
 from ...errors import InputError
+from ...inputs.case.of_time import drives, is_along, is_load, law
 from ...integrators.choice import make_integrator
 from ...integrators.generic import Integrator
 from ...integrators.table import INTEGRATORS
 from ...math.arrays import Array
+from ...math.laws import N_COEFFICIENT
+from ...mechanism import BuiltMechanism
 from ...signals import recorded
 from ..outcome import RunSpec
 from ..preparation import Prepared, prepare
-from .course import Course
-from .inputs import Input, inputs_of, shift_law, write_piece
+
+if TYPE_CHECKING:
+    from ...inputs.case.schema import Mechanism
+
+# An input between communication points, from the values that came so far.
+
+KEPT = 3  # values, enough for a parabola
+
+
+class Course:
+    """Polynomials in time for one input, each of one communication step.
+
+    Only the past of an input is known, so a step uses the polynomial of `order` 0, 1 or 2 through
+    its last values. A force takes it as it is. A drive is part of a constraint and must not jump:
+    it goes by a polynomial of degree 5 from where it stands to the value, rate and acceleration
+    that the polynomial has at the end of the step. Both have the same error, the third derivative
+    of the input times h^3 for order 2.
+
+    Parameters
+    ----------
+    drive : continuous with two derivatives
+    order : of the polynomial
+    start : (3,) value, rate, acceleration at t = 0
+    """
+
+    def __init__(self, start: Array, *, drive: bool, order: int) -> None:
+        self._drive, self._order = drive, order
+        self._at = np.array(start, dtype=float)  # of a drive, where it stands
+        self._times: list[float] = []
+        self._values: list[float] = []
+
+    def piece(self, t: float, h: float, value: float, rates: Array) -> Array:
+        """Return coefficients (6,) of powers of the time after t, for a step of h [s].
+
+        value : of the input at t
+        rates : (2,) first and second derivative at t where they are known; nan: not
+        """
+        if not self._times:
+            # As if it had followed the parabola of its start before t.
+            rate, acceleration = self._at[1:]
+            for back in (-2.0 * h, -h):
+                past = value + rate * back + 0.5 * acceleration * back**2
+                self._note(t + back, float(past))
+        self._note(t, value)
+        ahead = self._ahead(t, value, rates)
+        if not self._drive:
+            return np.concatenate([ahead, np.zeros(3)])
+        end = np.array(
+            [
+                ahead[0] + ahead[1] * h + ahead[2] * h * h,
+                ahead[1] + 2.0 * ahead[2] * h,
+                2.0 * ahead[2],
+            ]
+        )
+        found = _join(self._at, end, h)
+        self._at = end
+        return found
+
+    def _note(self, t: float, value: float) -> None:
+        self._times, self._values = [*self._times, t][-KEPT:], [*self._values, value][-KEPT:]
+
+    def _ahead(self, t: float, value: float, rates: Array) -> Array:
+        """Return coefficients (3,) of the polynomial through the last values."""
+        count = self._order + 1
+        since = np.array(self._times[-count:]) - t
+        found = np.zeros(3)
+        found[0] = value
+        known = np.isfinite(rates)
+        if known[0]:
+            found[1] = rates[0]
+            if known[1]:
+                found[2] = 0.5 * rates[1]
+            elif self._order == 2:
+                found[2] = (self._values[-2] - value - rates[0] * since[-2]) / since[-2] ** 2
+        elif count > 1:
+            rows = since[:-1, None] ** np.arange(1, count)
+            change = np.array(self._values[-count:-1]) - value
+            found[1:count] = np.linalg.solve(rows, change)
+        return found
+
+
+def _join(begin: Array, end: Array, h: float) -> Array:
+    """Return coefficients (6,) of the quintic from (3,) to (3,) value, rate, acceleration in h."""
+    c = np.zeros(6)
+    c[:3] = begin[0], begin[1], 0.5 * begin[2]
+    gap = end[0] - (c[0] + c[1] * h + c[2] * h * h)
+    rate = (end[1] - (c[1] + 2.0 * c[2] * h)) * h
+    acceleration = (end[2] - begin[2]) * h * h
+    c[3] = (10.0 * gap - 4.0 * rate + 0.5 * acceleration) / h**3
+    c[4] = (-15.0 * gap + 7.0 * rate - acceleration) / h**4
+    c[5] = (6.0 * gap - 3.0 * rate + 0.5 * acceleration) / h**5
+    return c
+
+
+# What another program can write: laws of drives, of loads and of actuators.
+
+NEVER = 1e300  # [s], beginning of pieces that are out of use
+
+
+@dataclass(frozen=True)
+class Input:
+    """One law that is written from outside.
+
+    Attributes
+    ----------
+    name : key of the case: "joints.hinge.drive", "forces.push"
+    unit : rad, m, N or N m
+    law : number of the law in the model
+    offset : what the law of the model is above the value of the case [m]
+    drive : whether it is a drive, which must not jump; otherwise a force or torque
+    start : (3,) value, rate and acceleration of the law of the case at t = 0
+    """
+
+    name: str
+    unit: str
+    law: int
+    offset: float
+    drive: bool
+    start: Array
+
+
+def inputs_of(mechanism: "Mechanism", built: BuiltMechanism) -> list[Input]:
+    """Return all drives, then all forces that have a law of time, in the order of the case.
+
+    A force by an expression is part of the mechanism, and no input.
+    """
+    values = law_values(built.model, 0.0)
+    return [*_drives(mechanism, built, values), *_forces(mechanism, built, values)]
+
+
+def _drives(mechanism: "Mechanism", built: BuiltMechanism, values: Array) -> Iterator[Input]:
+    for name, joint in mechanism.joints.items():
+        by = {key.name: key.drive for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)}
+        its = built.joints[name]
+        for row, key in zip(its.rows[1:], drives(joint), strict=True):
+            coordinate, offset = by[key].coordinate, 0.0
+            if isinstance(coordinate, Displacement):
+                offset = float(its.shift[coordinate.axis])
+            number = int(built.model.joint_law[row])
+            start = values[number] - [offset, 0.0, 0.0]
+            yield Input(f"joints.{name}.{key}", coordinate.unit, number, offset, True, start)
+
+
+def _forces(mechanism: "Mechanism", built: BuiltMechanism, values: Array) -> Iterator[Input]:
+    for k, (name, force) in enumerate(mechanism.forces.items()):
+        number = int(built.model.force_law[k])
+        if is_along(force) or law(force) is None or number < 0:
+            continue
+        meaning = LOADS[force.kind].meaning if is_load(force) else _actuator(force.kind)
+        unit = "N m" if "[N m]" in meaning else "N"
+        yield Input(f"forces.{name}", unit, number, 0.0, False, values[number])
+
+
+def _actuator(kind: str) -> str:
+    """Meaning of the law of an element, with its unit."""
+    return next(key.meaning for key in ELEMENTS[kind].keys if isinstance(key, OfTime))
+
+
+def shift_law(model: Model, number: int, by: float) -> None:
+    """Add a constant to a law, in the arrays of the model; one by an expression becomes a parabola.
+
+    What the law does later stays known to the scales of the run (dynamics/analysis/scales.py).
+    """
+    if model.quantities.law[number] >= 0:
+        value, rate, acceleration = law_values(model, 0.0)[number]
+        write_piece(model, number, 0.0, np.array([value, rate, 0.5 * acceleration]))
+    model.law_coefficient[model.law_start[number] : model.law_start[number + 1], 0] += by
+
+
+def write_piece(model: Model, number: int, t: float, coefficients: Array) -> None:
+    """Let a law be a polynomial of the time after t [s], in the arrays of the model.
+
+    coefficients : (k,) of ascending powers
+    """
+    first, end = int(model.law_start[number]), int(model.law_start[number + 1])
+    model.quantities.law[number] = -1
+    model.law_time[first + 1 : end] = NEVER
+    model.law_time[first] = t
+    model.law_coefficient[first] = 0.0
+    model.law_coefficient[first, : min(len(coefficients), N_COEFFICIENT)] = coefficients
+
+
+# A mechanism that moves from one communication point to the next, with inputs in between.
 
 DRIVE_ORDER, FORCE_ORDER = 2, 1
 

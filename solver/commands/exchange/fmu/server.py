@@ -22,7 +22,7 @@ from ....inputs.scripts import scripts
 from ....math.arrays import Array
 from ....run.coupled import Stepper
 from ....run.execution import read_run
-from .contents import INPUTS, run_of
+from .write import INPUTS, run_of
 
 OK, WARNING, ERROR = 0, 1, 3
 START, STEP = 1, 2

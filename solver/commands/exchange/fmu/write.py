@@ -1,23 +1,234 @@
 """Write an FMU: description, library for this machine, run and packages, in one archive."""
 
+import argparse
 import hashlib
+import json
 import os
 import platform
 import re
 import shlex
+import shutil
 import subprocess
+import sys
 import tempfile
+import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
-from ....errors import InputError
+import plymotion
+from plymotion import __version__
+
+from ....errors import InputError, printable
+from ....inputs.case import load_case
+from ....inputs.case.run_table import package_entries
+from ....inputs.case.specs import write_case
 from ....mechanism.building.python_functions import calling_forces
 from ....package.common.temporary import temporary_sibling
 from ....run.coupled import Stepper
+from ....run.coupled.stepper import DRIVE_ORDER, FORCE_ORDER
 from ....run.execution import read_run
-from .contents import write_contents, write_inputs
-from .description import description
+from ...cases.command import build_folder, chosen_run
+from ...cases.packages import build_needed
+
+# modelDescription.xml of an FMU: variables with units, what the library can do.
+
+# Name in FMI, and exponents of the base units, by the unit of a signal.
+UNITS: dict[str, tuple[str, dict[str, int]]] = {
+    "m": ("m", {"m": 1}),
+    "rad": ("rad", {"rad": 1}),
+    "m/s": ("m/s", {"m": 1, "s": -1}),
+    "rad/s": ("rad/s", {"rad": 1, "s": -1}),
+    "m/s2": ("m/s2", {"m": 1, "s": -2}),
+    "N": ("N", {"kg": 1, "m": 1, "s": -2}),
+    "N m": ("N.m", {"kg": 1, "m": 2, "s": -2}),
+    "Pa": ("Pa", {"kg": 1, "m": -1, "s": -2}),
+    "-": ("1", {}),
+}
+DEGREES = {"rad": ("deg", 57.29577951308232), "rad/s": ("deg/s", 57.29577951308232)}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One Real variable; its value reference is its place in the list."""
+
+    name: str
+    unit: str
+    description: str
+    start: float | None  # of an input; None: an output
+
+
+def variables_of(stepper: Stepper) -> list[Variable]:
+    """Return the inputs, then the outputs."""
+    found = [
+        Variable(given.name, given.unit, _meaning(given.drive), float(given.start[0]))
+        for given in stepper.inputs
+    ]
+    for name, sensor in stepper.outputs.items():
+        found.append(Variable(f"signals.{name}", sensor.unit, sensor.description, None))
+    return found
+
+
+def _meaning(drive: bool) -> str:
+    return "value that the drive prescribes" if drive else "size of the force or torque"
+
+
+def description(
+    stepper: Stepper, identifier: str, guid: str, title: str, solver: tuple[float, float]
+) -> bytes:
+    """Return the XML text.
+
+    Parameters
+    ----------
+    identifier : name of the library
+    title : modelName
+    solver : end of the run and interval of its outputs [s], as defaults of the experiment
+    """
+    variables = variables_of(stepper)
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=_words(title),
+        guid=guid,
+        description="Flexible multibody mechanism; needs Plymotion on the machine that runs it",
+        generationTool=f"Plymotion {__version__}",
+        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        variableNamingConvention="flat",
+    )
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=identifier,
+        needsExecutionTool="true",
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        canNotUseMemoryManagementFunctions="true",
+    )
+    _units(ET.SubElement(root, "UnitDefinitions"), variables)
+    categories = ET.SubElement(root, "LogCategories")
+    for category in ("logStatusWarning", "logStatusError"):
+        ET.SubElement(categories, "Category", name=category)
+    end, interval = solver
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=repr(end),
+        stepSize=repr(interval),
+    )
+    outputs = _model_variables(ET.SubElement(root, "ModelVariables"), variables)
+    structure = ET.SubElement(root, "ModelStructure")
+    for part in ("Outputs", "InitialUnknowns") if outputs else ():
+        unknowns = ET.SubElement(structure, part)
+        for index in outputs:
+            ET.SubElement(unknowns, "Unknown", index=str(index))
+    ET.indent(root)
+    return bytes(ET.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
+
+
+def _words(text: str) -> str:
+    """Return a text of the user in one line, without characters that XML does not have."""
+    return printable(" ".join(text.split()))
+
+
+def _units(parent: ET.Element, variables: list[Variable]) -> None:
+    for unit in dict.fromkeys(variable.unit for variable in variables):
+        if unit not in UNITS:
+            raise InputError(f"unit {unit!r} of a signal: expected one of {', '.join(UNITS)}")
+        name, exponents = UNITS[unit]
+        element = ET.SubElement(parent, "Unit", name=name)
+        ET.SubElement(element, "BaseUnit", {base: str(n) for base, n in exponents.items()})
+        if unit in DEGREES:
+            shown, factor = DEGREES[unit]
+            ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
+
+
+def _model_variables(parent: ET.Element, variables: list[Variable]) -> list[int]:
+    """Add the variables, then the parameters; return the places of the outputs, from 1."""
+    outputs = []
+    for reference, variable in enumerate(variables):
+        causality = "output" if variable.start is None else "input"
+        scalar = ET.SubElement(
+            parent,
+            "ScalarVariable",
+            name=variable.name,
+            valueReference=str(reference),
+            causality=causality,
+            variability="continuous",
+        )
+        if variable.description:
+            scalar.set("description", _words(variable.description))
+        real = ET.SubElement(scalar, "Real", unit=UNITS[variable.unit][0])
+        if variable.start is None:
+            scalar.set("initial", "calculated")
+            outputs.append(reference + 1)
+        else:
+            real.set("start", repr(variable.start))
+    for reference, (name, usual) in enumerate(
+        (("drive_order", DRIVE_ORDER), ("force_order", FORCE_ORDER))
+    ):
+        scalar = ET.SubElement(
+            parent,
+            "ScalarVariable",
+            name=name,
+            valueReference=str(reference),
+            causality="parameter",
+            variability="fixed",
+            initial="exact",
+            description="of the polynomial that carries an input on during a step",
+        )
+        ET.SubElement(scalar, "Integer", start=str(usual), min="0", max="2")
+    return outputs
+
+
+# Folder `resources` of an FMU: the run, its packages, names of the inputs, where the solver is.
+#
+# runs/RUN.json           as `check` wrote it, with packages of this folder
+# bodies/*.vtkhdf         each package once
+# inputs.txt              one name per line, in the order of their value references
+# solver.txt              the Python interpreter; the folder of a checkout, or nothing
+
+INPUTS, SOLVER = "inputs.txt", "solver.txt"
+
+
+def run_of(folder: Path) -> Path:
+    """Return the run file. Raises InputError if there is none, or more than one."""
+    found = list((folder / "runs").glob("*.json"))
+    if len(found) != 1:
+        raise InputError(f"{folder}: resources of an FMU: expected one run, found {len(found)}")
+    return found[0]
+
+
+def write_contents(run_file: Path, folder: Path) -> Path:
+    """Write run and packages into `folder`; return the run file there."""
+    table = json.loads(run_file.read_text(encoding="utf-8"))
+    (folder / "bodies").mkdir(parents=True)
+    (folder / "runs").mkdir()
+    table.pop("check_packages", None)
+    copied: dict[str, str] = {}  # one copy of a package that several bodies or runs share
+    for entry in package_entries(table):
+        file = entry["file"]
+        if file not in copied:
+            copied[file] = f"bodies/{len(copied)}-{Path(file).name}"
+            shutil.copyfile(run_file.parent.parent / file, folder / copied[file])
+        entry["file"] = copied[file]
+    run = folder / "runs" / run_file.name
+    run.write_text(json.dumps(table), encoding="utf-8")
+    package = Path(plymotion.__file__).resolve().parent
+    checkout = (package.parent / "pyproject.toml").is_file()
+    home = str(package.parent) if checkout else ""
+    (folder / SOLVER).write_text(f"{sys.executable}\n{home}\n", encoding="utf-8")
+    return run
+
+
+def write_inputs(names: Sequence[str], folder: Path) -> None:
+    """Write the names of the inputs."""
+    (folder / INPUTS).write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
+
+
+# Write an FMU: description, library for this machine, run and packages, in one archive.
 
 LIBRARY = Path(__file__).with_name("library.c")
 PLATFORMS = {
@@ -102,3 +313,26 @@ def _archive(folder: Path, out: Path) -> None:
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in sorted(path for path in folder.rglob("*") if path.is_file()):
             archive.write(file, file.relative_to(folder).as_posix())
+
+
+# `plymotion export CASE.toml --to fmu`: check the case, build its bodies, write the FMU.
+
+
+def export_fmu(options: argparse.Namespace) -> int:
+    """Write a run of a case as an FMU; return the exit code."""
+    file: Path = options.file
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: expected a case file, CASE.toml, with --to fmu")
+    case = load_case(file, coarse=options.coarse, sweeps=())
+    run = chosen_run(case, options.run, only=True)
+    folder = build_folder(file, coarse=options.coarse)
+    write_case(case, folder, options.packages)
+    run_file = folder / "runs" / f"{run}.json"
+    if options.packages is None:
+        build_needed([run_file])
+    out: Path = options.out or folder / f"{run}.fmu"
+    stepper = write_fmu(run_file, out, options.inputs)
+    for name in stepper.left_out:
+        print(f"signals.{name}: no output: it is known at the end of a run only")
+    print(f"{out}: {len(stepper.inputs)} inputs, {len(stepper.outputs)} outputs")
+    return 0

@@ -1,1 +1,0 @@
-"""What the commands `section` and `shell` share: a results file for each description."""

@@ -1,1 +1,0 @@
-"""Where tasks are computed: in this process, in processes of this machine, by dask, by MPI."""

@@ -1,1 +1,0 @@
-"""The command `plymotion packages`: modal packages of the bodies of runs and sweeps."""

@@ -1,1 +1,0 @@
-"""Input files of other codes from section files."""

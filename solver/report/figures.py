@@ -1,0 +1,348 @@
+"""Figures of a case: signals over time, spectra, motion, energy balance, exposure of plies."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..math.arrays import Array
+from ..results import BodyGeometry, RunResult, Signal
+from ..results.summary import spectrum
+from ..results.writer import frames
+from .story import Comparison, Story
+from .style import DASHES, GREY, INK, PALE, WARNING, Canvas, colour, mark_stop, unit_text
+
+# Verification plot of a run: energies, error of the energy balance, constraint violation.
+
+WORDS = {
+    "kinetic": "kinetic",
+    "strain": "strain",
+    "potential": "potential (from start)",
+    "drive_work": "work of drives",
+}
+UNITS = {"position": "m", "rotation": "rad", "velocity": "m/s, rad/s"}
+
+
+def draw_balance(path: Path, story: Story) -> Path:
+    """Draw energies, relative error of their balance and constraint violations over time."""
+    result = story.result
+    canvas = Canvas(5.4, 5.2)
+    top, middle, bottom = canvas.panels(3, sharex=True, height_ratios=[1.5, 1, 1])
+    for i, (name, words) in enumerate(WORDS.items()):
+        values = result.energies[name]
+        values = values - values[0] if name == "potential" else values
+        top.plot(result.t, values, color=colour(i), label=words)
+    title = story.title
+    if story.stopped:
+        title += f" (stopped at {result.t[-1]:.4g} s)"
+    canvas.figure.suptitle(title, fontsize=10, fontweight="bold", x=0.02, ha="left")
+    top.set_ylabel("energy [J]")
+    above = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
+    top.legend(ncols=4, columnspacing=1.2, handlelength=1.4, **above)
+
+    _log(middle, result.t, np.abs(result.relative_balance), colour(0), "energy balance")
+    middle.set_ylabel("error of the\nenergy balance [-]")
+    shown = [n for n, values in result.violations.items() if np.any(values > 0)]
+    for i, name in enumerate(shown):
+        label = f"{name} [{UNITS.get(name, '-')}]"
+        _log(bottom, result.t, result.violations[name], colour(i), label)
+    bottom.set_ylabel("constraint\nviolation")
+    bottom.set_xlabel("time [s]")
+    if shown:
+        bottom.legend(ncols=3, columnspacing=1.2, handlelength=1.4, **above)
+    else:
+        words = "zero" if result.violations else "not recorded by this run"
+        bottom.text(0.5, 0.5, words, transform=bottom.transAxes, ha="center", color=GREY)
+        bottom.set_yticks([])
+    top.set_xlim(0, max(float(result.t[-1]), 1e-12))
+    for axes in (top, middle, bottom):
+        if story.stopped:
+            mark_stop(axes, float(result.t[-1]), float(result.t[-1]), label=False)
+    return canvas.save(path)
+
+
+def _log(axes: Any, t: Array, values: Array, shade: str, label: str) -> None:
+    """Plot on a logarithmic scale; exact zeros are left out."""
+    from matplotlib.ticker import LogFormatter
+
+    axes.plot(t, np.where(values > 0, values, np.nan), color=shade, linewidth=1.0, label=label)
+    if np.any(values > 0):
+        axes.set_yscale("log")
+        # 1e-12: powers as formulas take as long as all the rest of the layout.
+        axes.yaxis.set_major_formatter(LogFormatter())
+        axes.yaxis.set_minor_formatter(LogFormatter())
+
+
+# One signal of several runs over time, as in the paper's Figs. 10-15.
+
+CROSSINGS = 8  # curves that cross more often than this get separate panels
+SPREAD = 10.0  # curves whose ranges differ more than this get separate panels and scales
+
+
+def draw_comparison(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
+    """Draw one picture: a common panel, or one panel per run if curves would overlap."""
+    signals = [story.signal(wanted.signal) for story in stories]
+    t_full = max(float(story.result.t[-1]) for story in stories)
+    if crossings(stories, signals) > CROSSINGS or spread(signals) > SPREAD:
+        canvas = _panels(wanted, stories, signals, t_full)
+    else:
+        canvas = _together(wanted, stories, signals, t_full)
+    return canvas.save(path)
+
+
+def crossings(stories: list[Story], signals: list[Signal]) -> int:
+    """Largest number of crossings between two curves."""
+    most = 0
+    for i in range(len(signals)):
+        for j in range(i):
+            t = stories[i].result.t
+            t = t[t <= stories[j].result.t[-1]]
+            other = np.interp(t, stories[j].result.t, signals[j].values)
+            gap = signals[i].values[: len(t)] - other
+            gap = gap[np.abs(gap) > 1e-12]
+            most = max(most, int(np.sum(gap[1:] * gap[:-1] < 0)))
+    return most
+
+
+def spread(signals: list[Signal]) -> float:
+    """Return the ratio of the largest to the smallest magnitude among curves."""
+    peaks = [float(np.nanmax(np.abs(signal.values))) for signal in signals]
+    return max(peaks) / min(peaks) if min(peaks) > 0 else np.inf if max(peaks) > 0 else 1.0
+
+
+def _together(
+    wanted: Comparison, stories: list[Story], signals: list[Signal], t_full: float
+) -> Canvas:
+    canvas = Canvas(7.6, 4.0)
+    (axes,) = canvas.panels(1)
+    for i, (story, signal) in enumerate(zip(stories, signals, strict=True)):
+        t, values = story.result.t, signal.values
+        style = {"color": colour(i), "linestyle": DASHES[i % len(DASHES)]}
+        axes.plot(t, values, label=story.title, **style)
+        if story.stopped:
+            axes.plot(t[-1], values[-1], "x", color=colour(i), markersize=6)
+            mark_stop(axes, float(t[-1]), t_full)
+    axes.set_title(wanted.title)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(_label(signals[0]))
+    axes.set_xlim(0, t_full)
+    canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
+    return canvas
+
+
+def _panels(
+    wanted: Comparison, stories: list[Story], signals: list[Signal], t_full: float
+) -> Canvas:
+    n = len(stories)
+    shared = spread(signals) <= SPREAD
+    canvas = Canvas(7.6, 1.0 + 1.55 * n)
+    panels = canvas.panels(n, sharex=True, sharey=shared)
+    low = min(float(np.nanmin(s.values)) for s in signals)
+    high = max(float(np.nanmax(s.values)) for s in signals)
+    for i, axes in enumerate(panels):
+        if shared:
+            for j in range(n):
+                if j != i:
+                    axes.plot(
+                        stories[j].result.t, signals[j].values, color=PALE, linewidth=0.7, zorder=1
+                    )
+            margin = 0.08 * (high - low)
+            axes.set_ylim(low - margin, high + margin)
+        t, values = stories[i].result.t, signals[i].values
+        axes.plot(t, values, color=colour(i), zorder=3)
+        _mark_peak(axes, t, values, colour(i))
+        if stories[i].stopped:
+            mark_stop(axes, float(t[-1]), t_full)
+        axes.set_title(stories[i].title, fontsize=9, color=colour(i))
+    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_xlim(0, t_full)
+    canvas.figure.supylabel(_label(signals[0]), fontsize=9, color=INK)
+    canvas.figure.suptitle(wanted.title, fontsize=10.5, fontweight="bold", x=0.02, ha="left")
+    note = "pale: the other runs, same scale" if shared else "each panel has its own scale"
+    canvas.figure.supxlabel(
+        f"circle: largest magnitude   |   {note}", fontsize=7.5, color=GREY, x=0.98, ha="right"
+    )
+    return canvas
+
+
+def _mark_peak(axes: Any, t: Array, values: Array, shade: str) -> None:
+    at = int(np.nanargmax(np.abs(values)))
+    axes.plot(t[at], values[at], "o", markersize=5, markerfacecolor="white", color=shade, zorder=4)
+    axes.set_title(
+        f"largest {abs(values[at]):.3g} at {t[at]:.3f} s",
+        loc="right",
+        fontsize=8,
+        fontweight="normal",
+        color=INK,
+    )
+
+
+def _label(signal: Signal) -> str:
+    return f"{signal.description or signal.name}{unit_text(signal.unit)}"
+
+
+# Exposure 1/R of the plies along each beam.
+
+NEAR = 0.3  # exposure above which the line of failure is drawn
+
+
+def draw_exposure(path: Path, story: Story) -> Path:
+    """Draw, for each body of a run, the highest exposure 1/R over time against the station."""
+    bodies: dict[str, Any] = story.summary["strength"]
+    canvas = Canvas(5.4, 0.9 + 2.1 * len(bodies))
+    # Far from failure, the line of failure would compress the curves onto the axis.
+    for axes, (name, found) in zip(canvas.panels(len(bodies)), bodies.items(), strict=True):
+        along = found["along_beam"]
+        for i, (criterion, values) in enumerate(along["exposure"].items()):
+            shade, dash = colour(i), DASHES[i % len(DASHES)]
+            axes.plot(along["x"], values, color=shade, linestyle=dash, label=criterion)
+        highest = max(max(values) for values in along["exposure"].values())
+        if highest > NEAR:
+            axes.axhline(1.0, color=WARNING, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
+        axes.set_ylim(0.0, 1.08 * max(highest, 1.0 if highest > NEAR else 1e-12))
+        axes.margins(x=0.0)
+        axes.set_title(f"{story.title}: {name}")
+        axes.set_ylabel("exposure 1/R [-]\n(failure at 1)")
+        axes.set_xlabel("x along the beam [m]")
+        axes.legend(ncols=2, columnspacing=1.2, handlelength=2.0, loc="best")
+    return canvas.save(path)
+
+
+# Figure of the motion: the bodies at some times, and the path of the tip.
+
+INSTANTS = 15
+MOST = 4000  # times that a path is drawn through
+AXES = "xyz"
+
+
+def draw_motion(path: Path, story: Story) -> Path:
+    """Draw all bodies at evenly spaced times in the plane of their largest motion."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+    result = story.result
+    first, second = plane(result)
+    rows = frames(len(result.t), MOST)
+    points = result.node_positions_G[rows][:, :, [first, second]]
+    canvas = Canvas(5.4, 5.2)
+    (axes,) = canvas.panels(1)
+    # Pale to dark in one hue: the order in time is also visible in black and white.
+    fade = LinearSegmentedColormap.from_list("age", ["#B5D4EA", "#4A97C9", "#0A2F4A"])
+    scale = Normalize(0.0, max(float(result.t[-1]), 1e-12))
+    tip = travelling_point(points)
+    axes.plot(points[:, tip, 0], points[:, tip, 1], color="#D55E00", linewidth=0.9, zorder=2)
+    chosen = frames(len(rows), INSTANTS)
+    for k in chosen:
+        shade = fade(scale(result.t[rows[k]]))
+        start = 0
+        for body in result.bodies:
+            own = points[k, start : start + len(body.nodes_B)]
+            lines = LineCollection(
+                segments(body, own), colors=[shade], linewidths=2.4, capstyle="round", zorder=3
+            )
+            axes.add_collection(lines)
+            if len(own):
+                axes.plot(*own[[0, -1]].T, "o", color=shade, markersize=4.2, zorder=4)
+            start += len(body.nodes_B)
+    _words(axes, story, points[:, tip])
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.08)
+    axes.autoscale_view()
+    axes.set_xlabel(f"{AXES[first]} [m]")
+    axes.set_ylabel(f"{AXES[second]} [m]")
+    axes.set_title(story.title)
+    bar = canvas.figure.colorbar(
+        ScalarMappable(scale, fade), ax=axes, shrink=0.7, aspect=28, pad=0.02
+    )
+    bar.set_label("time [s]", color=INK)
+    bar.outline.set_visible(False)
+    canvas.figure.supxlabel(
+        f"{len(chosen)} equidistant times; orange: path of the outermost point",
+        fontsize=7.5,
+        color=GREY,
+    )
+    return canvas.save(path)
+
+
+def plane(result: RunResult) -> tuple[int, int]:
+    """Return the two global axes along which the points spread most, in order x, y, z."""
+    some = result.node_positions_G[frames(len(result.t), MOST)]
+    spread = np.ptp(some.reshape(-1, 3), axis=0)
+    drop = int(np.argmin(spread + np.array([2e-12, 1e-12, 0.0])))  # prefer x-y on a tie
+    first, second = (axis for axis in range(3) if axis != drop)
+    return first, second
+
+
+def travelling_point(points: Array) -> int:
+    """Return the index of the point with the longest path, of points (k, n, 2)."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
+    length = steps.max(initial=0.0)
+    return int(np.flatnonzero(steps >= length * (1 - 1e-9))[-1]) if len(points) > 1 else -1
+
+
+def segments(body: BodyGeometry, own: Array) -> list[Array]:
+    """Return the polylines of a body's cells, surfaces by their outline."""
+    found = []
+    for begin, end, kind in zip(body.offsets[:-1], body.offsets[1:], body.cell_types, strict=True):
+        rows = body.connectivity[begin:end]
+        closed = kind not in (1, 2, 3, 4, 21)  # points, lines, polylines, quadratic edges
+        if kind == 21:
+            rows = rows[[0, 2, 1]]
+        found.append(own[np.append(rows, rows[0]) if closed else rows])
+    return found
+
+
+def _words(axes: Any, story: Story, path: Array) -> None:
+    last = "stop" if story.stopped else "end"
+    t_end = float(story.result.t[-1])
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+    for at, text in ((0, "start"), (-1, f"{last}, {t_end:.4g} s")):
+        red = at == -1 and story.stopped
+        axes.annotate(
+            text,
+            path[at],
+            xytext=(6, 6),
+            textcoords="offset points",
+            fontsize=8,
+            color=WARNING if red else INK,
+            bbox=box,
+            zorder=6,
+        )
+
+
+# The amplitude spectrum of one signal of several runs.
+
+SMALLEST = 1e-4  # of the largest amplitude: the lower end of the picture
+
+
+def draw_spectrum(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
+    """Draw amplitudes over frequency, a curve for each run.
+
+    Raises
+    ------
+    InputError
+        A signal with values that are not finite, or of too few output times.
+    """
+    canvas = Canvas(7.6, 4.0)
+    (axes,) = canvas.panels(1)
+    largest = 0.0
+    for i, story in enumerate(stories):
+        signal = story.signal(wanted.signal)
+        try:
+            frequency, amplitude = spectrum(story.result.t, signal.values)
+        except ValueError as error:
+            raise InputError(f"figures.{wanted.name}: run {story.name}: {error}") from error
+        style = {"color": colour(i), "linestyle": DASHES[i % len(DASHES)]}
+        axes.plot(frequency[1:], amplitude[1:], label=story.title, **style)
+        largest = max(largest, float(np.max(amplitude[1:])))
+    if largest > 0.0:
+        axes.set_yscale("log")
+        axes.set_ylim(SMALLEST * largest, 2.0 * largest)
+    axes.set_title(wanted.title)
+    axes.set_xlabel("frequency [Hz]")
+    words = signal.description or signal.name
+    axes.set_ylabel(f"amplitude: {words}{unit_text(signal.unit)}")
+    canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
+    return canvas.save(path)
