@@ -22,7 +22,7 @@ from solver_runs import REFERENCE, solve
 
 from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.outcome import RunSpec
 

@@ -29,7 +29,7 @@ from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
 from plymotion.solver.fidelity.check.trial import Trial, attempted, tried
 from plymotion.solver.fidelity.delivery.execution import checked, plan_of, read_planned
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package.body.selection import vibrations
 from plymotion.solver.run.execution import execute, read_run
 

@@ -18,7 +18,7 @@ from stability_samples import hand
 
 from plymotion.solver.commands.compile import compile_ahead
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic import INTEGRATORS, Solution, integrate
 

@@ -8,10 +8,16 @@ import scipy.optimize
 from beam_samples import coupled_stiffness
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.inputs.case.beam_lines import line_of
-from plymotion.solver.inputs.case.beam_schema import BeamBody
-from plymotion.solver.inputs.case.beam_table import COLUMNS, PLACES, TRAPEZE, TWIST, UPPER
-from plymotion.solver.inputs.case.splines import Spline
+from plymotion.solver.inputs.case.bodies.beam_lines import line_of
+from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
+from plymotion.solver.inputs.case.tables.beam_table import (
+    COLUMNS,
+    PLACES,
+    TRAPEZE,
+    TWIST,
+    UPPER,
+    Spline,
+)
 from plymotion.solver.math.rotations import skew
 
 STEPS = 600

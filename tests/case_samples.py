@@ -7,7 +7,7 @@ import numpy as np
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 HEAD = 'format = 1\ntitle = "sample"\n'

@@ -7,7 +7,7 @@ import numpy as np
 from case_samples import HEAD, rigid
 
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.outcome import RunSpec
 

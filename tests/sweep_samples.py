@@ -6,7 +6,7 @@ from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.commands.sweep.plan import Plan, read_plan
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 
 # A ball pushed by a force c t^3: a huge c is more than any step can follow.
 BALL = (

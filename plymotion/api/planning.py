@@ -14,7 +14,7 @@ from ..solver.errors import InputError
 from ..solver.fidelity.delivery.execution import answered, read_planned
 from ..solver.fidelity.delivery.members import checked_member, member_spec, of_model
 from ..solver.fidelity.delivery.words import answer_text
-from ..solver.inputs.case.specs import write_case
+from ..solver.inputs.case.reading.specs import write_case
 from ..solver.package.common.temporary import write_text
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run

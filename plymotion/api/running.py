@@ -10,7 +10,7 @@ from plymotion.solver.commands.run import run_one
 
 from ..solver.commands.cases.packages import build_needed
 from ..solver.errors import InputError, few, nearest
-from ..solver.inputs.case.specs import write_case
+from ..solver.inputs.case.reading.specs import write_case
 from ..solver.package.common.replaceable import named_by_user
 from ..solver.run.inputs_digest import up_to_date
 from .case import Case, as_case

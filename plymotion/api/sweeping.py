@@ -22,7 +22,7 @@ from ..solver.commands.sweep.member import FINISHED
 from ..solver.commands.sweep.plan import read_plan
 from ..solver.commands.sweep.work import Work, settled
 from ..solver.errors import InputError, counted, few, nearest
-from ..solver.inputs.case.specs import write_case
+from ..solver.inputs.case.reading.specs import write_case
 from ..solver.interrupts import INTERRUPTED
 from ..solver.math.arrays import Array
 from ..solver.package.common.temporary import write_text

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.math.polylines import lengths_along
+from ...solver.math.curves import lengths_along
 from ...solver.package.body.schema import SectionData
 from .line import BeamLine, LineSection
 

@@ -22,7 +22,7 @@ from ..results.finding import Finding
 from ..results.schema import ENERGIES, ROUNDING
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables.schema import Mechanism
 
 PEAKS = 200  # of the kinetic energy that are kept of a block of output times
 

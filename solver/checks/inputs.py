@@ -11,18 +11,18 @@ from ..dynamics.analysis.held import (
     motions_without_strain,
 )
 from ..dynamics.evaluation.laws import law_values
-from ..inputs.case.of_time import drives, is_along, is_load, law
+from ..inputs.case.expressions.of_time import drives, is_along, is_load, law
 from ..math import curves, laws
 from ..math.arrays import Array
-from ..math.packed import column
+from ..math.rows import column
 from ..mechanism.consistent.initial import undeformed
 from ..results.codes import LOADED_START, TABLE_OVERSHOOTS
 from ..results.finding import Finding
 from .finished import FinishedRun
 
 if TYPE_CHECKING:
-    from ..inputs.case import laws as laws_of_case
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables import laws as laws_of_case
+    from ..inputs.case.tables.schema import Mechanism
 
 # Whether bodies start in a shape that the loads at t = 0 do not want.
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.dense_equations import assemble
-from ..inputs.case.loaded import loaded_places
+from ..inputs.case.tables.loaded import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
 from ..package.section.schema import RESULTANTS

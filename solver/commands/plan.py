@@ -11,7 +11,7 @@ from ..fidelity.delivery.ladder import Ladder, Rung, ladder
 from ..fidelity.delivery.words import answer_text, entry
 from ..inputs.case import load_case
 from ..inputs.case.file import case_file
-from ..inputs.case.specs import write_case
+from ..inputs.case.reading.specs import write_case
 from ..package.common.replaceable import refuse_foreign
 from ..package.common.temporary import write_text
 from ..report.fidelity import ladder_file

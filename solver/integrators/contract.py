@@ -1,7 +1,7 @@
 """What the file of an integrator supplies.
 
 An integrator is a class derived from `Integrator` (generic/base.py), in one file. Nothing else
-names it: table.py finds the class by its `name`, inputs/case/solver.py makes the keys of
+names it: table.py finds the class by its `name`, inputs/case/tables/solver.py makes the keys of
 `[solver]`, choice.py makes the integrator of a case. CONTRIBUTING.md has the recipe.
 
 For the case file:

@@ -4,7 +4,7 @@ from typing import Any
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from ..math.hermite import Hermite
+from ..math.curves import Hermite
 from ..math.keys import Number
 from .compiled.alpha import advance_alpha
 from .compiled.alpha_stages import new_alpha_workspace, restart_alpha

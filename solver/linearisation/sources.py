@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 from ..dynamics.elements.forces.contract import OfTime
 from ..dynamics.elements.forces.table import ELEMENTS, LOADS
 from ..dynamics.elements.joints.table import DRIVES, NAMES, position_rows
-from ..inputs.case.of_time import drives
+from ..inputs.case.expressions.of_time import drives
 from ..mechanism import BuiltMechanism
 from .state_space import Source
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables.schema import Mechanism
 
 
 def sources_of(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Source, ...]:

@@ -1,9 +1,4 @@
-"""Rotations: skew matrices, Euler parameters, finite rotation vectors.
-
-`A_GB` converts components in the body frame B to components in G. Euler
-parameters p = (e0, e1, e2, e3) need not be exactly normalised: every formula
-here divides by p'p, so a drift of the norm has no effect.
-"""
+"""Rotations: skew matrices, Euler parameters, finite rotation vectors, shortest rotations."""
 
 import numpy as np
 
@@ -213,3 +208,15 @@ def frame_from_axis(axis: Array) -> Array:
     x = start - (start @ z) * z
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
+
+
+def shortest_rotations(one: Array, two: Array) -> Array:
+    """Return matrices (k, 3, 3) that turn directions (k, 3) to others, of any length.
+
+    Opposite directions have no such rotation: they are left as they are.
+    """
+    normal = np.cross(one, two)
+    sine = np.linalg.norm(normal, axis=1)
+    angle = np.arctan2(sine, np.einsum("ka,ka->k", one, two))
+    factor = np.divide(angle, sine, out=np.zeros_like(sine), where=sine > 0.0)
+    return vectors_to_matrices(factor[:, None] * normal)

@@ -1,10 +1,12 @@
-"""Arrays of which the first axis is time, too long for memory: read a block of rows at a time."""
+"""Long columns of numbers: as text, and as arrays in files, a block of rows at a time."""
 
+import base64
+import binascii
 import bisect
 import os
 import tempfile
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any, ClassVar
@@ -12,6 +14,35 @@ from typing import IO, Any, ClassVar
 import numpy as np
 
 from .arrays import Array, IntArray
+
+PREFIX = "float64:"
+
+
+class Packed(str):
+    """A packed column, made here and not by a user."""
+
+    __slots__ = ()
+
+
+def packed(values: Array) -> Packed:
+    """Return a column (k,) as text."""
+    data = base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    return Packed(PREFIX + data.decode("ascii"))
+
+
+def column(values: Sequence[float] | str | None) -> Array:
+    """Return the numbers of a column (k,); none of a column that is not given.
+
+    Raises ValueError : text that is no packed column.
+    """
+    if not isinstance(values, str):
+        return np.asarray([] if values is None else values, dtype=float)
+    try:
+        data = base64.b64decode(values.removeprefix(PREFIX), validate=True)
+        return np.frombuffer(data, dtype="<f8")
+    except (binascii.Error, ValueError) as error:
+        raise ValueError(f"expected numbers, or a packed column ({error})") from error
+
 
 IN_MEMORY = 8_000_000  # bytes of states that are kept in memory; results need ten times as much
 BLOCK = 2_000_000  # bytes of states that are evaluated together

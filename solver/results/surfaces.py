@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..math.rotations import rotation_matrices
+from ..math.rotations import rotation_matrices, shortest_rotations
 from ..math.rows import ComputedRows, computed
-from ..math.shortest_rotation import shortest_rotations
 from .outline import Outline
 from .schema import BodyGeometry
 from .view import Surface

@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.elements.joints.contract import FREEDOMS
 from ..dynamics.elements.joints.table import JOINTS
 from ..math.arrays import Array, IntArray
-from ..math.polylines import lengths_along
+from ..math.curves import lengths_along
 from ..math.rows import LongRows
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
@@ -35,7 +35,7 @@ from ..strength.governing import Points, governing_points
 from ..strength.shell_bodies import cell_centres
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables.schema import Mechanism
 
 GLYPH = 0.012  # width of a bar without a known section, over the length of the body
 TIMES = 40  # that the governing points of a section are chosen from

@@ -12,7 +12,7 @@ import numpy as np
 from ..checks.course import stall_finding
 from ..checks.finished import FinishedRun
 from ..errors import InputError, PackageError
-from ..inputs.case.record import sealed
+from ..inputs.case.tables.record import sealed
 from ..integrators.generic import Steps, StopRequest, Watch
 from ..interrupts import held
 from ..package import ModalPackage, read_package
@@ -25,7 +25,7 @@ from .preparation import Prepared, prepare
 from .timing import FIRST_LINE_S, Stopwatch, Told
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables.schema import Mechanism
 
 # To complete the files of a run after a signal: wall time, or part of that of its integration.
 PATIENCE_S, PATIENCE = 5.0, 0.05
@@ -98,7 +98,7 @@ def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
     """Return the mechanism of a run file; one that was edited is checked."""
     found = sealed(table["mechanism"], table.get("checked"))
     if found is None:
-        from ..inputs.case.resolved import resolved  # takes 0.2 s
+        from ..inputs.case.tables.record import resolved  # takes 0.2 s
 
         found = resolved(table["mechanism"], where)
     return found

@@ -6,8 +6,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ..inputs.case.run_table import package_entries
 from ..inputs.case.sources import solver_sha256
+from ..inputs.case.tables.record import package_entries
 from ..package.common.disk_file import has_right_seal
 from ..results import ResultError, read_summary
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
-from ..inputs.case.combining import needed
+from ..inputs.case.tables.combining import needed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Watch, integrate
 from ..integrators.generic.advice import Stall
@@ -17,7 +17,7 @@ from .outcome import RunSpec
 from .preparation import Prepared, prepare
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import Signal as SignalTable
+    from ..inputs.case.tables.signals import Signal as SignalTable
 
 # Integration of a prepared mechanism over its output times.
 

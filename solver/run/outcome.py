@@ -35,7 +35,7 @@ from ..strength.found import summary as strength_entry
 from .drawing import links, point_masses, with_views
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables.schema import Mechanism
 
 # What a run leaves: histories, signals, checks and warnings from its solution.
 
@@ -66,7 +66,7 @@ class RunSpec:
         InputError
             Values that a run file may not have.
         """
-        from ..inputs.case.resolved import changed_mechanism  # a run does without the models
+        from ..inputs.case.tables.record import changed_mechanism  # a run does without the models
 
         return replace(self, mechanism=changed_mechanism(self.mechanism, changes))
 

@@ -10,7 +10,7 @@ from ..checks.finished import FinishedRun, Look
 from ..dynamics.analysis.scales import scales
 from ..dynamics.elements.constraints.treatment import Treatment, treated
 from ..dynamics.model.model import Model
-from ..inputs.case.of_time import is_smooth
+from ..inputs.case.expressions.of_time import is_smooth
 from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array
@@ -33,7 +33,7 @@ from ..signals import Histories, Sensor, Turns, sensors
 from .missing import missing_of
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Mechanism
+    from ..inputs.case.tables.schema import Mechanism
 
 
 NOTHING = 1e-13  # of the energy of a mechanism at its speed: round-off
@@ -115,7 +115,7 @@ def prepare(
     adjust: Callable[[Model], None] | None = None,
     histories: Histories | None = None,
 ) -> Prepared:
-    """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
+    """Build a checked mechanism (inputs/case/tables/schema.py), close its joints, look at it.
 
     `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
     may run. `adjust` may write into the arrays of the model before its joints are closed.

@@ -10,7 +10,7 @@ from ..package.section.schema import Ply
 from ..strength.fatigue import StressLife, check_rainflow
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import PlyStressSignal
+    from ..inputs.case.tables.signals import PlyStressSignal
     from ..inputs.common.material import IsotropicMaterial, OrthotropicMaterial
 
     Materials = Mapping[str, IsotropicMaterial | OrthotropicMaterial]

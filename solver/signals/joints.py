@@ -13,7 +13,7 @@ from ..mechanism import BuiltJoint
 from .recording import Recording
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import ReactionSignal
+    from ..inputs.case.tables.signals import ReactionSignal
 
 
 class _Turned(NamedTuple):

@@ -8,15 +8,14 @@ import numpy as np
 from ..dynamics.analysis.recovery import stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
-from ..math.rotations import vector_of, vector_to_matrix, vectors_to_matrices
-from ..math.shortest_rotation import shortest_rotations
+from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, vectors_to_matrices
 from ..mechanism import BuiltMechanism
 from ..mechanism.building.build import frame_marker
 from ..package.body.schema import Interface
 from .recording import Recording
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import PointSignal
+    from ..inputs.case.tables.signals import PointSignal
 
 POINT_UNITS = {
     "position": "m",

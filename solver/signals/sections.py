@@ -16,7 +16,7 @@ from .cut import equilibrium_resultants
 from .recording import Recording
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import PlyStressSignal, ResultantSignal
+    from ..inputs.case.tables.signals import PlyStressSignal, ResultantSignal
 
 Values = Callable[[Recording], Array]
 Look = Callable[[Recording], None]

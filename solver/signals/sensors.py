@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dynamics.elements.joints.table import COORDINATES
 from ..dynamics.model.model import Model
-from ..inputs.case.combining import needed, with_parts
+from ..inputs.case.tables.combining import needed, with_parts
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
@@ -24,7 +24,7 @@ from .strength import strength_values
 from .turns import Turns
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import Signal
+    from ..inputs.case.tables.signals import Signal
     from .fatigue import Materials
 
 Values = Callable[[Recording], Array]
@@ -61,7 +61,7 @@ def sensors(
     histories: Histories | None = None,
     turns: Turns | None = None,
 ) -> dict[str, Sensor]:
-    """Return the sensors of the signals of a case (inputs/case/signals.py).
+    """Return the sensors of the signals of a case (inputs/case/tables/signals.py).
 
     Parameters
     ----------

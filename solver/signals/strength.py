@@ -17,7 +17,7 @@ from .recording import Recording
 from .sections import resultants_at
 
 if TYPE_CHECKING:
-    from ..inputs.case.signals import StrengthSignal
+    from ..inputs.case.tables.signals import StrengthSignal
 
 
 def strength_values(

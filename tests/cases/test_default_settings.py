@@ -11,8 +11,8 @@ from two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.solver import Solver
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.generic.advice import INTERVALS, SLOW

@@ -14,7 +14,7 @@ import pytest
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.execution import execute, read_run
 

@@ -9,7 +9,7 @@ from case_samples import HEAD, rigid
 from stiffening_samples import rectangle
 
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package import write_package
 from plymotion.solver.run.execution import execute, read_run
 

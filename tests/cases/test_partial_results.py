@@ -12,7 +12,7 @@ from case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.results import read_result
 

@@ -9,8 +9,8 @@ from beam_tables import rod_frequencies
 from case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.beam_schema import BeamBody
-from plymotion.solver.inputs.case.columns import FOLDER
+from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
+from plymotion.solver.inputs.case.tables.columns import FOLDER
 from plymotion.solver.package import read_package
 
 # Hz at 0, 5 and 10 rad/s of ten segments with floating frames, 80 elements, without second-order

@@ -12,7 +12,7 @@ from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.timing import PHASES
 
 BALL = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})

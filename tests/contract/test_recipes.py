@@ -10,7 +10,7 @@ from source_copy import copy_with_recipes, recipe_files, recipe_lines, run_pytho
 from plymotion.solver.dynamics.elements.forces.table import FORCES
 from plymotion.solver.dynamics.elements.joints.contract import DrivenBy
 from plymotion.solver.dynamics.elements.joints.table import JOINTS
-from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.table import INTEGRATORS
 from plymotion.solver.package.shell import elements
 
@@ -128,7 +128,7 @@ def test_one_source_file_names_an_integrator(files_with, name):
     """Besides the default of the case file; messages may recommend one in their text."""
     found = list(files_with[name])
     if name == Solver.model_fields["integrator"].default:
-        found.remove("solver/inputs/case/solver.py")
+        found.remove("solver/inputs/case/tables/solver.py")
     assert len(found) == 1, found
 
 

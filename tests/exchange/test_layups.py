@@ -26,7 +26,7 @@ from plymotion.preprocess.exchange.layups import Layups, centre_strains, recover
 from plymotion.preprocess.exchange.read.bulk_data import bulk_cards, read_bulk_data
 from plymotion.preprocess.exchange.read.pcomp import read_layups
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, validate, write_package
 from plymotion.solver.package.body.schema import CellResultants

@@ -17,7 +17,7 @@ from plymotion.solver.commands.section.writers import (
     write_vabs,
 )
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.other_codes import spec_of_another_code
+from plymotion.solver.inputs.section.codes.other_codes import spec_of_another_code
 
 
 @pytest.fixture(scope="module")

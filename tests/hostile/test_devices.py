@@ -3,7 +3,7 @@
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case.laws import read_columns
+from plymotion.solver.inputs.case.tables.laws import read_columns
 from plymotion.solver.inputs.common.text_file import read_toml
 
 

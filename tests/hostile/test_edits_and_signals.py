@@ -20,7 +20,7 @@ from sweep_samples import FORCE, ball
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.package.section.io import read_section
 from plymotion.solver.results import read_summary

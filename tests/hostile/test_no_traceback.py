@@ -15,7 +15,7 @@ from case_samples import HEAD, SOLVER, rigid
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands import ending
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.results import ResultError, read_result, relative_balance
 
 BALL = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})

@@ -8,7 +8,7 @@ from case_samples import HEAD, SOLVER
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 
 folder = Path(sys.argv[1])
 BODY = """

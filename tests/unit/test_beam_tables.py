@@ -8,11 +8,11 @@ from beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, columns, wri
 
 from plymotion.preprocess.beam.given import given_section
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.body_specs import BodySpecs
-from plymotion.solver.inputs.case.columns import FOLDER
-from plymotion.solver.inputs.case.parts import in_parts
-from plymotion.solver.inputs.case.resolved import resolved
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
+from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.tables.columns import FOLDER
+from plymotion.solver.inputs.case.tables.record import resolved
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.common.table_form import SpecError
 
 BODY = {

@@ -14,9 +14,9 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.blade.shape import contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
-from plymotion.solver.inputs.case.beam_schema import BeamBody
-from plymotion.solver.inputs.case.laws import FOLDER
-from plymotion.solver.math.polylines import lengths_along
+from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
+from plymotion.solver.inputs.case.tables.laws import FOLDER
+from plymotion.solver.math.curves import lengths_along
 
 WORDS = ["--at", "0,0.4,1", "--quiet", "--no-estimate"]  # of the stations that are analysed
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]

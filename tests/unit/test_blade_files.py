@@ -12,7 +12,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.blade.shape import contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
-from plymotion.solver.math.polylines import lengths_along
+from plymotion.solver.math.curves import lengths_along
 
 PLACES = [0.1, 0.3, 0.55, 0.8, 1.0]
 PLANE = {"anchor_curve": "reference_axis", "anchors_nd_grid": [0.0, 1.0], "rotation": 0.0}

@@ -9,9 +9,9 @@ from curved_samples import BAR
 from pydantic import ValidationError
 
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.body_specs import BodySpecs
-from plymotion.solver.inputs.case.parts import in_parts
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
+from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.common.table_form import SpecError
 
 MODES = [{"kind": "lowest", "count": 2}]

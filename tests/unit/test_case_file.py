@@ -9,8 +9,8 @@ import pytest
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reference import reference_page
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.reference import reference_page
+from plymotion.solver.inputs.case.reading.specs import write_case
 
 BAD = {
     "unknown key": (

@@ -7,8 +7,8 @@ from ply_stresses import beam_ply_stress
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.signals import PlyStressSignal, ResultantSignal
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.tables.signals import PlyStressSignal, ResultantSignal
 from plymotion.solver.mechanism import build
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors

@@ -12,10 +12,10 @@ from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.body_specs import BodySpecs
-from plymotion.solver.inputs.case.parts import in_parts
-from plymotion.solver.inputs.case.schema import Mechanism
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
+from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.execution import execute
 
 CASE = """

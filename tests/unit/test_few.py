@@ -7,7 +7,7 @@ from case_samples import HEAD, SOLVER, rigid
 from plymotion.preprocess.beam.accuracy import coarse_mesh_warnings
 from plymotion.solver.errors import few, nearest
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 

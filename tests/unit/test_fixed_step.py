@@ -4,7 +4,7 @@ import pytest
 from constraint_runs import prepared
 from mechanism_samples import pendulum
 
-from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic import integrate
 

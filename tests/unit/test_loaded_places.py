@@ -2,9 +2,9 @@
 
 from fidelity_samples import pendulum
 
-from plymotion.solver.inputs.case.loaded import loaded_places
-from plymotion.solver.inputs.case.rich import rich_bodies
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.bodies.rich import rich_bodies
+from plymotion.solver.inputs.case.tables.loaded import loaded_places
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 
 
 def attachments(mechanism: Mechanism, name: str) -> list[str]:

@@ -14,7 +14,7 @@ import plymotion as pm
 from plymotion.solver.__main__ import main as command
 from plymotion.solver.commands.cases.command import turn
 from plymotion.solver.commands.cases.report import report_case
-from plymotion.solver.inputs.case.schema import CaseFile, Mechanism
+from plymotion.solver.inputs.case.tables.schema import CaseFile, Mechanism
 
 SWING = (
     HEAD

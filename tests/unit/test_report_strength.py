@@ -17,7 +17,7 @@ from recovery_samples import (
 
 from plymotion.preprocess.beam.line import straight_line
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.report import make_report
 from plymotion.solver.report.figures import draw_exposure

@@ -5,7 +5,7 @@ from mechanism_samples import pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment, treated
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import treatment_of
 
 

@@ -19,7 +19,7 @@ from plymotion.solver.fidelity.indicators.beam_theory import (
     short_waves,
     warping_decay,
 )
-from plymotion.solver.inputs.case.section_schema import DescribedSection
+from plymotion.solver.inputs.case.tables.section_schema import DescribedSection
 from plymotion.solver.package import ModalPackage
 
 E, NU, RHO = 70e9, 0.3, 2700.0

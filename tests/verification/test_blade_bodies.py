@@ -8,9 +8,9 @@ from beam_tables import rod_frequencies, write_table
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.given import given_section
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.beams import beam_spec
-from plymotion.solver.inputs.case.columns import FOLDER
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.bodies.beams import beam_spec
+from plymotion.solver.inputs.case.tables.columns import FOLDER
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.body.schema import SectionData
 
 

@@ -6,7 +6,7 @@ from case_samples import HEAD, SOLVER, rigid, run_text
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 SPEED, MASS, ARM = 3.0, 2.0, 0.5

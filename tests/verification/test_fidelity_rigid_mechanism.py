@@ -4,7 +4,7 @@ from fidelity_samples import Table, pendulum, planned_run
 
 from plymotion.solver.fidelity.delivery.execution import checked, plan_of
 from plymotion.solver.fidelity.delivery.words import answer_text, entry
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.outcome import RunSpec
 
 

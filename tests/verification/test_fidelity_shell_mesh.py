@@ -15,7 +15,7 @@ from plymotion.solver.fidelity.base.model import with_values
 from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
 from plymotion.solver.fidelity.check.answer import Answer
 from plymotion.solver.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.inputs.case.shell_schema import ShellBody
+from plymotion.solver.inputs.case.tables.shell_schema import ShellBody
 
 SHELL = ShellBody.model_validate(
     {

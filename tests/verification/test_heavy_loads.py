@@ -9,7 +9,7 @@ from mechanism_samples import GRAVITY, GROUND, Rods
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy

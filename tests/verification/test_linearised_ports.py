@@ -10,7 +10,7 @@ from scipy.io import loadmat
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 PENDULUM = (

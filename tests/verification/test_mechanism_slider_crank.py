@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flexible_samples import simulate
 
-from plymotion.solver.inputs.case.signals import ReactionSignal
+from plymotion.solver.inputs.case.tables.signals import ReactionSignal
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import BuiltJoint

@@ -8,9 +8,9 @@ import pytest
 from segment_samples import MATERIAL, SECTION, cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.inputs.case.body_specs import BodySpecs
-from plymotion.solver.inputs.case.parts import in_parts
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
+from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.execution import execute
 
 L, MU, G = 2.0, 3.0, 9.81

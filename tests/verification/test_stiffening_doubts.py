@@ -14,7 +14,7 @@ from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble
 from plymotion.solver.dynamics.evaluation.derivative import derivative
-from plymotion.solver.inputs.case.schema import Mechanism
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
 from plymotion.solver.monitors.geometric_stiffness import Loading, geometric_stiffness

@@ -14,11 +14,11 @@ import numpy as np
 
 from ...errors import InputError, printable
 from ...inputs.case import load_case
-from ...inputs.case.beam_table import COLUMNS, TRAPEZE, UPPER
 from ...inputs.case.file import CASE_FILE
-from ...inputs.case.specs import write_case
+from ...inputs.case.reading.specs import write_case
+from ...inputs.case.tables.beam_table import COLUMNS, TRAPEZE, UPPER
 from ...math.arrays import Array
-from ...math.polylines import lengths_along
+from ...math.curves import lengths_along
 from ...package.body.io import read_package
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_value

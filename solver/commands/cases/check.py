@@ -4,8 +4,8 @@ import argparse
 
 from ...errors import InputError, counted
 from ...inputs.case import load_case
-from ...inputs.case.reference import reference_page
-from ...inputs.case.specs import write_case
+from ...inputs.case.reading.reference import reference_page
+from ...inputs.case.reading.specs import write_case
 
 
 def run_check(options: argparse.Namespace) -> int:

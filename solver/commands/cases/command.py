@@ -25,7 +25,7 @@ from .finished import (
 )
 
 if TYPE_CHECKING:
-    from ...inputs.case.load import Case
+    from ...inputs.case.reading.load import Case
 
 # Which case, which of its runs and sweeps, which folder: for all commands with a case file.
 
@@ -192,10 +192,10 @@ def run_case(options: argparse.Namespace) -> int:
 def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> int:
     """Do all stages; return the exit code."""
     # Here: these take 0.5 s to import, longer than a command with nothing to do.
-    from ...inputs.case.load import load_case
-    from ...inputs.case.output_folder import MANIFEST
-    from ...inputs.case.source_files import source_files
-    from ...inputs.case.specs import write_case
+    from ...inputs.case.reading.load import load_case
+    from ...inputs.case.reading.output_folder import MANIFEST
+    from ...inputs.case.reading.source_files import source_files
+    from ...inputs.case.reading.specs import write_case
     from .packages import named_packages
 
     def say(text: str) -> None:

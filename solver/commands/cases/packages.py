@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, few
-from ...inputs.case.run_table import package_entries
+from ...inputs.case.tables.record import package_entries
 from ...math.cores import cores
 from ...package.common.plain_data import canonical
 from ...package.common.replaceable import refuse_link

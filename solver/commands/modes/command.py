@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ...inputs.case.specs import dump
+from ...inputs.case.reading.specs import dump
 from ...math.arrays import Array
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text

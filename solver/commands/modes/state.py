@@ -11,7 +11,7 @@ from ...dynamics.model.model import Model
 from ...errors import InputError, PackageError
 from ...inputs.case import load_case
 from ...inputs.case.file import case_file
-from ...inputs.case.specs import write_case
+from ...inputs.case.reading.specs import write_case
 from ...linearisation.turning import common_spin
 from ...math.arrays import Array
 from ...mechanism import BuiltMechanism, build

@@ -11,8 +11,8 @@ from typing import Any
 
 from ...errors import InputError
 from ...inputs.common import read_toml
+from ...inputs.section.codes.other_codes import is_of_another_code, spec_of_another_code
 from ...inputs.section.expand import section_spec
-from ...inputs.section.other_codes import is_of_another_code, spec_of_another_code
 from ...inputs.section.study import changed, study_variants
 from ...package.common.materials import MaterialError
 from ...package.common.replaceable import refuse_foreign

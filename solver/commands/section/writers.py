@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, printable
-from ...inputs.section.vabs_input import OF_VABS
+from ...inputs.section.codes.vabs_input import OF_VABS
 from ...math.arrays import Array, IntArray
 from ...package.common.anisotropic import elastic_from_dict
 from ...package.common.temporary import write_text

@@ -7,8 +7,8 @@ from ...fidelity.base.model import vibration_labels
 from ...fidelity.base.plan import Plan as ModelPlan
 from ...fidelity.choice.plan_file import read_plan
 from ...fidelity.delivery.execution import flexible_names
-from ...inputs.case.schema import Mechanism
-from ...inputs.case.segments import in_segments
+from ...inputs.case.bodies.segments import in_segments
+from ...inputs.case.tables.schema import Mechanism
 from ...package import ModalPackage
 from ...run.outcome import RunSpec
 from .plan import Plan

@@ -11,11 +11,11 @@ from pydantic import Field, ValidationError
 from plymotion import __version__
 
 from ...errors import InputError, PackageError, nearest
-from ...inputs.case.dotted_keys import put
-from ...inputs.case.resolved import resolved
-from ...inputs.case.schema import Mechanism
-from ...inputs.case.segments import in_segments
+from ...inputs.case.bodies.segments import in_segments
 from ...inputs.case.sources import solver_sha256
+from ...inputs.case.tables.dotted_keys import put
+from ...inputs.case.tables.record import resolved
+from ...inputs.case.tables.schema import Mechanism
 from ...inputs.common.messages import bare_lines
 from ...inputs.common.table import FilePath, Name, Table
 from ...package import ModalPackage
@@ -155,7 +155,7 @@ class _Fidelity(Table):
 
 
 class _File(Table):
-    """Content of build/<case>/sweeps/<name>.json (inputs/case/sweep_table.py)."""
+    """Content of build/<case>/sweeps/<name>.json (inputs/case/sweep/sweep_table.py)."""
 
     case: str
     sweep: Name

@@ -14,7 +14,7 @@ from ...run.outcome import RunSpec
 from .plan import BodyPlan, Plan, kind_of
 
 if TYPE_CHECKING:
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.schema import Mechanism
 
 DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag behind their loads
 STATIC = 6  # static shapes of a body where a model without them cannot be assembled

@@ -15,7 +15,7 @@ from ..base.plan import BodyPlan, kind_of
 from .indicators import Indicators
 
 if TYPE_CHECKING:
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.schema import Mechanism
 
 # Saint-Venant's warping of F1, M2, M3 lies in the section, that of F2, F3, M1 along the beam: seen
 # from the other end, one of the two has the other sign.

@@ -18,10 +18,10 @@ from typing import Any
 from ...errors import InputError, nearest
 from ..common import read_toml
 from ..common.material import check_materials, plain
+from .codes.other_codes import is_of_another_code, spec_of_another_code
 from .description import Region, SectionDescription, checked
 from .mesh_file import file_mesh
 from .mesh_table import ShapeMesh
-from .other_codes import is_of_another_code, spec_of_another_code
 from .shapes.mesh import shape_mesh
 
 BUILD = Path("build/sections")  # default folder of arrays

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array
-from ...math.hermite import Hermite
+from ...math.curves import Hermite
 from .alpha_scheme import check_formulation
 from .base import Dense
 from .constrained import ConstrainedSystem

@@ -19,7 +19,7 @@ from .places import Places
 from .virtual import HEAVY, VirtualBodies, through_virtual_bodies
 
 if TYPE_CHECKING:
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.schema import Mechanism
 
 
 MODERATE = 100.0  # mass point over its body: far from round-off
@@ -51,7 +51,7 @@ def build(
     stiffening: bool = False,
     heaviest: float = np.inf,
 ) -> BuiltMechanism:
-    """Build the model of a checked mechanism (inputs/case/schema.py).
+    """Build the model of a checked mechanism (inputs/case/tables/schema.py).
 
     `stiffening` gives every body its second-order terms whatever the mechanism says; `heaviest` is
     the largest ratio of a mass point to its body, heavier ones are taken as so heavy.

@@ -13,10 +13,17 @@ from ...dynamics.elements.joints.contract import Displacement, DrivenBy
 from ...dynamics.elements.joints.table import COORDINATES, JOINTS
 from ...dynamics.model.quantities import ANGLE, DISPLACEMENT, DISTANCE, SPIN
 from ...errors import InputError
-from ...inputs.case.coupled import coupled
-from ...inputs.case.expressions import AXES, REACTIONS, CaseScope, Read, expression, of_time_alone
-from ...inputs.case.force_terms import force_terms
-from ...inputs.case.of_time import drives, is_along, is_load, law
+from ...inputs.case.expressions.expressions import (
+    AXES,
+    REACTIONS,
+    CaseScope,
+    Read,
+    coupled,
+    expression,
+    of_time_alone,
+)
+from ...inputs.case.expressions.force_terms import force_terms
+from ...inputs.case.expressions.of_time import drives, is_along, is_load, law
 from ...math import laws
 from ...math.arrays import Array
 from ...math.curves import NamedCurve
@@ -25,7 +32,7 @@ from ...math.expressions.program import value_at
 from ...math.expressions.tree import Node, constant
 from ...math.keys import Number, Three
 from ...math.laws import Law, law_value
-from ...math.packed import column
+from ...math.rows import column
 from ..assembly.quantity_tables import (
     CoordinateTable,
     CouplingRow,
@@ -41,11 +48,10 @@ from ..assembly.tables import ForceTable, JointTable
 from .places import Places, axes
 
 if TYPE_CHECKING:
-    from ...inputs.case.forces import CoordinateTable as CoordinateKeys
-    from ...inputs.case.forces import ElementTable, LoadTable
-    from ...inputs.case.joints import CaseJoint
-    from ...inputs.case.laws import LoadLaw, RotationDrive, TranslationDrive
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.kinds import CaseJoint, ElementTable, LoadTable
+    from ...inputs.case.tables.kinds import CoordinateTable as CoordinateKeys
+    from ...inputs.case.tables.laws import LoadLaw, RotationDrive, TranslationDrive
+    from ...inputs.case.tables.schema import Mechanism
 
 
 def drive_law(given: "RotationDrive | TranslationDrive", mechanism: "Mechanism", key: str) -> Law:
@@ -57,7 +63,7 @@ def drive_law(given: "RotationDrive | TranslationDrive", mechanism: "Mechanism",
 
 
 def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
-    """Return the law of a table that has exactly one (inputs/case/laws.py), no expression."""
+    """Return the law of a table that has exactly one and no expression (tables/laws.py)."""
     if given.polynomial is not None:
         return laws.polynomial(given.polynomial)
     if given.smooth_step is not None:

@@ -9,8 +9,8 @@ from ...package.body.selection import selected
 from ...package.body.transform import rigid
 
 if TYPE_CHECKING:
-    from ...inputs.case.body_schema import Deformed
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.body_schema import Deformed
+    from ...inputs.case.tables.schema import Mechanism
 
 
 def used_packages(

@@ -12,7 +12,7 @@ from ...package import Interface, ModalPackage
 from ..assembly.tables import MarkerTable
 
 if TYPE_CHECKING:
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.schema import Mechanism
 
 
 class Places:

@@ -8,11 +8,11 @@ import numpy as np
 from ...dynamics.elements.forces.contract import Code
 from ...dynamics.elements.forces.table import COORDINATE_FORCES
 from ...errors import InputError
-from ...inputs.case.of_time import is_along
+from ...inputs.case.expressions.of_time import is_along
 from ...math.arrays import Array
 
 if TYPE_CHECKING:
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.schema import Mechanism
 
 Called = Callable[[float, Array], float]
 OPTION = "--allow-python"

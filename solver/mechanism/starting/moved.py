@@ -16,7 +16,7 @@ from ..consistent.initial import Start, closed_by_frames
 from ..consistent.locked import rows_of
 
 if TYPE_CHECKING:
-    from ...inputs.case.schema import Mechanism
+    from ...inputs.case.tables.schema import Mechanism
 
 
 def moved_findings(

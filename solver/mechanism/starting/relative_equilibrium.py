@@ -19,7 +19,7 @@ from ..consistent.initial import Start
 from .equilibrium import closed, equilibrium, limited, pushed, resting
 
 if TYPE_CHECKING:
-    from ...inputs.case.solver import Solver
+    from ...inputs.case.tables.solver import Solver
 
 _ABOUT = "about z"  # freedom that a spin needs, in the axes of a joint
 _HELD = {"x", "y", "about x", "about y"}  # freedoms that fix its axis

@@ -23,8 +23,8 @@ from plymotion import __version__
 
 from ....errors import InputError, printable
 from ....inputs.case import load_case
-from ....inputs.case.run_table import package_entries
-from ....inputs.case.specs import write_case
+from ....inputs.case.reading.specs import write_case
+from ....inputs.case.tables.record import package_entries
 from ....mechanism.building.python_functions import calling_forces
 from ....package.common.temporary import temporary_sibling
 from ....run.coupled import Stepper

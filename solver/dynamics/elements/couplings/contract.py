@@ -2,7 +2,7 @@
 
 A coupling is one equation between the coordinates of two joints, r_1 e_1 + r_2 e_2 = 0, from the
 given starting position and over any number of turns. It is one file of this folder with a
-`Coupling`; table.py finds it, inputs/case/couplings.py makes its table of the case file.
+`Coupling`; table.py finds it, inputs/case/tables/kinds.py makes its table of the case file.
 """
 
 from collections.abc import Callable, Mapping

@@ -2,7 +2,7 @@
 
 A force element is one file of this folder: a kernel of its wrench, one of its rows in Newton's
 matrix, and an `Element` or `Load` that says everything else. Nothing else names it: table.py finds
-the file, inputs/case/forces.py makes the table of the case file from its keys,
+the file, inputs/case/tables/kinds.py makes the table of the case file from its keys,
 mechanism/building/case_tables.py its markers, parameters and law. CONTRIBUTING.md has the recipe.
 
 Markers of an `Element`: z along its key `axis` (global z without one), x along `axis_1` if it has

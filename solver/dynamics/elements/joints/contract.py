@@ -2,7 +2,7 @@
 
 A joint is one file of this folder: a kernel that fills its constraint rows, and `JOINT`, a `Joint`
 that says everything else. Nothing else names it: dynamics/elements/joints/table.py finds the file,
-inputs/case/joints.py makes the table of the case file from its keys,
+inputs/case/tables/kinds.py makes the table of the case file from its keys,
 mechanism/building/case_tables.py its markers and drives, signals/joints.py its coordinates.
 CONTRIBUTING.md has the recipe.
 

@@ -1,0 +1,1 @@
+"""Flexible bodies of a case: their specifications and their checks."""

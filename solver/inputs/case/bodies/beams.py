@@ -1,0 +1,268 @@
+"""Beam bodies: their cross-sections, their specification, and checks beyond types and bounds."""
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....errors import InputError, under
+from ....package.body.specification import BeamSpecification
+from ...common.material import plain
+from ...common.table import plain_table
+from ...section.description import Region
+from ...section.expand import section_spec as described_section
+from ...section.expand import source_files
+from ...section.shapes.library import walls
+from ...section.shapes.mesh import ALL, shape_mesh
+from ..tables.beam_schema import BeamBody, BeamStation
+from ..tables.modes import check_modes
+from ..tables.schema import Mechanism
+from ..tables.section_schema import DescribedSection
+from .beam_lines import division, fractions, is_plain, line_of, line_table
+from .descriptions import INLINE, section_table
+
+
+def section_spec(
+    body: BeamBody, mechanism: Mechanism, folder: Path
+) -> tuple[dict[str, Any], list[Path]]:
+    """Return the specification of a body's section, and the files that it is made from.
+
+    Parameters
+    ----------
+    body : has passed `check_section`
+    folder : of the case file, where relative paths start
+
+    Raises
+    ------
+    InputError
+        Lines that begin with the key: what is wrong with the section.
+    """
+    assert body.section is not None
+    key = f"sections.{body.section}"
+    table = mechanism.sections[body.section]
+    if isinstance(table, DescribedSection):
+        return _described(key, body.section, table, mechanism, folder)
+    assert body.material is not None
+    ply = {"material": body.material, "angle_deg": body.ply_angle_deg or 0.0}
+    region = Region(material=body.material)
+    mesh, regions = shape_mesh(table, {ALL: region}, {ALL: [ply]}, folder, where=key)
+    if table.degree is not None:
+        mesh["degree"] = table.degree
+    spec = {
+        "name": body.section,
+        "convention": "contour",
+        "mesh": mesh,
+        "materials": {body.material: plain(mechanism.materials[body.material])},
+        "regions": regions,
+    }
+    return spec, []
+
+
+def given_section(station: BeamStation) -> dict[str, Any]:
+    """Return the specification of a station with matrices of its own."""
+    return {
+        "name": f"at {station.at:.4f}",
+        "stiffness": station.stiffness,
+        "mass": station.mass,
+        "trapeze": station.trapeze,
+    }
+
+
+def check_section(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
+    """Return what does not fit between a body and its section; `key` names the body."""
+    assert body.section is not None
+    table = mechanism.sections[body.section]
+    given = {"material": body.material, "ply_angle_deg": body.ply_angle_deg}
+    if isinstance(table, DescribedSection):
+        return [
+            f"{key}.{name} = {value}: expected no such key, section {body.section} has its own "
+            f"materials and angles ({table.file or INLINE})"
+            for name, value in given.items()
+            if value is not None
+        ]
+    if body.material is None:
+        return [f"{key}.material: missing; expected the material of section {body.section}"]
+    plane = all(w.direction == {"vector": [1.0, 0.0]} for w in walls(table.shape, table.values))
+    if body.ply_angle_deg and not plane:
+        return [
+            f"{key}.ply_angle_deg = {body.ply_angle_deg:g}: expected 0, a {table.shape} has "
+            "walls in several directions: describe it in a file, sections.NAME.file"
+        ]
+    return []
+
+
+def _described(
+    key: str, name: str, section: DescribedSection, mechanism: Mechanism, folder: Path
+) -> tuple[dict[str, Any], list[Path]]:
+    file = folder / INLINE
+    try:
+        table, file = section_table(name, section, mechanism, folder)
+        spec = described_section(table, file)
+    except InputError as error:
+        if section.file is not None:
+            raise under(f"{key}.file", error) from error
+        bare = (line.removeprefix(f"{file}: ") for line in str(error).splitlines())
+        raise InputError("\n".join(f"{key}.{INLINE}.{line}" for line in bare)) from error
+    del spec["title"]  # another title is no other body
+    return {**spec, "name": name}, source_files(table, file)[section.file is None :]
+
+
+ON_AXIS = 1e-9  # of the length: distance of an interface from the x axis that is round-off
+
+
+def beam_spec(
+    name: str, body: BeamBody, mechanism: Mechanism, folder: Path
+) -> tuple[BeamSpecification, list[Path]]:
+    """Return the specification of a beam and the files beside the case file that it is made from.
+
+    Parameters
+    ----------
+    body : its sections and materials exist
+    folder : of the case file, where relative paths start
+
+    Raises
+    ------
+    InputError
+        What is wrong with the body, one line each.
+    """
+    key = f"bodies.{name}"
+    stations, sources, found = _stations(key, body, mechanism, folder)
+    found += check_motion(key, body)
+    if found:
+        raise InputError("\n".join(found))
+    line = None if is_plain(body) else line_of(body)
+    nodes = None if line is None else division(body, line)
+    spec: BeamSpecification = {
+        "body": name,
+        "kind": "beam",
+        "length": _length(body),
+        "elements": body.elements if nodes is None else len(nodes) - 1,
+        "x2_axis": body.x2_axis,
+        "section": stations[0][1],
+        "theory": body.theory,
+        "mass_form": body.mass_form,
+        "reference": plain_table(body.reference),
+        "modes": [plain_table(mode) for mode in body.modes],
+        "damping_ratio": body.damping_ratio,
+        "interfaces": {k: plain_table(v) for k, v in body.interfaces.items()},
+    }
+    if line is not None and nodes is not None:
+        spec["line"] = line_table(line, nodes)
+    if len(stations) > 1:
+        spec["stations"] = [{"at": at, "section": section} for at, section in stations]
+    return spec, sources
+
+
+def with_sections(body: BeamBody) -> list[BeamStation]:
+    """Return the stations of a beam, rising, with the section, material and ply angle there."""
+    own = {"material": body.material, "ply_angle_deg": body.ply_angle_deg}
+    found = []
+    for station in body.stations:
+        absent = {k: v for k, v in own.items() if getattr(station, k) is None}
+        found.append(station.model_copy(update=absent) if station.section is not None else station)
+    if all(station.at > 0.0 for station in found):
+        first = BeamStation(at=0.0, section=body.section, material=body.material)
+        found.insert(0, first.model_copy(update={"ply_angle_deg": body.ply_angle_deg}))
+    return sorted(found, key=lambda station: station.at)
+
+
+def _length(body: BeamBody) -> float:
+    return body.length if body.length is not None else line_of(body).length
+
+
+def _stations(
+    key: str, body: BeamBody, mechanism: Mechanism, folder: Path
+) -> tuple[list[tuple[float, dict[str, Any]]], list[Path], list[str]]:
+    """Return places and sections, files that they are made from, and what is wrong."""
+    stations: list[tuple[float, dict[str, Any]]] = []
+    sources: list[Path] = []
+    found: list[str] = []
+    for station in with_sections(body):
+        if station.section is None:
+            stations.append((station.at, given_section(station)))
+            continue
+        same = ("section", "material", "ply_angle_deg")
+        own = body.model_copy(update={name: getattr(station, name) for name in same})
+        wrong = check_section(key, own, mechanism)
+        section, files = dict[str, Any](), list[Path]()
+        if own.material is not None or not wrong:
+            try:
+                section, files = section_spec(own, mechanism, folder)
+            except InputError as error:
+                wrong += str(error).splitlines()
+        stations.append((station.at, section))
+        sources += files
+        found += wrong
+    if body.table is not None:
+        sources.append(folder / body.table)
+    return stations, sources, found
+
+
+def check_motion(key: str, body: BeamBody) -> list[str]:
+    """Return what is wrong with a beam's modes, line, axes and elements; `key` names it."""
+    places = fractions(body)
+    found = check_modes(key, body.reference, body.modes, places)
+    if not body.modes and body.segments == 1:
+        found.append(f"{key}.modes: missing; expected at least one")
+    x2 = np.array(body.x2_axis)
+    if abs(np.linalg.norm(x2) - 1.0) > 1e-9 or abs(x2[0]) > 1e-9:
+        found.append(f"{key}.x2_axis = {body.x2_axis}: expected a unit vector normal to body x")
+    found += _check_line(key, body)
+    at = [station.at for station in body.stations]
+    if any(b <= a for a, b in pairwise(at)):
+        found.append(f"{key}.stations: at = {at}: expected rising fractions of the length")
+    inner = {station.at for station in body.stations if 0.0 < station.at < 1.0}
+    least = len({0.0, 1.0, *places.values(), *inner}) - 1
+    has_nodes = body.line is not None and body.line.nodes is not None
+    if body.elements < max(least, body.segments) and not has_nodes:
+        reason = "every interface and station needs a node, every segment an element"
+        if not inner and body.segments == 1:
+            reason = "every interface needs a node"
+        found.append(
+            f"{key}.elements = {body.elements}: expected at least {max(least, body.segments)}: "
+            f"{reason}"
+        )
+    if not found and body.reference.kind == "chord" and body.line is not None:
+        line = line_of(body)
+        for name in body.reference.places:
+            (place,) = line.place(np.array([places[name]]))
+            if np.abs(place[1:]).max() > ON_AXIS * line.length and body.segments == 1:
+                found.append(
+                    f"{key}.reference.at: interface {name} is at {place.round(6).tolist()}: "
+                    "expected a place on body x, along which a chord runs"
+                )
+    return found
+
+
+def _check_line(key: str, body: BeamBody) -> list[str]:
+    line, found = body.line, []
+    if line is None or line.arc_deg is not None:
+        if body.length is None:
+            found.append(f"{key}.length: missing; expected the length of the beam")
+        if line is not None:
+            axis = np.array(line.axis)
+            if line.arc_deg == 0.0:
+                found.append(f"{key}.line.arc_deg = 0: expected an angle; without `line` straight")
+            if not np.linalg.norm(axis) > 0.0 or abs(axis[0]) > 1e-9 * np.linalg.norm(axis):
+                found.append(f"{key}.line.axis = {line.axis}: expected a vector normal to body x")
+    elif body.length is not None:
+        found.append(f"{key}.length = {body.length:g}: expected none, the line has a length")
+    if line is not None and line.nodes is not None:
+        if len(line.x2_axes or []) != len(line.nodes) - 1:
+            found.append(
+                f"{key}.line.x2_axes: {len(line.x2_axes or [])} axes; expected one for each of "
+                f"{len(line.nodes) - 1} elements"
+            )
+        if body.twist_deg:
+            found.append(f"{key}.twist_deg: expected none, the nodes have axes")
+    points = getattr(line, "points", None) or getattr(line, "nodes", None)
+    if points and np.linalg.norm(np.diff(np.array(points), axis=0), axis=1).min() == 0.0:
+        found.append(f"{key}.line: two neighbouring points are the same")
+    at = [pair[0] for pair in body.twist_deg]
+    if any(b <= a for a, b in pairwise(at)):
+        found.append(f"{key}.twist_deg: expected rising fractions of the length, found {at}")
+    spinning = [mode.kind for mode in body.modes if mode.kind.startswith("spinning-")]
+    if line is not None and spinning:
+        found.append(f'{key}.modes: kind = "{spinning[0]}": expected a straight beam')
+    return found

@@ -1,0 +1,154 @@
+"""Specifications of the flexible bodies of a case: built once, checked once, kept for writing."""
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from ....errors import InputError, nearest, under
+from ....math.digests import file_sha256
+from ....package.body.specification import ImportedSpecification, Specification
+from ....package.common.plain_data import inputs_sha256
+from ...common import read_toml
+from ..tables.beam_schema import BeamBody
+from ..tables.body_schema import ImportedBody, Placed, Reducible
+from ..tables.schema import Mechanism
+from ..tables.shell_schema import ShellBody
+from ..tables.solid_schema import SolidBody
+from .beams import beam_spec
+from .shells import shell_body_spec
+from .solids import solid_body_spec
+
+
+def imported_spec(
+    name: str, body: ImportedBody, folder: Path
+) -> tuple[ImportedSpecification, list[Path]]:
+    """Return the specification of an imported body, and the files that it is made from.
+
+    The preprocessor checks the keys of the import file.
+
+    Parameters
+    ----------
+    folder : of the case file, where relative paths start
+
+    Raises
+    ------
+    InputError
+        The import file or a file that it names is missing.
+    """
+    key = f'bodies.{name}.import = "{body.file}"'
+    file = folder / body.file
+    try:
+        table = read_toml(file, "import file")
+    except InputError as error:
+        raise under(key, error) from error
+    paths = _files(table, file, key)
+    spec: ImportedSpecification = {
+        "body": name,
+        "kind": "imported",
+        "file": os.path.relpath(file),
+        "table": table,
+        "sha256": {name: file_sha256(path) for name, path in paths.items()},
+    }
+    return spec, [file, *paths.values()]
+
+
+def _files(table: dict[str, Any], file: Path, key: str) -> dict[str, Path]:
+    """Files that the import file names, and those of the same stem beside a deck."""
+    named = table.get("files")
+    if not isinstance(named, dict) or not all(isinstance(v, str) for v in named.values()):
+        raise InputError(f"{key}: files = {named!r}: expected a table of paths")
+    found = {}
+    for word, name in named.items():
+        path = file.parent / name
+        if not path.is_file():
+            listed = [item.name for item in path.parent.glob("*")] if path.parent.is_dir() else []
+            hint = nearest(path.name, listed)
+            raise InputError(f"{key}: files.{word} = {name!r}: no such file{hint}")
+        found[name] = path
+        if word == "deck":
+            beside = [path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")]
+            found |= {item.name: item for item in beside if item.is_file()}
+    return found
+
+
+# Where a body starts, and what a run uses of it, say nothing about its package.
+STATE = {*Placed.model_fields, *Reducible.model_fields}
+
+
+@dataclass(frozen=True)
+class BodySpec:
+    """What the preprocessor needs to build one flexible body.
+
+    Attributes
+    ----------
+    content : plain JSON, SI and degrees
+    inputs_sha256 : hash of the content
+    sources : files beside the case file that it is made from
+    """
+
+    content: Specification
+    inputs_sha256: str
+    sources: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class BodySpecs:
+    """Specifications of a case; runs and members of sweeps with the same body share one.
+
+    Attributes
+    ----------
+    folder : of the case file, where relative paths start
+    """
+
+    folder: Path
+    _known: dict[tuple[str, ...], BodySpec] = field(default_factory=dict)
+
+    def of(
+        self,
+        name: str,
+        body: BeamBody | ShellBody | SolidBody | ImportedBody,
+        mechanism: Mechanism,
+        *,
+        candidates: bool = False,
+    ) -> BodySpec:
+        """Return the specification of a body, whose section and material exist.
+
+        Parameters
+        ----------
+        candidates : a plan of `[fidelity]` takes some of the modes of a beam or shell
+
+        Raises
+        ------
+        InputError
+            Lines that begin with the key: what is wrong with the body.
+        """
+        parts: list[BaseModel] = []
+        if isinstance(body, BeamBody):
+            used = [(s.section, s.material) for s in body.stations]
+            for section, material in [(body.section, body.material), *used]:
+                if section is None:
+                    continue
+                parts.append(mechanism.sections[section])
+                if getattr(parts[-1], "description", None) is not None:
+                    parts += mechanism.materials.values()  # which it may use
+                if material is not None:
+                    parts.append(mechanism.materials[material])
+        own = body.model_dump_json(exclude=STATE)
+        key = (name, own, str(candidates), *(part.model_dump_json() for part in parts))
+        if key not in self._known:
+            content: Specification
+            if isinstance(body, BeamBody):
+                content, sources = beam_spec(name, body, mechanism, self.folder)
+            elif isinstance(body, ShellBody):
+                content, sources = shell_body_spec(name, body, self.folder)
+            elif isinstance(body, SolidBody):
+                content, sources = solid_body_spec(name, body, self.folder)
+            else:
+                content, sources = imported_spec(name, body, self.folder)
+            if candidates and content["kind"] in ("beam", "shell"):
+                content["candidates"] = True
+            self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
+        return self._known[key]

@@ -1,0 +1,234 @@
+"""Checks of a case beyond types and bounds: existing names, consistent values."""
+
+import numpy as np
+
+from ....dynamics.elements.forces.table import ELEMENTS
+from ....dynamics.elements.joints.table import JOINTS
+from ....errors import InputError, nearest
+from ....integrators.choice import treatment_of
+from ...common.material import check_materials
+from ..bodies.beam_lines import is_plain
+from ..bodies.body_specs import BodySpec, BodySpecs
+from ..bodies.rich import check_fidelity
+from ..bodies.segments import check_names, in_segments
+from ..expressions.expressions import check_couplings
+from ..expressions.of_time import drives, is_along
+from ..tables.beam_schema import BeamBody
+from ..tables.body_schema import RigidBody
+from ..tables.kinds import CoordinateTable, LoadTable
+from ..tables.laws import RotationDrive
+from ..tables.outputs import output_findings
+from ..tables.schema import Mechanism
+from ..tables.shell_schema import ShellBody
+from ..tables.signals import (
+    DifferenceSignal,
+    ForceSignal,
+    JointSignal,
+    NormSignal,
+    PointSignal,
+    ReactionSignal,
+    SectionSignal,
+    Signal,
+    StrengthSignal,
+)
+from ..tables.solid_schema import SolidBody
+from .check_bodies import Body, check_bodies, check_place
+from .check_expressions import check_combined, check_drive, check_force, check_tables
+
+
+def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
+    """Return the specifications of the flexible bodies by name, and one line per finding."""
+    bodies, wrong = check_bodies(mechanism, specs)
+    found = check_materials(mechanism.materials) + wrong
+    found += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
+    found += check_tables(mechanism) + _forces(mechanism) + check_couplings(mechanism)
+    for name, mass in mechanism.masses.items():
+        found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
+    for name, signal in mechanism.signals.items():
+        found += _signal(f"signals.{name}", signal, mechanism)
+    found += check_combined(mechanism)
+    spin = mechanism.solver.spin
+    if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
+        found.append(
+            f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
+            "bodies take velocity and angular_velocity"
+        )
+    found += check_fidelity(mechanism)
+    found += output_findings(mechanism)
+    try:
+        treatment_of(mechanism.solver)
+    except InputError as error:
+        found.append(str(error))
+    return bodies, found
+
+
+def _owners(between: list[str]) -> list[str]:
+    return [place.partition(".")[0] for place in between]
+
+
+def _between(key: str, between: list[str], mechanism: Mechanism, *, one_body: bool) -> list[str]:
+    """Return errors of a pair of places; `one_body`: both may be of the same body."""
+    found = []
+    for place in between:
+        found += check_place(key, place, mechanism, ground=True)
+    one, two = _owners(between)
+    if between[0] == between[1]:
+        found.append(f"{key} = {between}: expected two different places")
+    elif one == two and (one == "ground" or not one_body):
+        what = "the ground" if one == "ground" else f"body {one}"
+        found.append(f"{key} = {between}: both are of {what}; expected places of two bodies")
+    return found
+
+
+def _right_angle(key: str, one: list[float], two: list[float]) -> list[str]:
+    a, b = np.array(one), np.array(two)
+    if abs(a @ b) <= 1e-6 * np.linalg.norm(a) * np.linalg.norm(b):
+        return []
+    return [f"{key} = {two}: expected a vector at a right angle to axis = {one}"]
+
+
+def _joints(mechanism: Mechanism) -> list[str]:
+    found = []
+    for name, joint in mechanism.joints.items():
+        key = f"joints.{name}"
+        found += _between(f"{key}.between", joint.between, mechanism, one_body=False)
+        axis, axis_2 = getattr(joint, "axis", None), getattr(joint, "axis_2", None)
+        if axis is not None and axis_2 is not None:
+            found += _right_angle(f"{key}.axis_2", axis, axis_2)
+        for drive_key, drive in drives(joint).items():
+            found += check_drive(f"{key}.{drive_key}", drive, mechanism)
+    return found
+
+
+def _two_drives(mechanism: Mechanism) -> list[str]:
+    """Return pairs of drives between the same two bodies about or along parallel axes."""
+    found: list[str] = []
+    seen: list[tuple[str, set[str], bool, np.ndarray]] = []
+    for name, joint in mechanism.joints.items():
+        for drive_key, drive in drives(joint).items():
+            axis = np.array(getattr(joint, "axis", None))
+            axis = axis / np.linalg.norm(axis)
+            bodies, kind = set(_owners(joint.between)), isinstance(drive, RotationDrive)
+            key = f"joints.{name}.{drive_key}"
+            for other_key, other_bodies, other_kind, other_axis in seen:
+                parallel = np.linalg.norm(np.cross(axis, other_axis)) < 1e-6
+                if bodies == other_bodies and kind == other_kind and parallel:
+                    found.append(f"{key}: expected one drive on a coordinate; {other_key} has it")
+            seen.append((key, bodies, kind, axis))
+    return found
+
+
+def _forces(mechanism: Mechanism) -> list[str]:
+    found = []
+    for name, force in mechanism.forces.items():
+        key = f"forces.{name}"
+        found += check_force(key, force, mechanism)
+        if isinstance(force, LoadTable):
+            found += check_place(f"{key}.at", force.at, mechanism, ground=False)
+            continue
+        if isinstance(force, CoordinateTable):
+            if force.between is not None:
+                found += _between(f"{key}.between", force.between, mechanism, one_body=True)
+            continue
+        found += _between(f"{key}.between", force.between, mechanism, one_body=True)
+        axis, axis_1 = getattr(force, "axis", None), getattr(force, "axis_1", None)
+        if axis is not None and axis_1 is not None:
+            found += _right_angle(f"{key}.axis_1", axis, axis_1)
+        acts_by = ELEMENTS[force.kind].acts_by
+        if acts_by and not any(getattr(force, word) for word in acts_by):
+            *most, last = acts_by
+            words = f"{', '.join(most)} or {last}" if most else last
+            found.append(f"{key}: has no effect; expected {words}")
+    return found
+
+
+def _signal(
+    key: str,
+    signal: Signal,
+    mechanism: Mechanism,
+) -> list[str]:
+    if isinstance(signal, PointSignal):
+        found = check_place(f"{key}.at", signal.at, mechanism, ground=False)
+        if signal.seen_from is not None:
+            found += check_place(f"{key}.seen_from", signal.seen_from, mechanism, ground=False)
+        return found
+    if isinstance(signal, JointSignal | ReactionSignal):
+        if signal.joint not in mechanism.joints:
+            hint = nearest(signal.joint, mechanism.joints)
+            return [f'{key}.joint = "{signal.joint}": no such joint{hint}']
+        if isinstance(signal, JointSignal):
+            kind = mechanism.joints[signal.joint].kind
+            free = [coordinate.name for coordinate in JOINTS[kind].coordinates]
+            if signal.coordinate not in free:
+                return [
+                    f'{key}.coordinate = "{signal.coordinate}": joint {signal.joint} is '
+                    f"{kind}; expected {' or '.join(free) or 'another joint'}"
+                ]
+        return []
+    if isinstance(signal, DifferenceSignal | NormSignal):
+        return []
+    if isinstance(signal, ForceSignal):
+        able = [name for name, force in mechanism.forces.items() if is_along(force)]
+        able += list(mechanism.couplings)
+        if signal.of in able:
+            return []
+        if signal.of in mechanism.forces:
+            kind = mechanism.forces[signal.of].kind
+            return [
+                f'{key}.of = "{signal.of}": a {kind} does not act along a coordinate; expected a '
+                "force that does, or a coupling"
+            ]
+        return [f'{key}.of = "{signal.of}": no such force or coupling{nearest(signal.of, able)}']
+    if signal.body not in mechanism.bodies:
+        return [
+            f'{key}.body = "{signal.body}": no such body{nearest(signal.body, mechanism.bodies)}'
+        ]
+    body = mechanism.bodies[signal.body]
+    if isinstance(body, RigidBody):
+        return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
+    if isinstance(signal, StrengthSignal):
+        found = _of_strength(key, signal, body)
+        if found:
+            return found
+    elif isinstance(body, ShellBody | SolidBody):
+        return [
+            f'{key}.body = "{signal.body}": expected a beam, this one is a {body.kind}: its '
+            f"{'plies have' if body.kind == 'shell' else 'surface has'} signals of kind "
+            '"strength_ratio"'
+        ]
+    straight = isinstance(body, BeamBody) and is_plain(body)
+    if isinstance(signal, SectionSignal) and signal.method == "equilibrium" and not straight:
+        return [
+            f'{key}.method = "equilibrium": expected modes; {signal.body} is no straight beam '
+            "without twist"
+        ]
+    length = body.length if isinstance(body, BeamBody) else None
+    if length and signal.x is not None and not 0.0 <= signal.x <= length:
+        return [f"{key}.x = {signal.x:g}: expected 0 to {length:g} m, the length of the body"]
+    return []
+
+
+def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
+    """Return errors of the places of a signal of strength."""
+    found = []
+    surface = isinstance(body, ShellBody | SolidBody)
+    if surface and signal.x is not None:
+        what = f"{signal.body} is a {body.kind}"
+        found.append(f"{key}.x = {signal.x:g}: expected for beams only, {what}")
+    expected = 3 if surface else 2
+    known = surface or isinstance(body, BeamBody)  # not before its package is read
+    if signal.point is not None and known and len(signal.point) != expected:
+        what = "x2, x3 of a beam" if expected == 2 else f"x, y, z of a {body.kind}"
+        found.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
+    return found
+
+
+def in_parts(
+    mechanism: Mechanism, specs: BodySpecs
+) -> tuple[Mechanism, dict[str, BodySpec], list[str]]:
+    """Return the mechanism with divided beams, its flexible bodies, and one line per finding."""
+    bodies, found = cross_check(mechanism, specs)
+    divided = mechanism if found else in_segments(mechanism)
+    if divided is not mechanism:
+        bodies, found = cross_check(divided, specs)
+    return divided, bodies, found

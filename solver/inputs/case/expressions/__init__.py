@@ -1,0 +1,1 @@
+"""Expressions of a case, and the laws of time of its joints and forces."""

@@ -1,0 +1,1 @@
+"""From a case file to what the other stages read."""

@@ -1,0 +1,233 @@
+"""Read a case file: merge variants, check every run, resolve names."""
+
+from collections.abc import Collection, Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import ValidationError
+
+from ....errors import InputError, nearest
+from ...common import lines, read_toml
+from ...common.messages import bare_lines, members, without_annotations
+from ...section.mesh_table import shape
+from ..bodies.body_specs import BodySpec, BodySpecs
+from ..checks.check import in_parts
+from ..checks.check_expressions import check_elsewhere
+from ..checks.messages import Findings
+from ..file import case_name
+from ..sweep.sweep_members import CheckedSweep, check_sweep
+from ..tables.columns import FOLDER
+from ..tables.schema import CaseFile, Mechanism
+
+Tables = dict[str, Any]
+
+
+def merge(base: Tables, over: Tables, way: tuple[str, ...] = ()) -> None:
+    """Merge tables of `over` into `base` in place; values and lists are replaced.
+
+    A table of a mechanism whose kind changes keeps the keys that both kinds have.
+    """
+    for key, value in over.items():
+        if isinstance(value, dict) and isinstance(base.get(key), dict):
+            if len(way) == 1:
+                _forget(way[0], base[key], value)
+            merge(base[key], value, (*way, key))
+        else:
+            base[key] = deepcopy(value)
+
+
+def _forget(group: str, table: Tables, over: Tables) -> None:
+    """Remove from a table of `group` what the kind that `over` gives it does not have."""
+    known = _keys(group)
+    old, new = _kind(group, table), _kind(group, over)
+    named = isinstance(old, str) and isinstance(new, str)  # a kind may be anything in a bad file
+    if not named or old == new or old not in known or new not in known:
+        return
+    for key in list(table):
+        if known[old].get(key, old) != known[new].get(key, new):
+            del table[key]
+
+
+def _kind(group: str, table: Tables) -> Any:
+    return shape(table) if group == "sections" else table.get("kind")
+
+
+@cache
+def _keys(group: str) -> dict[Any, dict[str, Any]]:
+    """Return the keys of every kind of a group with their types; empty for a group without."""
+    field = Mechanism.model_fields.get(group)
+    arguments = () if field is None else get_args(field.annotation)
+    if len(arguments) != 2:
+        return {}
+    return {
+        kind: {f.alias or name: f.annotation for name, f in model.model_fields.items()}
+        for kind, model in members(without_annotations(arguments[-1])).items()
+    }
+
+
+# Names that the folder of a case has for other things than the results of a run, or of a sweep.
+RESERVED = {
+    "runs": {
+        "bodies": "a folder of this name",
+        "runs": "a folder of this name",
+        "sweeps": "a folder of this name",
+    },
+    "sweeps": {"bodies": "a folder sweeps/bodies"},
+}
+
+IN_COARSE = " (in [coarse])"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A checked case.
+
+    Attributes
+    ----------
+    name : of its folder; of the file, unless that is case.toml
+    file : where it comes from
+    top : what is beside the mechanism
+    runs : mechanism by run
+    bodies : specifications of the flexible bodies by run and name
+    sweeps : those that were asked for, with all their members
+    """
+
+    name: str
+    file: Path
+    top: CaseFile
+    runs: dict[str, Mechanism]
+    bodies: dict[str, dict[str, BodySpec]]
+    sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
+
+
+def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> Case:
+    """Read and check a case file.
+
+    Parameters
+    ----------
+    coarse : the coarse version of the case
+    sweeps : names of the sweeps whose members are made and checked; None: all. A sweep of 10 000
+        members takes some seconds, which a single run need not wait for.
+
+    Raises
+    ------
+    InputError
+        One line per error: file, key, value, expectation.
+    """
+    return checked_case(read_toml(file, "case file"), file, coarse=coarse, sweeps=sweeps)
+
+
+def checked_case(
+    table: dict[str, Any],
+    file: Path,
+    *,
+    coarse: bool = False,
+    sweeps: Collection[str] | None = None,
+) -> Case:
+    """Check the content of a case file; see `load_case`.
+
+    Parameters
+    ----------
+    file : its name goes into messages; paths in the case are relative to its folder
+    """
+    whole, table = table, deepcopy(table)
+    top_keys = set(CaseFile.model_fields)
+    over = table.get("coarse")
+    if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
+        merge(table, {"sweeps": over["sweeps"]})
+    try:
+        top = CaseFile.model_validate({k: v for k, v in table.items() if k in top_keys})
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, CaseFile, str(file)))) from error
+    base = {k: v for k, v in table.items() if k not in top_keys}
+    for key in base:
+        if key not in Mechanism.model_fields:
+            known = [*CaseFile.model_fields, *Mechanism.model_fields]
+            raise InputError(f"{file}: {key}: unknown key{nearest(key, known)}")
+    findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
+    quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
+
+    def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
+        merged = deepcopy(base)
+        for variant in variants:
+            if variant not in top.variants:
+                hint = nearest(variant, top.variants)
+                findings.add([f'{file}: {key}.variants = "{variant}": no such variant{hint}'])
+                continue
+            merge(merged, top.variants[variant])
+        merge(merged, quick)
+        return merged
+
+    specs = BodySpecs(file.parent)
+    runs: dict[str, Mechanism] = {}
+    bodies: dict[str, dict[str, BodySpec]] = {}
+    if top.coarse and not coarse:
+        findings.add(_of_coarse(whole, file, sweeps))
+    findings.add(
+        f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
+        for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
+        for name in RESERVED[table].keys() & names.keys()
+    )
+    for name, run in top.runs.items():
+        merged = merged_with(f"runs.{name}", run.variants)
+        try:
+            mechanism = Mechanism.model_validate(merged, context={FOLDER: file.parent})
+        except ValidationError as error:
+            findings.of_run(name, bare_lines(error, Mechanism))
+            continue
+        runs[name], bodies[name], found = in_parts(mechanism, specs)
+        findings.of_run(name, found)
+    if not findings:  # otherwise a run that is wrong would be missing
+        for name, mechanism in runs.items():
+            findings.of_run(name, check_elsewhere(mechanism, runs))
+    findings.add(f"{file}: {line}" for line in _figures(top, runs))
+    checked_sweeps: dict[str, CheckedSweep] = {}
+    for name, sweep in top.sweeps.items():
+        key = f"sweeps.{name}"
+        if sweep.run not in top.runs:
+            hint = nearest(sweep.run, top.runs)
+            findings.add([f'{file}: {key}.run = "{sweep.run}": no such run{hint}'])
+        elif sweep.run in runs and (sweeps is None or name in sweeps):
+
+            def merged_of(
+                run: str, key: str = key, variants: list[str] = sweep.variants
+            ) -> dict[str, Any] | None:
+                if run not in top.runs:
+                    return None
+                return merged_with(key, [*top.runs[run].variants, *variants])
+
+            checked = check_sweep(f"{file}: {key}", sweep, specs, merged_of)
+            if isinstance(checked, list):
+                findings.of_sweep(key, checked)
+            else:
+                checked_sweeps[name] = checked
+    if findings:
+        told = findings.lines()
+        twice = {f"{line}{IN_COARSE}" for line in told}
+        raise InputError("\n".join(line for line in told if line not in twice))
+    return Case(case_name(file), file, top, runs, bodies, checked_sweeps)
+
+
+def _of_coarse(table: dict[str, Any], file: Path, sweeps: Collection[str] | None) -> list[str]:
+    """Return what is wrong with a case in its coarse version, beyond the whole case."""
+    try:
+        checked_case(table, file, coarse=True, sweeps=sweeps)
+    except InputError as error:
+        return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
+    return []
+
+
+def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:
+    """Yield what figures name and the case does not have."""
+    for name, figure in top.figures.items():
+        for run in figure.runs:
+            if run not in top.runs:
+                hint = nearest(run, top.runs)
+                yield f'figures.{name}.runs = "{run}": no such run{hint}'
+        for mechanism in runs.values():
+            if figure.signal not in mechanism.signals:
+                hint = nearest(figure.signal, mechanism.signals)
+                yield f'figures.{name}.signal = "{figure.signal}": no such signal{hint}'

@@ -1,0 +1,1 @@
+"""The members of a sweep, and what the solver reads of them."""

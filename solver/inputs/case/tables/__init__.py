@@ -1,0 +1,1 @@
+"""The tables of a case file: every key with type, unit, bounds and one line of meaning."""

@@ -1,0 +1,1 @@
+"""Cross-sections in the input files of other codes."""
