@@ -13,7 +13,7 @@ import numpy as np
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import ModalPackage
-from ...solver.package.common.temporary import temporary_sibling
+from ...solver.package.common.temporary import write_text
 from ...solver.package.common.toml_text import toml_text
 from .free_body import Cells
 from .links import interface_rows
@@ -33,9 +33,9 @@ class ModalBody:
     Attributes
     ----------
     shapes : (m, n, 6) displacements and rotations, any scale
-    has_rotations : whether the source has rotations
     hertz : (m,) natural frequencies [1 / time]
-    damping_ratios : (m,)
+    has_rotations : whether the source has rotations
+    damping_ratios : (m,); None: zero
     mass : (n,); None: from the file `masses`
     """
 
@@ -44,9 +44,9 @@ class ModalBody:
     node_ids: IntArray
     cells: Cells
     shapes: Array
-    has_rotations: bool
     hertz: Array
-    damping_ratios: Array
+    has_rotations: bool = False
+    damping_ratios: Array | None = None
     mass: Array | None = None
     groups: dict[str, IntArray] = field(default_factory=dict)
 
@@ -88,6 +88,7 @@ def write_tables(body: ModalBody, table: Reduction, files: Files, folder: Path) 
     found["reference"] = {k: v for k, v in table["reference"].items() if k in ("kind", "at")}
     columns = ["ux", "uy", "uz", "rx", "ry", "rz"][: 6 if body.has_rotations else 3]
     found["modes"], found["interfaces"] = [], {}
+    damping = np.zeros(wanted) if body.damping_ratios is None else body.damping_ratios
     for i in range(wanted):
         shape = body.shapes[i, :, : len(columns)].copy()
         shape[:, 3:] *= length  # a rotation per unit of the same shape
@@ -96,7 +97,7 @@ def write_tables(body: ModalBody, table: Reduction, files: Files, folder: Path) 
             {
                 "frequency_hz": float(body.hertz[i] / time),
                 "shape": f"mode{i + 1}.csv",
-                "damping_ratio": float(table.get("damping_ratio", body.damping_ratios[i])),
+                "damping_ratio": float(table.get("damping_ratio", damping[i])),
                 "label": f"vibration {i + 1}",
             }
         )
@@ -159,6 +160,5 @@ def write_masses(package: ModalPackage, out: Path) -> Path:
     ):
         values = [m, *(J[part] for part in PARTS.values())]
         lines.append(",".join([str(label), *(f"{value:.17g}" for value in values)]))
-    with temporary_sibling(file) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(file, "\n".join(lines) + "\n")
     return file

@@ -1,12 +1,13 @@
 """The result of a run in memory: k output times, all arrays in SI units."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
+from ..package.common.dataset import Data
 from .view import BodyView, Link
 
 FORMAT = "plymotion result"
@@ -65,10 +66,10 @@ class BodyGeometry:
     """Geometry of a body for drawing, in its own frame."""
 
     name: str
-    nodes_B: Array  # (n, 3)                                [m]
-    connectivity: IntArray  # flat node indices (0-based rows of nodes_B)
-    offsets: IntArray  # (c + 1,)
-    cell_types: IntArray  # (c,) VTK cell types
+    nodes_B: Annotated[Array, Data("n, 3", "m", "B", "rest positions of the drawn points")]
+    connectivity: Annotated[IntArray, Data("i", text="rows of nodes_B, cell by cell")]
+    offsets: Annotated[IntArray, Data("c+1", text="start of each cell in connectivity")]
+    cell_types: Annotated[IntArray, Data("c", text="VTK cell types")]
     view: BodyView | None = None  # what is needed to show it in motion
 
 

@@ -13,20 +13,21 @@ modal coordinates alone; no field is stored for each time.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from typing import Annotated, Any
 
 from ..math.arrays import Array, IntArray
+from ..package.common.dataset import Data, Part
 
 
 @dataclass(frozen=True)
 class Surface:
     """Triangles of a body; `p` counts points, `f` triangles."""
 
-    node: IntArray  # (p,) row of the body's nodes
-    offset_B: Array  # (p, 3) from the node                     [m]
-    triangles: IntArray  # (f, 3) rows of points
-    edges: IntArray  # (f,) sum of 1, 2, 4: edges 0-1, 1-2, 2-0 are drawn
-    site: IntArray  # (f, 3) row of the sites at each corner, -1: none
+    node: Annotated[IntArray, Data("p")]  # row of the body's nodes
+    offset_B: Annotated[Array, Data("p, 3", "m", "B")]  # from the node
+    triangles: Annotated[IntArray, Data("f, 3")]  # rows of points
+    edges: Annotated[IntArray, Data("f")]  # sum of 1, 2, 4: edges 0-1, 1-2, 2-0 are drawn
+    site: Annotated[IntArray, Data("f, 3")]  # row of the sites at each corner, -1: none
 
 
 @dataclass(frozen=True)
@@ -38,13 +39,15 @@ class Sites:
     ply is stress_M[i] @ F; there are only points that govern at a site and time of this run.
     """
 
-    place_B: Array  # (s, 3) rest position                      [m]
-    resultants_E: Array  # (s, j, m) per unit mode               [N, N m; N/m, N]
-    kind: IntArray  # (s,) row of compliance
-    compliance: Array  # (c, j, j)                               [1/N, ...]
-    stress_M: Array  # (i, 6, j) per unit resultant             [Pa per unit]
-    point_kind: IntArray  # (i,) row of compliance to which the point belongs
-    point_ply: IntArray  # (i,) row of plies
+    place_B: Annotated[Array, Data("s, 3", "m", "B")]  # rest position
+    resultants_E: Annotated[  # per unit mode
+        Array, Data("s, j, m", "N, N m; N/m, N", "section or cell")
+    ]
+    kind: Annotated[IntArray, Data("s")]  # row of compliance
+    compliance: Annotated[Array, Data("c, j, j", "1/N, 1/(N m); m/N, 1/N", "section or cell")]
+    stress_M: Annotated[Array, Data("i, 6, j", "Pa per unit", "ply")]  # per unit resultant
+    point_kind: Annotated[IntArray, Data("i")]  # row of compliance to which the point belongs
+    point_ply: Annotated[IntArray, Data("i")]  # row of plies
     plies: tuple[dict[str, Any], ...] = ()  # region, index, material, angle_deg, strength
 
 
@@ -53,14 +56,14 @@ class BodyView:
     """How a body moves and what is known of it; `m` modes, `n` nodes as in BodyGeometry."""
 
     first_position: int  # column of RunResult.q: r (3), Euler parameters (4), then q (m)
-    shapes_B: Array  # (m, n, 6) translation, rotation           [m, rad]
-    stiffness: Array  # (m, m) modal stiffness                   [N m]
-    frequencies: Array  # (m,)                                   [rad/s]
+    shapes_B: Annotated[Array, Data("m, n, 6", "m, rad", "B")]  # translation, rotation
+    stiffness: Annotated[Array, Data("m, m", "N m")]  # modal stiffness
+    frequencies: Annotated[Array, Data("m", "rad/s")]
     labels: tuple[str, ...]  # (m,) names of the modes
     mass: float  # [kg]
-    centre_B: Array  # (3,) mass centre                          [m]
+    centre_B: Annotated[Array, Data("3", "m", "B")]  # mass centre
     draw: Callable[[], Surface]  # makes the surface: a run that shows none has no cost of it
-    sites: Sites | None = None
+    sites: Annotated[Sites | None, Part("sites")] = None
     provenance: dict[str, Any] = field(default_factory=dict)  # of the package
 
     @cached_property

@@ -11,6 +11,7 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..math.rows import ComputedRows, LongRows
 from ..package.common.container import MAX_ATTRIBUTE, new_file, set_text
+from ..package.common.dataset import field_values
 from ..package.common.identity import write_file_checksum
 from .datasets import (
     LARGE,
@@ -33,7 +34,7 @@ from .schema import (
 )
 from .summary import plain
 from .surfaces import MOST_STORED, drawn_by_views
-from .view_file import GEOMETRY, LAYOUT, link_record, view_record
+from .view_file import LAYOUT, link_record, view_record
 
 Item = TypeVar("Item")
 MULTIPLIER_UNIT = "N, N m"
@@ -157,8 +158,8 @@ def _write_records(
 
 
 def _body_record(body: BodyGeometry) -> Record:
-    own = {name: getattr(body, name) for name in GEOMETRY}
-    return own if body.view is None else {**own, **view_record(body.view)}
+    more = {} if body.view is None else view_record(body.view)
+    return {**field_values(body), **more}
 
 
 def _write_signals(group: h5py.Group, result: RunResult, datasets: Datasets) -> None:

@@ -8,7 +8,10 @@ from brick_model import brick
 from exchange_samples import DENSITY, SIZE, request
 
 from plymotion.preprocess.exchange import from_matrices
+from plymotion.preprocess.exchange.read.files import Files
+from plymotion.preprocess.exchange.read.uff import read
 from plymotion.solver.__main__ import main
+from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 
 TABLE = """\
@@ -109,3 +112,13 @@ def test_attachments_need_matrices(
     assert main(["import", str(file), "-o", str(out), "--quiet"]) == 2
     assert "modes only" in capfd.readouterr().err
     assert not out.exists()
+
+
+def test_a_universal_file_that_is_cut_is_refused(folder: Path, tmp_path: Path) -> None:
+    """Not read with fewer modes."""
+    text = (folder / "arm.uff").read_text("ascii")
+    (tmp_path / "arm.uff").write_text(text[: 2 * len(text) // 3], "ascii")
+    (tmp_path / "arm_masses.csv").write_text((folder / "arm_masses.csv").read_text())
+    table = {"uff": "arm.uff", "masses": "arm_masses.csv"}
+    with pytest.raises(InputError, match=r"arm\.uff: truncated: the last dataset has no end"):
+        read(Files(table, tmp_path, "arm.toml"))

@@ -14,7 +14,7 @@ from package_samples import cantilever
 from plymotion.solver.package import ModalPackage, from_stations
 from plymotion.solver.package.body.checks import content_findings
 from plymotion.solver.package.body.plausibility import plausibility_findings
-from plymotion.solver.package.common.dataset import values
+from plymotion.solver.package.common.dataset import field_values
 from plymotion.solver.package.common.remark import Remark
 
 SIX = [{"kind": "lowest", "count": 6}]
@@ -106,7 +106,7 @@ def test_no_second_order_displacement_at_all() -> None:
     modes = [{"kind": "axial", "count": 4}]
     package = reduced(CLAMPED, modes, mass=np.diag([1, 1, 1, 0.03, 0.02, 0.01])).package
     size = float(np.abs(package.shapes_B).max()) ** 2
-    for path, value in values(package.second_order).items():
+    for path, value in field_values(package.second_order).items():
         assert np.abs(value).max() < 1e-12 * size, path
         package = with_table(package, path, noise(value.shape, size))
     exchanged = package.second_order.G4

@@ -14,7 +14,7 @@ from shell_file_samples import plate
 
 from plymotion.solver.commands.shell.show import shell_text
 from plymotion.solver.errors import PackageError
-from plymotion.solver.package.common.dataset import layout, values
+from plymotion.solver.package.common.dataset import field_values, layout
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.package.shell.schema import ShellFile
 
@@ -38,7 +38,7 @@ def same(a: Any, b: Any) -> bool:
 
 def test_round_trip(file: Path) -> None:
     shell, found = plate(), read_shell(file)
-    kept, back = values(shell), values(found)
+    kept, back = field_values(shell), field_values(found)
     assert set(kept) == set(back)
     assert all(same(kept[path], back[path]) for path in kept)
     assert found.warnings == shell.warnings

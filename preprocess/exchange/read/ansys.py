@@ -158,13 +158,4 @@ def read_modes(files: Files) -> ModalBody:
                 f"{len(ids)} nodes"
             )
         shape[:, :size] = values
-    return ModalBody(
-        where=files.where,
-        nodes=nodes,
-        node_ids=ids,
-        cells=cells,
-        shapes=shapes,
-        has_rotations=size == 6,
-        hertz=hertz[kept],
-        damping_ratios=np.zeros(len(kept)),
-    )
+    return ModalBody(files.where, nodes, ids, cells, shapes, hertz[kept], size == 6)

@@ -95,18 +95,8 @@ def read_modes(files: Files) -> ModalBody:
         files.table = {**files.table, "modes": str(Path(files.table["deck"]).with_suffix(".frd"))}
     ids, nodes, cells, groups = deck.mesh()
     hertz, shapes = _modes(files.path("modes"), {int(label): k for k, label in enumerate(ids)})
-    return ModalBody(
-        where=files.where,
-        nodes=nodes,
-        node_ids=ids,
-        cells=cells,
-        shapes=shapes,
-        has_rotations=False,
-        hertz=hertz,
-        damping_ratios=np.zeros(len(hertz)),
-        mass=_masses(deck, nodes, cells),
-        groups=groups,
-    )
+    mass = _masses(deck, nodes, cells)
+    return ModalBody(files.where, nodes, ids, cells, shapes, hertz, mass=mass, groups=groups)
 
 
 def _modes(path: Path, row_of: dict[int, int]) -> tuple[Array, Array]:

@@ -42,16 +42,8 @@ def read(files: Files) -> ModalBody:
     for shape, part in zip(shapes, parts, strict=True):
         shape[:, :size] = part.reshape(size, -1).T
     order = np.argsort(hertz, kind="stable")
-    return ModalBody(
-        where=files.where,
-        nodes=nodes,
-        node_ids=np.asarray(ids, dtype=np.int64),
-        cells=cells,
-        shapes=shapes[order],
-        has_rotations=size == 6,
-        hertz=hertz[order],
-        damping_ratios=np.zeros(len(parts)),
-    )
+    ids = np.asarray(ids, dtype=np.int64)
+    return ModalBody(files.where, nodes, ids, cells, shapes[order], hertz[order], size == 6)
 
 
 def _cells(groups: h5py.Group) -> Cells:

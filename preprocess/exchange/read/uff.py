@@ -47,16 +47,9 @@ def read(files: Files) -> ModalBody:
         values = np.array(list(mode[2].values()))
         shape[rows, : values.shape[1]] = values
         widest = max(widest, values.shape[1])
-    return ModalBody(
-        where=files.where,
-        nodes=np.array([nodes[int(i)] for i in ids]),
-        node_ids=ids,
-        cells=Cells.points(len(ids)),
-        shapes=shapes,
-        has_rotations=widest == 6,
-        hertz=np.array([mode[0] for mode in modes]),
-        damping_ratios=np.array([mode[1] for mode in modes]),
-    )
+    places, cells = np.array([nodes[int(i)] for i in ids]), Cells.points(len(ids))
+    hertz, ratios = (np.array([mode[k] for mode in modes]) for k in (0, 1))
+    return ModalBody(files.where, places, ids, cells, shapes, hertz, widest == 6, ratios)
 
 
 def _datasets(path: Path) -> list[tuple[int, list[str]]]:
@@ -70,6 +63,8 @@ def _datasets(path: Path) -> list[tuple[int, list[str]]]:
             inside = None if inside is not None else []
         elif inside is not None:
             inside.append(line)
+    if inside:
+        raise InputError(f"{path}: truncated: the last dataset has no end (a line -1)")
     return found
 
 

@@ -14,7 +14,7 @@ from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.invariants import free_body_mass, rigid_motions
-from ....solver.package.common.temporary import temporary_sibling
+from ....solver.package.common.temporary import write_text
 
 SUFFIX = ".bdf"
 RANK = 1e-9  # of the motions of the interfaces by their coordinates
@@ -40,8 +40,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     labels += [(n + 1 + k, 0) for k in range(points)]
     for name, A in (("KAAX", K), ("MAAX", M)):
         lines += [f"DMIG    {name:8s}{0:8d}{6:8d}{2:8d}{0:8d}", *_columns(name, A, labels)]
-    with temporary_sibling(out) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="ascii", errors="replace")
+    write_text(out, "\n".join(lines) + "\n", encoding="ascii")
     return f"{n} grid points, {points} scalar points"
 
 

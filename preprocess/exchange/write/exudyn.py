@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ....solver.package import ModalPackage
-from ....solver.package.common.temporary import temporary_sibling
+from ....solver.package.common.temporary import write_text
 
 SUFFIX = ".py"
 SCRIPT = Path(__file__).with_name("exudyn_body.py")
@@ -16,6 +16,5 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     text = SCRIPT.read_text(encoding="utf-8").replace('"PACKAGE"', repr(name))
     if out.stem.isidentifier():  # others cannot be imported by name
         text = text.replace("arm_exudyn", out.stem)
-    with temporary_sibling(out) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(out, text)
     return f"{package.n_mode} modes; import it beside {name}"

@@ -13,7 +13,7 @@ from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.plausibility import centre_inertia
-from ....solver.package.common.temporary import temporary_sibling
+from ....solver.package.common.temporary import write_text
 
 SUFFIX = ".fem"
 
@@ -23,9 +23,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
 
     The joint has its own keys for damping; the file has no place for it.
     """
-    with temporary_sibling(out) as temporary:
-        text = "\n".join(_lines(package)) + "\n"
-        temporary.write_text(text, encoding="ascii", errors="replace")
+    write_text(out, "\n".join(_lines(package)) + "\n", encoding="ascii")
     return f"{package.n_mode} modes at {len(package.nodes_B)} nodes; MBDyn was not run with it"
 
 

@@ -14,7 +14,7 @@ from ....solver.math.arrays import Array
 from ....solver.math.rotations import skew
 from ....solver.package import ModalPackage
 from ....solver.package.body.invariants import free_body_mass, inertia_at_rest
-from ....solver.package.common.temporary import temporary_sibling
+from ....solver.package.common.temporary import write_text
 
 SUFFIX = ".SID_FEM"
 ZERO, FULL = 0, 3  # values of `structure`
@@ -25,9 +25,7 @@ EPS = (a - b) * (b - c) * (c - a) / 2.0
 
 def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write the modes, a node per interface, and the inertia integrals."""
-    with temporary_sibling(out) as temporary:
-        text = "\n".join(_lines(package)) + "\n"
-        temporary.write_text(text, encoding="ascii", errors="replace")
+    write_text(out, "\n".join(_lines(package)) + "\n", encoding="ascii")
     count = len(package.interfaces)
     return f"{package.n_mode} modes, {count} nodes; no program was run with it"
 

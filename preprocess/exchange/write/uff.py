@@ -8,7 +8,7 @@ import numpy as np
 from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
-from ....solver.package.common.temporary import temporary_sibling
+from ....solver.package.common.temporary import write_text
 from ..modal import write_masses
 
 SUFFIX = ".uff"
@@ -18,8 +18,7 @@ COLOUR, GLOBAL = 1, 0
 def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write SI units, nodes and one dataset 55 per mode (six numbers per node)."""
     text = "\n".join(line for block in _blocks(package) for line in ["    -1", *block, "    -1"])
-    with temporary_sibling(out) as temporary:
-        temporary.write_text(text + "\n", encoding="ascii", errors="replace")
+    write_text(out, text + "\n", encoding="ascii")
     masses = write_masses(package, out)
     return f"{package.n_mode} modes at {len(package.nodes_B)} nodes; masses in {masses.name}"
 

@@ -187,7 +187,7 @@ def _sized_by(kind: Any) -> dict[str, str]:
     return found
 
 
-def values(item: Any, at: str = "") -> dict[str, Any]:
+def field_values(item: Any, at: str = "") -> dict[str, Any]:
     """Return the values of a dataclass by path, without those of named members."""
     found: dict[str, Any] = {}
     for field in _fields(_kind(item)):
@@ -196,7 +196,7 @@ def values(item: Any, at: str = "") -> dict[str, Any]:
             continue
         if isinstance(mark, Part):
             stored = value if mark.via is None else mark.via.of(value)
-            found |= values(stored, _below(at, mark.path))
+            found |= field_values(stored, _below(at, mark.path))
         elif isinstance(mark, Rows):
             columns = [(f.name, f.mark.path or f.name) for f in _fields(field.item)]
             for name, path in columns:
@@ -222,16 +222,21 @@ def all_values(item: Any) -> dict[str, Any]:
     """Return the values of a dataclass and of its named members by path."""
     found: dict[str, Any] = {}
     for parent, _, one in members(item):
-        found |= values(one, f"{parent}/{one.name}/" if parent else "")
+        found |= field_values(one, f"{parent}/{one.name}/" if parent else "")
     return found
 
 
 def build(
     kind: Callable[..., Object], data: Mapping[str, Any], at: str = "", **given: Any
 ) -> Object:
-    """Return a dataclass from its values by path. Raises KeyError for a missing one."""
+    """Return a dataclass from its values by path; `given` are fields from elsewhere.
+
+    Raises KeyError for a missing value.
+    """
     for field in _fields(kind):
         mark, base = field.mark, field.base
+        if field.name in given:
+            continue
         if isinstance(mark, Data):
             path = at + (mark.path or field.name)
             if path in data or not (field.optional or mark.optional):
@@ -308,7 +313,7 @@ def encoded(where: str, item: Any) -> list[Encoded]:
         at = f"{parent}/{one.name}/" if parent else ""
         if parent:
             _check_name(f"{where}/{parent}", one.name, at in found)
-        own = values(one)
+        own = field_values(one)
         known = sizes | {s: len(own[p]) for s, p in _sized_by(_kind(one)).items() if p in own}
         sizes = sizes or known
         packed = named(_kind(item))[parent][1] if parent else False

@@ -44,16 +44,17 @@ def temporary_sibling(path: Path, *, own: bool = False) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str, *, own: bool = False) -> None:
+def write_text(path: Path, text: str, *, own: bool = False, encoding: str = "utf-8") -> None:
     """Write a text file under a temporary name, then rename it; its folder is made if missing.
 
-    See `temporary_sibling`.
+    ASCII gets ? for other letters. See `temporary_sibling`.
     """
     if not own:
         refuse_foreign(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with temporary_sibling(path, own=own) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        errors = "replace" if encoding == "ascii" else "strict"
+        temporary.write_text(text, encoding=encoding, errors=errors)
 
 
 def _clean(folder: Path) -> None:

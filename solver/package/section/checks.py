@@ -5,7 +5,7 @@ import numpy as np
 from ...errors import did_you_mean
 from ...math.arrays import Array
 from ..common.array_checks import finite, mesh_cells, positive_definite, rows_of, symmetric
-from ..common.dataset import values
+from ..common.dataset import field_values
 from ..common.remark import Remark, Reporter
 from .recovery_data import check_recovery
 from .schema import SectionFile
@@ -24,7 +24,7 @@ def section_content_findings(section: SectionFile) -> list[Remark]:
     def error(dataset: str, message: str) -> None:
         bad.append(Remark("error", f"/section/{dataset}", message))
 
-    for path, value in values(section).items():
+    for path, value in field_values(section).items():
         finite(path, value, error)
     if bad:
         return bad  # the other checks would report the same error

@@ -72,17 +72,6 @@ def area_vectors(points_G: Array, cells: IntArray) -> Array:
     return np.asarray(0.5 * np.cross(c - a, last - b))
 
 
-def triangulated(cells: IntArray) -> tuple[IntArray, IntArray]:
-    """Triangles (t, 3) that cover the cells, two for a quadrilateral, and the cell of each."""
-    if cells.shape[1] == 3:
-        return cells, np.arange(len(cells))
-    second = np.flatnonzero(cells[:, 3] != NONE)
-    parts = np.concatenate([cells[:, :3], cells[second][:, [0, 2, 3]]])
-    owner = np.concatenate([np.arange(len(cells)), second])
-    order = np.argsort(owner, kind="stable")
-    return parts[order], owner[order]
-
-
 def corner_areas(points_G: Array, cells: IntArray) -> tuple[IntArray, Array]:
     """Corners of all cells and their shares of the areas, each (s,); the mean of 1 at a corner and
     0 at the others."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..body.specification import SHELL_LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
-from ..common.dataset import values
+from ..common.dataset import field_values
 from ..common.remark import Remark
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
 
@@ -16,7 +16,7 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
     def error(dataset: str, message: str) -> None:
         bad.append(Remark("error", f"/shell/{dataset}", message))
 
-    found = values(shell)
+    found = field_values(shell)
     for path, value in found.items():
         finite(path, value, error)
     if bad:
