@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .body.io import MODAL_PACKAGE
-from .common.dataset import layout, named, shape_text
+from .common.dataset import layout, named
 from .common.object_file import ObjectFormat
 from .section.io import SECTION_FILE
 from .shell.io import SHELL_FILE
@@ -27,8 +27,8 @@ def rows(kind: Any, at: str = "") -> Iterator[str]:
     for spec in layout(kind):
         if spec.type != "attribute":
             may = " (optional)" if spec.optional or spec.within else ""
-            words = (spec.stored, spec.unit, spec.frame, f"{spec.description}{may}")
-            yield f"| {' | '.join((f'`{at}{spec.path}`', shape_text(spec.shape), *words))} |"
+            words = (spec.stored, spec.unit, spec.frame, f"{spec.text}{may}")
+            yield f"| {' | '.join((f'`{at}{spec.path}`', spec.words, *words))} |"
     for parent, (member, _) in named(kind).items():
         yield from rows(member, f"{at}{parent}/<{parent.removesuffix('s')}>/")
 

@@ -9,6 +9,7 @@ from ..errors import InputError, PackageError
 from .body.io import MODAL_PACKAGE, write_package
 from .body.schema import ModalPackage
 from .common.container import get_text, open_file
+from .common.dataset import WORDS
 from .common.identity import FileFormat, checksum_findings, identity_notes, unit_findings
 from .common.object_file import ObjectFormat
 from .common.remark import Remark, raise_first
@@ -28,7 +29,6 @@ PARTS = {
     "interfaces": "its interfaces: ",
     "mesh": "its nodes and cells: ",
 }
-DATASET_ATTRIBUTES = ("unit", "frame", "description")
 
 
 def validate(path: str | Path) -> list[Remark]:
@@ -95,7 +95,7 @@ def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:
 
     def visit(_: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
-            missing = [name for name in DATASET_ATTRIBUTES if name not in item.attrs]
+            missing = [name for name in WORDS if name not in item.attrs]
             if missing:
                 without.setdefault(", ".join(missing), []).append(item.name)
 

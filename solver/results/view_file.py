@@ -14,7 +14,7 @@ from .view import BodyView, Link, Side, Sites, Surface
 SURFACE, SITES = "surface/", "sites/"  # groups of a body
 SPECS = (*layout(BodyGeometry), *layout(BodyView), *layout(Surface, SURFACE))
 # Unit and frame of each dataset of a body, and a description if it has one.
-LAYOUT = {s.path: tuple(filter(None, (s.unit, s.frame, s.description))) for s in SPECS}
+LAYOUT = {s.path: tuple(filter(None, (s.unit, s.frame, s.text))) for s in SPECS}
 SIDE = ("position_B", "A_BM", "phi_B", "psi_B")
 
 

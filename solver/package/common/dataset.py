@@ -27,20 +27,50 @@ from .remark import Remark
 Object = TypeVar("Object")
 Sizes = Mapping[str, int]
 
+WORDS = ("unit", "frame", "description")  # attributes of datasets
 WORTH_PACKING = 8192  # bytes; HDF5 adds an index to a compressed dataset
 
 
 @dataclass(frozen=True)
 class Data:
-    """A dataset; its path is the name of the field unless it is given."""
+    """A dataset: of a field, or complete as one of a layout."""
 
     shape: str = ""  # as "m, n, 6"
     unit: str = "-"
     frame: str = "-"  # of the components
-    text: str = ""
-    path: str = ""
-    type: str = ""  # if another one than that of the field
+    text: str = ""  # its meaning
+    path: str = ""  # below the group of the object; absent: the name of the field
+    # float64, int64, uint8, text (fixed-length UTF-8), json (such text), attribute (such text of a
+    # group); absent: that of the field
+    type: str = ""
     optional: bool = False  # as a field that may be None
+    packed: bool = False  # if it is large
+    within: str = ""  # group without which it is not expected
+
+    @property
+    def axes(self) -> list[str]:
+        """Numbers and symbols of the shape."""
+        return self.shape.split(", ") if self.shape else []
+
+    @property
+    def place(self) -> str:
+        """Group of the dataset or attribute, below that of the object."""
+        return self.path.rpartition("/")[0]
+
+    @property
+    def name(self) -> str:
+        """Last part of the path."""
+        return self.path.rpartition("/")[2]
+
+    @property
+    def stored(self) -> str:
+        """Type of the dataset."""
+        return "text" if self.type == "json" else self.type
+
+    @property
+    def words(self) -> str:
+        """The shape in words: (m, n, 6), or scalar."""
+        return f"({self.shape})" if self.shape else "scalar"
 
 
 @dataclass(frozen=True)
@@ -76,36 +106,6 @@ class Named:
 
     path: str
     packed: bool = False
-
-
-@dataclass(frozen=True)
-class DatasetSpec:
-    """One dataset of a file: path, shape, type, unit, frame and meaning."""
-
-    path: str  # below the group of the format
-    shape: tuple[str | int, ...]
-    type: str  # float64, int64, uint8, text (fixed-length UTF-8), json (such text), or attribute
-    unit: str
-    frame: str  # of the components, or "-"
-    description: str
-    optional: bool = False
-    packed: bool = False
-    within: str = ""  # group without which it is not expected
-
-    @property
-    def place(self) -> str:
-        """Group of the dataset or attribute, below that of the object."""
-        return self.path.rpartition("/")[0]
-
-    @property
-    def name(self) -> str:
-        """Last part of the path."""
-        return self.path.rpartition("/")[2]
-
-    @property
-    def stored(self) -> str:
-        """Type of the dataset."""
-        return "text" if self.type == "json" else self.type
 
 
 @dataclass(frozen=True)
@@ -145,28 +145,25 @@ def _below(at: str, path: str) -> str:
 
 
 @cache
-def layout(kind: Any, at: str = "", packed: bool = False) -> tuple[DatasetSpec, ...]:
+def layout(kind: Any, at: str = "", packed: bool = False) -> tuple[Data, ...]:
     """Return datasets and attributes of a dataclass, without those of named members."""
-    found: list[DatasetSpec] = []
+    found: list[Data] = []
     for field in _fields(kind):
         mark = field.mark
         if isinstance(mark, Data):
-            axes = mark.shape.replace(",", " ").split()
-            shape = tuple(int(axis) if axis.isdigit() else axis for axis in axes)
             table = dict in (get_origin(field.base), *map(get_origin, get_args(field.base)))
-            type_ = mark.type or _TYPES.get(field.base, "json" if table else "text")
-            words, optional = (mark.unit, mark.frame, mark.text), mark.optional or field.optional
-            path = at + (mark.path or field.name)
-            found.append(DatasetSpec(path, shape, type_, *words, optional, packed))
+            kind_ = mark.type or _TYPES.get(field.base, "json" if table else "text")
+            path, optional = at + (mark.path or field.name), mark.optional or field.optional
+            found.append(replace(mark, path=path, type=kind_, optional=optional, packed=packed))
         elif isinstance(mark, Attribute):
-            found.append(DatasetSpec(at + field.name, (), "attribute", "", "", "", True))
+            found.append(Data(path=at + field.name, type="attribute", optional=True))
         elif isinstance(mark, Part):
             specs = layout(mark.via or field.base, _below(at, mark.path), packed or mark.packed)
             group = specs[0].place if field.optional else ""
             found += [replace(s, within=s.within or group) for s in specs]
         elif isinstance(mark, Rows):
             rows = layout(field.item, _below(at, mark.path), packed)
-            found += [replace(s, shape=(mark.size, *s.shape)) for s in rows]
+            found += [replace(s, shape=", ".join((mark.size, *s.axes))) for s in rows]
     return tuple(found)
 
 
@@ -182,8 +179,8 @@ def _sized_by(kind: Any) -> dict[str, str]:
     """Return the path of the dataset that defines each symbol."""
     found: dict[str, str] = {}
     for spec in layout(kind):
-        if spec.shape and isinstance(spec.shape[0], str):
-            found.setdefault(spec.shape[0], spec.path)
+        if spec.axes and spec.axes[0].isidentifier():
+            found.setdefault(spec.axes[0], spec.path)
     return found
 
 
@@ -278,17 +275,12 @@ def _of_kind(base: Any, value: Any) -> Any:
     return base(value) if base in (float, int, str) else value
 
 
-def shape_text(shape: tuple[str | int, ...]) -> str:
-    """Return a symbolic shape as text: (m, n, 6), or scalar."""
-    return f"({', '.join(map(str, shape))})" if shape else "scalar"
-
-
-def _expected_shape(spec: DatasetSpec, sizes: Sizes) -> tuple[int, ...]:
+def _expected_shape(spec: Data, sizes: Sizes) -> tuple[int, ...]:
     sizes = {**sizes, "c+1": sizes["c"] + 1} if "c" in sizes else sizes
-    return tuple(axis if isinstance(axis, int) else sizes[axis] for axis in spec.shape)
+    return tuple(int(axis) if axis.isdigit() else sizes[axis] for axis in spec.axes)
 
 
-def _encoded(where: str, spec: DatasetSpec, value: Any, sizes: Sizes) -> Any:
+def _encoded(where: str, spec: Data, value: Any, sizes: Sizes) -> Any:
     """Return the array of a dataset. Raises PackageError for a wrong type or shape."""
     if spec.type == "attribute":
         return str(value)
@@ -308,12 +300,11 @@ def _encoded(where: str, spec: DatasetSpec, value: Any, sizes: Sizes) -> Any:
         array = array.astype(dtype, copy=False)
     expected = _expected_shape(spec, sizes)
     if array.shape != expected:
-        symbols = shape_text(spec.shape)
-        raise PackageError(f"{where}: expected shape {symbols} = {expected}, got {array.shape}")
+        raise PackageError(f"{where}: expected shape {spec.words} = {expected}, got {array.shape}")
     return array
 
 
-Encoded = tuple[str, int, list[tuple[DatasetSpec, Any]]]  # group, index among members, datasets
+Encoded = tuple[str, int, list[tuple[Data, Any]]]  # group, index among members, datasets
 
 
 def encoded(where: str, item: Any) -> list[Encoded]:
@@ -358,11 +349,11 @@ def write_encoded(group: h5py.Group, datasets: Iterable[Encoded]) -> None:
             large = spec.packed and array.nbytes > WORTH_PACKING
             how = {"chunks": array.shape, "compression": "gzip", "shuffle": True} if large else {}
             dataset = own.create_dataset(spec.path, data=array, dtype=array.dtype, **how)
-            for key in ("unit", "frame", "description"):
-                set_text(dataset, key, getattr(spec, key))
+            for key, word in zip(WORDS, (spec.unit, spec.frame, spec.text), strict=True):
+                set_text(dataset, key, word)
 
 
-def read_datasets(group: h5py.Group, specs: Iterable[DatasetSpec]) -> dict[str, Any]:
+def read_datasets(group: h5py.Group, specs: Iterable[Data]) -> dict[str, Any]:
     """Return the values of the existing datasets and attributes of a layout, by path."""
     found: dict[str, Any] = {}
     for spec in specs:
@@ -374,7 +365,7 @@ def read_datasets(group: h5py.Group, specs: Iterable[DatasetSpec]) -> dict[str, 
     return found
 
 
-def _read_dataset(dataset: h5py.Dataset, spec: DatasetSpec) -> Any:
+def _read_dataset(dataset: h5py.Dataset, spec: Data) -> Any:
     if spec.stored != "text":
         return np.asarray(dataset[()], dtype=spec.type)[()]
     texts: Any = [as_text(text) for text in (dataset[()] if spec.shape else [dataset[()]])]
@@ -415,7 +406,7 @@ def layout_findings(group: h5py.Group, kind: type, owner: Sizes | None = None) -
     return findings
 
 
-def _missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list[Remark]:
+def _missing_or_mistyped(group: h5py.Group, specs: Iterable[Data]) -> list[Remark]:
     found: list[str] = []
     group.visit(found.append)
     findings = []
@@ -426,7 +417,7 @@ def _missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> lis
         where = f"{group.name}/{spec.path}"
         if not isinstance(item, h5py.Dataset):
             hint = did_you_mean(spec.path, found)
-            text = f"missing; expected {spec.stored} {shape_text(spec.shape)}{hint}"
+            text = f"missing; expected {spec.stored} {spec.words}{hint}"
             findings.append(Remark("error", where, text))
         elif is_text(item) != (spec.stored == "text"):
             findings.append(Remark("error", where, f"expected {spec.stored}, found {item.dtype}"))
@@ -436,21 +427,21 @@ def _missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> lis
         elif spec.type == "float64" and item.dtype.kind not in "fiu":
             findings.append(Remark("error", where, f"expected float64, found {item.dtype}"))
         elif spec.shape and not item.ndim:
-            text = f"expected shape {shape_text(spec.shape)}, found a single value"
+            text = f"expected shape {spec.words}, found a single value"
             findings.append(Remark("error", where, text))
     return findings
 
 
-def _misshaped(group: h5py.Group, specs: Iterable[DatasetSpec], sizes: Sizes) -> list[Remark]:
+def _misshaped(group: h5py.Group, specs: Iterable[Data], sizes: Sizes) -> list[Remark]:
     """Find shapes that differ from the sizes; unknown symbols are not checked, nor scalars."""
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
     findings = []
     for spec in specs:
         item = group.get(spec.path)
-        symbols = {axis for axis in spec.shape if isinstance(axis, str)}
+        symbols = {axis for axis in spec.axes if not axis.isdigit()}
         if not isinstance(item, h5py.Dataset) or (spec.shape and not item.ndim):
             continue
         if symbols <= known and item.shape != (expected := _expected_shape(spec, sizes)):
-            text = f"expected shape {shape_text(spec.shape)} = {expected}, found {item.shape}"
+            text = f"expected shape {spec.words} = {expected}, found {item.shape}"
             findings.append(Remark("error", f"{group.name}/{spec.path}", text))
     return findings
