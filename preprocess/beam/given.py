@@ -7,7 +7,7 @@ import numpy as np
 from ...solver.math.arrays import Array
 from ...solver.package.common.table_form import SpecError
 from ...solver.package.section.schema import SectionFile, SectionRecovery
-from ...solver.package.section.trapeze import trapeze_strains
+from ...solver.package.section.stress import trapeze_strains
 from .line import LineSection
 from .theory import section_stiffness
 

@@ -23,6 +23,7 @@ import scipy.sparse.linalg as spla
 from ...solver.math.arrays import Array, IntArray
 
 SMALLEST = 180  # dofs of a part that is not bisected
+SOFT = 1e-9  # shift of a singular stiffness relative to the mean of K_ii / M_ii
 
 
 class Part(NamedTuple):
@@ -130,9 +131,6 @@ def _eliminated(front: Array, n: int) -> tuple[int, Array]:
         return int(np.count_nonzero(values < 0.0)), C - Y.T @ (Y / values[:, None])
     Y = scipy.linalg.solve_triangular(L, B, lower=True, check_finite=False)
     return 0, C - Y.T @ Y
-
-
-SOFT = 1e-9  # shift of a singular stiffness relative to the mean of K_ii / M_ii
 
 
 class Solver(Protocol):

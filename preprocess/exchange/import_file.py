@@ -25,6 +25,11 @@ from .spec import ImportFile, Reduction, Source
 SOURCES = get_args(Source)
 MOST_LETTERS = 100  # of a name, as in a case
 OWN_KEYS = ("format", "from", "files")
+# What readers and the HDF5 library raise where a file is not what it should be.
+DAMAGE = (
+    *(ValueError, ArithmeticError, LookupError, MemoryError),
+    *(RuntimeError, AttributeError, TypeError),
+)
 
 
 def read_table(file: Path) -> dict[str, Any]:
@@ -52,13 +57,6 @@ def check_table(table: dict[str, Any], where: str) -> None:
                 f"{where}: {key}: the name {printable(name[:40])!r}: expected 1 to {MOST_LETTERS} "
                 "letters without control characters"
             )
-
-
-# What readers and the HDF5 library raise where a file is not what it should be.
-DAMAGE = (
-    *(ValueError, ArithmeticError, LookupError, MemoryError),
-    *(RuntimeError, AttributeError, TypeError),
-)
 
 
 def imported(

@@ -24,6 +24,7 @@ from .spec import Reduction, sizes
 
 LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}
 LINES |= {22: LINES[5], 23: LINES[9]}
+PARTS = {"Jxx": (0, 0), "Jyy": (1, 1), "Jzz": (2, 2), "Jxy": (0, 1), "Jxz": (0, 2), "Jyz": (1, 2)}
 
 
 @dataclass(frozen=True)
@@ -146,9 +147,6 @@ def _csv(file: Path, names: list[str], ids: IntArray, values: Array) -> None:
     for label, row in zip(ids, values, strict=True):
         lines.append(",".join([str(label), *(f"{value:.17g}" for value in row)]))
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-PARTS = {"Jxx": (0, 0), "Jyy": (1, 1), "Jzz": (2, 2), "Jxy": (0, 1), "Jxz": (0, 2), "Jyz": (1, 2)}
 
 
 def write_masses(package: ModalPackage, out: Path) -> Path:

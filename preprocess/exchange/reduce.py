@@ -41,6 +41,9 @@ from .spec import Reduction, sizes
 Tell = Callable[[str], None]  # called with the name of each step
 CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and x
+SPARE = 4
+SEVENTH = 1e-14  # value of a mode without stiffness, relative to the largest K_ii / M_ii
+ROUNDS = 4  # attempts to find all modes below the highest
 
 
 def reduce_body(
@@ -285,11 +288,6 @@ def rows_of(labels: IntArray, known: IntArray, where: str) -> IntArray:
     if len(wrong):
         raise InputError(f"{where}: no node has the label {labels[wrong[0]]}")
     return np.asarray(rows)
-
-
-SPARE = 4
-SEVENTH = 1e-14  # value of a mode without stiffness, relative to the largest K_ii / M_ii
-ROUNDS = 4  # attempts to find all modes below the highest
 
 
 def vibrations(

@@ -10,8 +10,7 @@ from exchange_routes import ccx, import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.import_file import package_of as built
 from plymotion.preprocess.exchange.import_file import read_table
-from plymotion.preprocess.exchange.read.bulk_data import bulk_cards, read_bulk_data
-from plymotion.preprocess.exchange.read.nastran import read_op4
+from plymotion.preprocess.exchange.read.nastran import bulk_cards, read_bulk_data, read_op4
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, validate, write_package
 

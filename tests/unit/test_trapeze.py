@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.package.section.schema import SectionRecovery
-from plymotion.solver.package.section.trapeze import trapeze_strains
+from plymotion.solver.package.section.stress import trapeze_strains
 
 # Four stiff strips around a soft core: no symmetry. Positions, areas, moduli along the bar.
 POINTS = np.array([[0.02, 0.01], [-0.03, 0.005], [0.01, -0.02], [-0.01, 0.015], [0.0, 0.0]])

@@ -21,6 +21,7 @@ from .files import Files
 # The library gives elements with midside nodes the VTK type of those without.
 WITH_MIDSIDES = {(12, 20): 25, (10, 10): 24, (13, 15): 26, (14, 13): 27, (9, 8): 23, (5, 6): 22}
 PACKAGE = "ansys-mapdl-reader"
+RIGID = 1e-3  # frequency of a rigid motion, relative to the highest in the file
 
 
 def opened(path: Path, what: str, kinds: tuple[str, ...]) -> Any:
@@ -127,9 +128,6 @@ def body_of(
     ids, nodes, cells = mesh
     numbers = np.column_stack([dofs[:, 0], dofs[:, 1] + 1])
     return free_body(files.where, K, M, nodes, ids, numbers, cells, notes=files.notes())
-
-
-RIGID = 1e-3  # frequency of a rigid motion, relative to the highest in the file
 
 
 def read_modes(files: Files) -> ModalBody:

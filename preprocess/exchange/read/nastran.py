@@ -1,23 +1,139 @@
-"""Bodies of the NASTRAN family: K and M in OUTPUT4 files, nodes in bulk data."""
+"""Bodies of the NASTRAN family: K and M in OUTPUT4 files, nodes and shells in bulk data.
 
-from collections.abc import Iterator
+Bulk data is read in small, large and free field format, with the laminates of PCOMP and PSHELL.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from ....solver.errors import InputError
-from ....solver.math.arrays import IntArray
-from ..free_body import DIRECTIONS, FreeBody
+from ....solver.math.arrays import Array, IntArray
+from ..free_body import DIRECTIONS, Cells, FreeBody
 from ..from_matrices import free_body
 from ..layups import Layups
-from .bulk_data import bulk_cards, read_bulk_data
-from .files import Files
-from .pcomp import read_layups
+from ..reduce import rows_of
+from .files import Files, text_lines
 
+# Card -> number of corners; first field of the nodes; number of nodes -> VTK type
+ELEMENTS = {
+    "CQUAD4": (3, {4: 9}),
+    "CQUADR": (3, {4: 9}),
+    "CTRIA3": (3, {3: 5}),
+    "CTRIAR": (3, {3: 5}),
+    "CTETRA": (3, {4: 10, 10: 24}),
+    "CPENTA": (3, {6: 13, 15: 26}),
+    "CHEXA": (3, {8: 12, 20: 25}),
+    "CBAR": (3, {2: 3}),
+    "CBEAM": (3, {2: 3}),
+    "CROD": (3, {2: 3}),
+}
+# NASTRAN lists the nodes on vertical edges before those of the upper face, VTK after them.
+ORDER = {25: [*range(12), *range(16, 20), *range(12, 16)], 26: [*range(9), 12, 13, 14, 9, 10, 11]}
+Card = tuple[str, list[str]]  # name and fields
+EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 DOUBLE = {1: "f4", 2: "f8"}  # type of the matrix -> its numbers; complex ones are refused
 DIAGONAL, SYMMETRIC = 3, 6  # forms
 HEADER = (24, 32)  # bytes: name of 8 characters, or two words of a 64-bit writer
+NAMES = {"stiffness": ("KGG", "KAA"), "mass": ("MGG", "MAA")}
+NOTHING = 1e-12  # diagonal of a dof without stiffness and mass, relative to the largest
+SHELLS = {"CQUAD4": 4, "CTRIA3": 3}  # number of corners; then come an angle and an offset
+MOST_NU23 = 0.45  # where E2 / (2 G2Z) - 1 is no ratio of a material
+
+
+def read_bulk_data(path: Path, cards: Sequence[Card]) -> tuple[IntArray, Array, Cells]:
+    """Labels in ascending order (n,), coordinates (n, 3), cells.
+
+    Parameters
+    ----------
+    path : of the deck, for messages
+    cards : `bulk_cards` of it
+
+    Raises InputError for nodes in a coordinate system of their own, and scalar points.
+    """
+    points: dict[int, list[float]] = {}
+    cells: list[list[int]] = []
+    types: list[int] = []
+    for card, fields in cards:
+        if card == "GRID":
+            label = int(fields[0])
+            if any(fields[k] not in ("", "0") for k in (1, 5) if k < len(fields)):
+                raise InputError(
+                    f"{path}: GRID {label} has a coordinate system of its own (CP or CD); expected "
+                    "the basic one"
+                )
+            values = [*fields[2:5], "", "", ""][:3]
+            points[label] = [real(text, path, card) for text in values]
+        elif card == "SPOINT":
+            raise InputError(f"{path}: SPOINT: expected grid points only")
+        elif card in ELEMENTS:
+            start, kinds = ELEMENTS[card]
+            listed = fields[start - 1 : start - 1 + max(kinds)]
+            nodes = [int(text) for text in listed if _whole(text)]
+            size = max((k for k in kinds if k <= len(nodes)), default=0)
+            if not size:
+                raise InputError(f"{path}: {card} {fields[0]}: expected {min(kinds)} nodes")
+            kind = kinds[size]
+            order = ORDER.get(kind, range(size))
+            cells.append([nodes[k] for k in order])
+            types.append(kind)
+    if not points:
+        raise InputError(f"{path}: no GRID; expected bulk data")
+    ids = np.array(sorted(points), dtype=np.int64)
+    rows = [rows_of(np.array(cell), ids, str(path)).tolist() for cell in cells]
+    return ids, np.array([points[int(i)] for i in ids]), Cells.of(rows, types)
+
+
+def bulk_cards(path: Path) -> Iterator[Card]:
+    """Name and fields of each card; continuation lines are joined."""
+    lines = [line.split("$")[0].rstrip() for line in text_lines(path)]
+    begin = [i for i, line in enumerate(lines) if line.upper().startswith("BEGIN")]
+    card, fields = "", list[str]()
+    for line in lines[begin[0] + 1 if begin else 0 :]:
+        if not line.strip():
+            continue
+        name, more = _fields(line.expandtabs())
+        if name == "" or name[0] in "+*":
+            fields += more
+            continue
+        if card:
+            yield card, fields
+        card, fields = name, more
+        if card == "ENDDATA":
+            return
+    if card:
+        yield card, fields
+
+
+def _fields(line: str) -> tuple[str, list[str]]:
+    if "," in line:
+        words = [word.strip() for word in line.split(",")]
+        name, data = words[0].upper(), words[1:9]
+        return name.rstrip("*") if name[:1] != "*" else name, data + [""] * (8 - len(data))
+    large = "*" in line[:8]
+    width, count = (16, 4) if large else (8, 8)
+    data = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
+    name = line[:8].strip().upper()
+    return name.rstrip("*") if name[:1] != "*" else name, data
+
+
+def _whole(text: str) -> bool:
+    return text.isdecimal() and int(text) > 0
+
+
+def real(text: str, path: Path, card: str) -> float:
+    """A number of NASTRAN: the E of an exponent may be missing."""
+    if not text:
+        return 0.0
+    number = text.upper().replace("D", "E")
+    try:
+        return float(number if "E" in number else EXPONENT.sub(r"E\1", number))
+    except ValueError as error:
+        raise InputError(f"{path}: {card}: expected a number, found {text!r}") from error
 
 
 def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
@@ -95,10 +211,6 @@ def _strings(
         place += 4 * size
 
 
-NAMES = {"stiffness": ("KGG", "KAA"), "mass": ("MGG", "MAA")}
-NOTHING = 1e-12  # diagonal of a dof without stiffness and mass, relative to the largest
-
-
 def read(files: Files) -> FreeBody:
     """Body from `bulk` (deck) and `matrices` (OUTPUT4 with KGG and MGG), or two files.
 
@@ -153,3 +265,146 @@ def _matrix(files: Files, key: str) -> sp.csr_matrix:
     raise InputError(
         f"{path}: matrices {', '.join(found)}; expected {' or '.join(NAMES[key])} for {key}"
     )
+
+
+class NotRead(Exception):
+    """A deck has shells whose plies are not understood; the words say which."""
+
+
+def read_layups(path: Path, deck: Sequence[Card], nodes: Array, cells: Cells) -> Layups | str:
+    """Return the laminates of all shells of a deck; or why there are none.
+
+    Parameters
+    ----------
+    path : of the deck, for messages
+    deck : `bulk_cards` of it
+    nodes, cells : as `read_bulk_data` returns them
+    """
+    cards = [(name, [*fields, *[""] * 20]) for name, fields in deck]
+    listed = [(name, fields) for name, fields in cards if name in ELEMENTS]
+    by_id = {
+        (name, fields[0]): fields
+        for name, fields in cards
+        if name in ("PCOMP", "PSHELL", "MAT8", "MAT1")
+    }
+    materials: dict[str, dict[str, Any]] = {}
+    laminates: dict[str, dict[str, Any]] = {}
+    rows, numbers, axes = [], [], []
+    try:
+        for cell, (name, fields) in enumerate(listed):
+            if name not in SHELLS:
+                continue
+            label = f"laminate {fields[1]}"
+            if label not in laminates:
+                laminates[label] = _laminate(by_id, fields[1], materials, path)
+            start = int(cells.offsets[cell])
+            corners = nodes[cells.connectivity[start : start + SHELLS[name]]]
+            axes.append(_axes(corners, name, fields, path))
+            rows.append(cell)
+            numbers.append(list(laminates).index(label))
+    except NotRead as error:
+        return str(error)
+    if not rows:
+        return "no shells"
+    return Layups(materials, laminates, np.array(rows), np.array(numbers), np.array(axes))
+
+
+def _laminate(
+    by_id: dict[tuple[str, str], list[str]],
+    number: str,
+    materials: dict[str, dict[str, Any]],
+    path: Path,
+) -> dict[str, Any]:
+    """Table of plies of a property; its materials are added to `materials`."""
+    if ("PCOMP", number) in by_id:
+        fields = by_id["PCOMP", number]
+        plies = _plies(fields[8:], path)
+        if fields[7].upper() == "SYM":
+            plies = [*plies, *(dict(ply) for ply in plies[::-1])]
+        elif fields[7]:
+            raise NotRead(f"PCOMP {number}: LAM = {fields[7]}")
+        total = sum(float(ply["thickness"]) for ply in plies)
+        bottom = real(fields[1], path, "PCOMP") if fields[1] else -0.5 * total
+        offset = bottom + 0.5 * total
+    elif ("PSHELL", number) in by_id:
+        fields = by_id["PSHELL", number]
+        if fields[3] != fields[1] or fields[4] not in ("", "1.", "1.0"):
+            raise NotRead(f"PSHELL {number}: expected MID2 = MID1, and 12I/T3 of a plate")
+        thickness = real(fields[2], path, "PSHELL")
+        plies = [{"material": fields[1], "angle_deg": 0.0, "thickness": thickness}]
+        offset = 0.0
+    else:
+        raise NotRead(f"property {number} is no PCOMP or PSHELL")
+    for ply in plies:
+        name = f"MAT {ply['material']}"
+        materials.setdefault(name, _material(by_id, str(ply["material"]), path))
+        ply["material"] = name
+    return {"plies": plies, "offset": offset}
+
+
+def _plies(fields: list[str], path: Path) -> list[dict[str, Any]]:
+    """Four fields a ply: material, thickness (both as before if blank), angle, output."""
+    plies: list[dict[str, Any]] = []
+    material, thickness = "", 0.0
+    for at in range(0, len(fields) - 3, 4):
+        if not any(fields[at : at + 3]):
+            continue
+        material = fields[at] or material
+        thickness = real(fields[at + 1], path, "PCOMP") if fields[at + 1] else thickness
+        angle = real(fields[at + 2], path, "PCOMP")
+        plies.append({"material": material, "angle_deg": angle, "thickness": thickness})
+    return plies
+
+
+def _material(by_id: dict[tuple[str, str], list[str]], number: str, path: Path) -> dict[str, Any]:
+    """Constants of MAT8 or MAT1.
+
+    MAT8 has no constants across the ply: E3 = E2, nu13 = nu12 and, with G23 = G2Z, nu23 as of a
+    material that is isotropic in 2 and 3. G1Z and G2Z that are blank count as G12.
+    """
+    if ("MAT1", number) in by_id:
+        E, G, nu, rho = (real(text, path, "MAT1") for text in by_id["MAT1", number][1:5])
+        if not nu and G:
+            nu = E / (2.0 * G) - 1.0
+        return {"kind": "isotropic", "E": E, "nu": nu, "rho": rho}
+    if ("MAT8", number) not in by_id:
+        raise NotRead(f"material {number} is no MAT8 or MAT1")
+    fields = by_id["MAT8", number]
+    E1, E2, nu12, G12, G1Z, G2Z, rho = (real(text, path, "MAT8") for text in fields[1:8])
+    G23 = G2Z or G12
+    nu23 = E2 / (2.0 * G23) - 1.0
+    table: dict[str, Any] = {"kind": "orthotropic", "E1": E1, "E2": E2, "E3": E2, "rho": rho}
+    table |= {"G12": G12, "G13": G1Z or G12, "G23": G23, "nu12": nu12, "nu13": nu12}
+    table["nu23"] = float(np.clip(nu23, 0.0, MOST_NU23))
+    strengths = [real(text, path, "MAT8") for text in fields[11:16]]
+    if all(strengths) and fields[18] not in ("1", "1.", "1.0"):  # STRN: allowed strains
+        table["strength"] = dict(zip(("Xt", "Xc", "Yt", "Yc", "S12"), strengths, strict=True))
+    return table
+
+
+def _axes(corners: Array, name: str, fields: list[str], path: Path) -> Array:
+    """Axes of the laminate of an element, (3, 3): angles count from the side of nodes 1 and 2."""
+    count = SHELLS[name]
+    theta, offset = fields[2 + count], fields[3 + count]
+    label = f"{name} {fields[0]}"
+    if offset and real(offset, path, name):
+        raise NotRead(f"{label}: ZOFFS")
+    turned = len(corners) == 4
+    e3 = (
+        np.cross(corners[2] - corners[0], corners[3] - corners[1])
+        if turned
+        else np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    )
+    e3 /= np.linalg.norm(e3)
+    along = corners[1] - corners[0]
+    angle = 0.0
+    if theta and ("." in theta or "E" in theta.upper()):
+        angle = np.deg2rad(real(theta, path, name))
+    elif theta == "0":  # MCID: x of the basic system
+        along = np.array([1.0, 0.0, 0.0])
+    elif theta:
+        raise NotRead(f"{label}: MCID = {theta}: a coordinate system of its own")
+    e1 = along - (along @ e3) * e3
+    e1 /= np.linalg.norm(e1)
+    e1 = np.cos(angle) * e1 + np.sin(angle) * np.cross(e3, e1)
+    return np.column_stack([e1, np.cross(e3, e1), e3])

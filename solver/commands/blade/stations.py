@@ -23,7 +23,7 @@ from ...package.body.io import read_package
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_value
 from ...package.section.io import read_section
-from ...package.section.trapeze import trapeze_strains
+from ...package.section.stress import trapeze_strains
 from ..cases.packages import build_packages, specs_of
 from ..section.conventions import BLADE_AXES_LEADING_EDGE, transform
 from ..section.results import SectionResults, read_results
