@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from plymotion.preprocess.exchange.read.nastran import bulk_cards, real
+from plymotion.preprocess.exchange.formats.nastran import bulk_cards, real
 from plymotion.solver.errors import InputError
 from plymotion.solver.math.arrays import IntArray
 

@@ -78,7 +78,7 @@ def _import(options: argparse.Namespace) -> int:
 def _export(options: argparse.Namespace) -> int:
     from ...solver.package import read_package
 
-    writer = importlib.import_module(f"{__package__}.write.{options.target}")
+    writer = importlib.import_module(f"{__package__}.formats.{options.target}")
     package = read_package(options.package)
     stem = options.package.stem.replace("-", "_")
     default = options.package.with_name(f"{stem}_{options.target}{writer.SUFFIX}")

@@ -16,9 +16,9 @@ from ...solver.package import ModalPackage
 from ...solver.package.body.specification import ImportedSpecification
 from ...solver.package.common.table_form import SpecError, check_form
 from ...solver.package.fingerprint import fingerprint
+from .formats.files import Files
 from .free_body import FreeBody
 from .modal import write_tables
-from .read.files import Files
 from .reduce import Tell, reduce_body
 from .spec import ImportFile, Reduction, Source
 
@@ -92,7 +92,7 @@ def imported(
     files = Files(table["files"], folder, where)
     tell(f"reading {kind}")
     code, _, modes = kind.partition("-")
-    reader = importlib.import_module(f"{__package__}.read.{code}")
+    reader = importlib.import_module(f"{__package__}.formats.{code}")
     try:
         found = reader.read_modes(files) if modes else reader.read(files)
     except (InputError, PackageError):

@@ -15,10 +15,10 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package import ModalPackage
 from ...solver.package.common.temporary import write_text
 from ...solver.package.common.toml_text import toml_text
+from .formats.files import Files
+from .formats.matrices import table_rows
 from .free_body import Cells
 from .links import interface_rows
-from .read.files import Files
-from .read.matrices import table_rows
 from .reduce import rows_of
 from .spec import Reduction, sizes
 

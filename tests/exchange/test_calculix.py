@@ -7,10 +7,10 @@ import pytest
 from exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_shell, write_solid
 from exchange_routes import ccx, import_file, run_program
 
+from plymotion.preprocess.exchange.formats.calculix import read
+from plymotion.preprocess.exchange.formats.files import Files
 from plymotion.preprocess.exchange.import_file import package_of as built
 from plymotion.preprocess.exchange.import_file import read_table
-from plymotion.preprocess.exchange.read.calculix import read
-from plymotion.preprocess.exchange.read.files import Files
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package

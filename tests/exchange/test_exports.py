@@ -10,7 +10,7 @@ from exchange_samples import bar, exported, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main
-from plymotion.preprocess.exchange.write.dmig import superelement
+from plymotion.preprocess.exchange.formats.dmig import superelement
 from plymotion.solver.package import ModalPackage, read_package, write_package
 
 

@@ -8,8 +8,8 @@ from brick_model import brick
 from exchange_samples import DENSITY, SIZE, request
 
 from plymotion.preprocess.exchange import from_matrices
-from plymotion.preprocess.exchange.read.files import Files
-from plymotion.preprocess.exchange.read.uff import read
+from plymotion.preprocess.exchange.formats.files import Files
+from plymotion.preprocess.exchange.formats.uff import read
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package

@@ -1,1 +1,0 @@
-"""Readers: one file per format, each with `read(files, where) -> FreeBody` or `Measured`."""

@@ -1,1 +1,0 @@
-"""Writers: one file per format, each with `write(package, out, source)`."""
