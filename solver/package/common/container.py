@@ -152,27 +152,20 @@ def content_sha256(
         digest.update(raw)
 
     def value(data: Any) -> None:
-        array = np.asarray(data)
-        if array.dtype.kind in "SOU":
-            for text in array.ravel():
+        """Add a value, a block of rows at a time: results may be larger than the memory."""
+        shape, size = data.shape, 8 * int(np.prod(data.shape))
+        whole = not shape or size < AT_ONCE
+        if whole:
+            data = np.atleast_1d(data[()] if isinstance(data, h5py.Dataset) else np.asarray(data))
+        if data.dtype.kind in "SOU":
+            for text in np.ravel(data[()]):
                 item(as_text(text).encode("utf-8"))
             return
-        kind = "f8" if array.dtype.kind == "f" else "i8"
-        item(",".join(map(str, array.shape)).encode())
-        item(kind.encode())
-        item(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes())
-
-    def dataset(data: Any) -> None:
-        """The same, a block of rows at a time: results may be larger than the memory."""
-        size = int(np.prod(data.shape))
-        if not data.ndim or 8 * size < AT_ONCE:
-            value(data[()] if isinstance(data, h5py.Dataset) else np.asarray(data))
-            return
         kind = "f8" if data.dtype.kind == "f" else "i8"
-        item(",".join(map(str, data.shape)).encode())
+        item(",".join(map(str, shape)).encode())
         item(kind.encode())
-        digest.update(b"%d:" % (8 * size))
-        rows = max(1, AT_ONCE * len(data) // (8 * size))
+        digest.update(b"%d:" % size)
+        rows = max(1, len(data) if whole else AT_ONCE * len(data) // size)
         for first in range(0, len(data), rows):
             block = np.ascontiguousarray(data[first : first + rows], dtype=f"<{kind}")
             digest.update(block.tobytes())
@@ -188,11 +181,9 @@ def content_sha256(
             if name == without and path == "":
                 continue
             item(_name_bytes(name))
-            value(member.attrs[name])
-        if isinstance(member, h5py.Dataset) and is_text(member):
-            value(member[()])
-        elif isinstance(member, h5py.Dataset):
-            dataset(known.get(path, member) if known else member)
+            value(np.asarray(member.attrs[name]))
+        if isinstance(member, h5py.Dataset):
+            value(known.get(path, member) if known else member)
     return digest.hexdigest()
 
 
