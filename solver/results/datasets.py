@@ -8,7 +8,7 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows
-from ..package.common.container import as_text, is_text, set_text
+from ..package.common.container import as_text, is_text, set_text, text_array
 
 # Datasets of a result file: rows over time, in chunks of one column each.
 
@@ -214,9 +214,7 @@ def _split(flat: Any, shapes: Any) -> list[Any]:
 
 def write_texts(group: h5py.Group, name: str, texts: Sequence[str]) -> None:
     """Write texts (n,) as fixed-length UTF-8."""
-    raw = [text.encode("utf-8") for text in texts]
-    width = max([1, *map(len, raw)])
-    put_array(group, name, np.array(raw, dtype=h5py.string_dtype("utf-8", width)), ("-", "-"))
+    put_array(group, name, text_array(texts), ("-", "-"))
 
 
 def read_texts(dataset: h5py.Dataset) -> list[str]:

@@ -22,7 +22,7 @@ from ..common.array_checks import (
 from ..common.dataset import all_values
 from ..common.remark import Remark, Reporter
 from ..section.recovery_data import check_plies, check_recovery
-from .scales import body_size, critical_damping, modal_mass_sizes, second_order_sizes
+from .invariants import body_size, critical_damping, modal_mass_sizes, second_order_sizes
 from .schema import MASS_FORMS, MODE_KINDS, REFERENCE_CONDITIONS, ModalPackage
 from .second_order import modal_mass_at
 

@@ -8,8 +8,14 @@ from ...math.arrays import Array
 from ...math.definite import smallest_eigenvalue
 from ..common.array_checks import ROUNDING
 from ..common.remark import Remark
-from .invariants import free_body_mass, inertia_at_rest
-from .scales import body_size, critical_damping, frame_mass_sizes, mode_motions
+from .invariants import (
+    body_size,
+    critical_damping,
+    frame_mass_sizes,
+    free_body_mass,
+    inertia_at_rest,
+    mode_motions,
+)
 from .schema import Interface, ModalPackage
 from .stress_checks import stress_findings
 

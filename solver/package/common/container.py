@@ -6,7 +6,7 @@ variable-length text needs a 4 kB heap per file object and prevents reproducible
 
 import contextlib
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +123,12 @@ def set_long_text(group: h5py.Group, name: str, text: str) -> None:
     else:
         raw = text.encode("utf-8")
         group.create_dataset(name, data=np.bytes_(raw), dtype=h5py.string_dtype("utf-8", len(raw)))
+
+
+def text_array(texts: Sequence[str]) -> np.ndarray:
+    """Return texts (n,) as fixed-length UTF-8."""
+    raw = [text.encode("utf-8") for text in texts]
+    return np.array(raw, dtype=h5py.string_dtype("utf-8", max([1, *map(len, raw)])))
 
 
 def is_text(dataset: h5py.Dataset) -> bool:

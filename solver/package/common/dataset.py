@@ -20,7 +20,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
-from .container import as_text, get_text, is_text, set_text
+from .container import as_text, get_text, is_text, set_text, text_array
 from .identity import json_table, json_text
 from .remark import Remark
 
@@ -286,12 +286,8 @@ def _encoded(where: str, spec: Data, value: Any, sizes: Sizes) -> Any:
         return str(value)
     if spec.stored == "text":
         texts = list(value) if spec.shape else [value]
-        json = spec.type == "json"
-        raw = [(json_text(where, one) if json else one).encode("utf-8") for one in texts]
-        width = max([1, *map(len, raw)])
-        array: Any = np.array(
-            raw if spec.shape else raw[0], dtype=h5py.string_dtype("utf-8", width)
-        )
+        texts = [json_text(where, one) if spec.type == "json" else one for one in texts]
+        array: Any = text_array(texts).reshape(() if not spec.shape else -1)
     else:
         array, dtype = np.asarray(value), np.dtype(spec.type)
         kinds = "iu" if dtype.kind in "iu" else "fiu"

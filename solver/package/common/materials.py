@@ -113,11 +113,7 @@ def material_from_dict(
         _check_isotropic(values["E"], values["nu"], where)
         _check_density(values["rho"], where, massless)
         return isotropic(**values)
-    for key in keys:
-        if key[0] in "EG":
-            _check_positive(key, values[key], where)
-    _check_density(values["rho"], where, massless)
-    _check_definite(values, where)
+    _check(values, where, massless)
     return Orthotropic(**values)
 
 
@@ -147,14 +143,14 @@ def check(material: Orthotropic, where: str) -> None:
     """Raise MaterialError unless the constants are positive, but the density may be 0, and the
     compliance is definite."""
     values = {field.name: float(getattr(material, field.name)) for field in fields(material)}
-    for key, value in values.items():
+    _check(values, where, massless=True)
+
+
+def _check(c: Mapping[str, float], where: str, massless: bool) -> None:
+    for key, value in c.items():
         if key[0] in "EG":
             _check_positive(key, value, where)
-    _check_density(values["rho"], where, massless=True)
-    _check_definite(values, where)
-
-
-def _check_definite(c: Mapping[str, float], where: str) -> None:
+    _check_density(c["rho"], where, massless)
     for a, b in ("12", "13", "23"):
         nu, ratio = c[f"nu{a}{b}"], c[f"E{a}"] / c[f"E{b}"]
         if not nu**2 < ratio:
