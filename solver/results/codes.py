@@ -10,18 +10,12 @@ from math import nan
 from ..package.common.plausible import MATERIAL, SIZE
 from .finding import Code, Level
 
-_MEMBERS: list[Code] = []
 _RUNS: list[Code] = []
 
 
 def _run(name: str, level: Level = "warning", limit: float = nan) -> Code:
     _RUNS.append(Code(name, level, limit))
     return _RUNS[-1]
-
-
-def _member(name: str, level: Level = "error") -> Code:
-    _MEMBERS.append(Code(name, level))
-    return _MEMBERS[-1]
 
 
 def _of_files(*codes: str | tuple[str, float]) -> tuple[Code, ...]:
@@ -68,13 +62,14 @@ BUCKLING_LOAD = _run("buckling-load", "error")
 INDEFINITE = _run("stiffened-mass-indefinite", "error", -1e-12)
 NO_STIFFENING_DATA = _run("stiffening-without-data")
 PLY_FAILURE = _run("ply-failure", limit=1.0)
-PLAN_TOO_COARSE = _member("plan-too-coarse", "warning")
-INPUT = _member("input")
-PACKAGE = _member("package")
-WORKER_LOST = _member("worker-lost")
-DEFECT = _member("defect")
+PLAN_TOO_COARSE = Code("plan-too-coarse", "warning")
+INPUT = Code("input", "error")
+PACKAGE = Code("package", "error")
+WORKER_LOST = Code("worker-lost", "error")
+DEFECT = Code("defect", "error")
 
-RUN_CODES, MEMBER_CODES = tuple(_RUNS), tuple(_MEMBERS)
+RUN_CODES = tuple(_RUNS)
+MEMBER_CODES = (PLAN_TOO_COARSE, INPUT, PACKAGE, WORKER_LOST, DEFECT)
 BODY_CODES = _of_files(
     "package-doubtful",
     ("mesh-coarse-for-modes", 0.01),

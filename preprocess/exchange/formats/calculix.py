@@ -16,9 +16,9 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..faces import SHARES, face_area
 from ..free_body import Cells, FreeBody
 from ..from_matrices import free_body
+from ..links import SHARES, face_area
 from ..modal import ModalBody
 from ..reduce import rows_of
 from .files import Files, text_lines

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array
-from .materials import MaterialError, Orthotropic, material_from_dict
+from .materials import MaterialError, Orthotropic, check_density, material_from_dict
 
 UPPER = np.triu_indices(6)
 KEYS = ("kind", "C", "rho", "name")
@@ -62,9 +62,7 @@ def elastic_from_dict(
     if not all(isinstance(v, int | float) and math.isfinite(v) for v in values):
         raise MaterialError(f"{where}: expected finite numbers C [Pa] and rho [kg/m3]")
     rho = float(values[-1])
-    if not (rho > 0.0 or (massless and rho == 0.0)):
-        least = "0 or more" if massless else "a value above 0"
-        raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected {least}")
+    check_density(rho, where, massless)
     C = of_upper(numbers)
     lowest = float(np.linalg.eigvalsh(C)[0])
     if not lowest > 0.0:

@@ -111,7 +111,7 @@ def material_from_dict(
     values = {key: _number(table, key, where) for key in keys}
     if kind == "isotropic":
         _check_isotropic(values["E"], values["nu"], where)
-        _check_density(values["rho"], where, massless)
+        check_density(values["rho"], where, massless)
         return isotropic(**values)
     _check(values, where, massless)
     return Orthotropic(**values)
@@ -150,7 +150,7 @@ def _check(c: Mapping[str, float], where: str, massless: bool) -> None:
     for key, value in c.items():
         if key[0] in "EG":
             _check_positive(key, value, where)
-    _check_density(c["rho"], where, massless)
+    check_density(c["rho"], where, massless)
     for a, b in ("12", "13", "23"):
         nu, ratio = c[f"nu{a}{b}"], c[f"E{a}"] / c[f"E{b}"]
         if not nu**2 < ratio:
@@ -184,7 +184,8 @@ def _check_positive(key: str, value: float, where: str) -> None:
         raise MaterialError(f"{where}.{key} = {value:g} {_UNITS[key[0]]}: expected a value above 0")
 
 
-def _check_density(rho: float, where: str, massless: bool) -> None:
+def check_density(rho: float, where: str, massless: bool) -> None:
+    """Raise MaterialError for a density [kg/m3] that is not above 0, or 0 if `massless`."""
     if massless and not rho >= 0.0:
         raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected 0 or more")
     if not massless:
@@ -194,7 +195,11 @@ def _check_density(rho: float, where: str, massless: bool) -> None:
 def _number(table: Mapping[str, Any], key: str, where: str) -> float:
     if key not in table:
         raise MaterialError(f"{where}.{key}: missing, expected a number [{_UNITS[key[0]]}]")
-    value = table[key]
+    return finite_number(table[key], f"{where}.{key}", _UNITS[key[0]])
+
+
+def finite_number(value: Any, where: str, unit: str) -> float:
+    """Return a number; raise MaterialError for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise MaterialError(f"{where}.{key} = {value!r}: expected a number [{_UNITS[key[0]]}]")
+        raise MaterialError(f"{where} = {value!r}: expected a number [{unit}]")
     return float(value)

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import did_you_mean
-from .materials import MaterialError
+from .materials import MaterialError, finite_number
 
 CRUSHING_ANGLE = math.radians(53.0)
 S23_PER_YC = math.cos(CRUSHING_ANGLE) * (
@@ -102,11 +102,9 @@ def read_strength(table: Mapping[str, Any], kind: str, where: str) -> PlyStrengt
     return PlyStrength(**{**defaults, **values})
 
 
-def _number(value: Any, key: str, where: str) -> float:
+def _number(found: Any, key: str, where: str) -> float:
     share = key == "F12_star"
-    unit = "-" if share else "Pa"
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise MaterialError(f"{where}.{key} = {value!r}: expected a number [{unit}]")
+    value = finite_number(found, f"{where}.{key}", "-" if share else "Pa")
     if share and not -0.5 <= value < 1.0:
         raise MaterialError(
             f"{where}.{key} = {value:g}: expected -0.5 <= F12_star < 1: outside, the failure "
@@ -114,4 +112,4 @@ def _number(value: Any, key: str, where: str) -> float:
         )
     if not share and not value > 0.0:
         raise MaterialError(f"{where}.{key} = {value:g} Pa: expected a value above 0")
-    return float(value)
+    return value
