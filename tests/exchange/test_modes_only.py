@@ -8,8 +8,10 @@ from brick_model import brick
 from exchange_samples import DENSITY, SIZE, request
 
 from plymotion.preprocess.exchange import from_matrices
+from plymotion.preprocess.exchange.formats.calculix import read_modes
 from plymotion.preprocess.exchange.formats.files import Files
 from plymotion.preprocess.exchange.formats.uff import read
+from plymotion.preprocess.exchange.import_file import imported
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
@@ -122,3 +124,52 @@ def test_a_universal_file_that_is_cut_is_refused(folder: Path, tmp_path: Path) -
     table = {"uff": "arm.uff", "masses": "arm_masses.csv"}
     with pytest.raises(InputError, match=r"arm\.uff: truncated: the last dataset has no end"):
         read(Files(table, tmp_path, "arm.toml"))
+
+
+SHELL_DECK = """\
+*NODE, NSET=ALL
+10, 0., 0., 0.
+20, 2., 0., 0.
+35, 2., 1., 0.
+47, 0., 1., 0.
+*ELEMENT, TYPE=S4, ELSET=PLATE
+7, 10, 20, 35, 47
+*MATERIAL, NAME=M
+*DENSITY
+1000.
+*SHELL SECTION, ELSET=PLATE, MATERIAL=M
+0.5
+"""
+
+
+def test_modes_of_a_calculix_shell(tmp_path: Path) -> None:
+    """By text in the form of CalculiX: two modes, labels with gaps, a node of the expansion."""
+    lines = []
+    for hertz, size in ((40.0, 1.0), (10.0, 2.0)):
+        lines.append(
+            f"  100CL  101{hertz:12.5E}           4                     2    1MODAL      1"
+        )
+        lines.append(" -4  DISP        4    1")
+        for k, label in enumerate((10, 20, 35, 47, 900)):
+            lines.append(f" -1{label:10d}{0.0:12.5E}{0.0:12.5E}{size * k:12.5E}")
+        lines.append(" -3")
+    (tmp_path / "plate.frd").write_text("\n".join(lines) + "\n")
+    (tmp_path / "plate.inp").write_text(SHELL_DECK)
+    found = read_modes(Files({"deck": "plate.inp"}, tmp_path, "plate.toml"))
+    assert found.node_ids.tolist() == [10, 20, 35, 47]
+    assert found.hertz.tolist() == [40.0, 10.0]
+    np.testing.assert_allclose(found.shapes[1, :, 2], [0.0, 2.0, 4.0, 6.0])
+    assert found.mass is not None
+    np.testing.assert_allclose(found.mass, 4 * [2.0 * 0.5 * 1000.0 / 4.0])
+    assert found.groups["ALL"].tolist() == [0, 1, 2, 3]
+    reduction = {
+        **{"body": "plate", "format": 1, "from": "calculix-modes"},
+        "files": {"deck": "plate.inp"},
+        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "reference": {"kind": "mean-axis"},
+        "modes": [{"kind": "lowest", "count": 2}],
+        "interfaces": {"tip": {"nodes": [20, 35], "link": "average"}},
+    }
+    tables = imported(reduction, tmp_path, "plate.toml", tables=tmp_path / "tables")
+    assert tables == tmp_path / "tables" / "measured.toml"
+    assert "frequency_hz = 40.0" in tables.read_text()
