@@ -138,6 +138,7 @@ def _add_shell(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     place.add_argument(
         "--out-dir", type=Path, metavar="DIR", help="folder of the files (default: beside SPEC)"
     )
+    _add_verify(shell, "energies and frequencies")
     shell.add_argument("--json", action="store_true", help="print one line of JSON per shell")
     shell.set_defaults(run=_shell)
 
@@ -165,13 +166,16 @@ def _add_section_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-estimate", action="store_true", help="skip the error estimate (faster)"
     )
-    parser.add_argument(
-        "--verify", action="store_true", help="compute K by a second method as well, and compare"
-    )
+    _add_verify(parser, "K")
     parser.add_argument(
         "--shard", type=shard, default=(1, 1), metavar="k/N", help="only the k-th of N shares"
     )
     parser.add_argument("--json", action="store_true", help="print one line of JSON per section")
+
+
+def _add_verify(parser: argparse.ArgumentParser, what: str) -> None:
+    text = f"compute {what} by a second method as well, and compare"
+    parser.add_argument("--verify", action="store_true", help=text)
 
 
 def _body(options: argparse.Namespace) -> int:

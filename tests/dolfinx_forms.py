@@ -8,17 +8,12 @@ import scipy.sparse as sp
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import spaces
-from plymotion.preprocess.fenicsx.spaces import LabelledMesh, compiled_form, labelled_mesh
+from plymotion.preprocess.fenicsx.spaces import LabelledMesh, labelled_mesh
 
 
 def mesh_from_geo(path: Path, parameters: dict[str, Any]) -> LabelledMesh:
     """Mesh a gmsh script with values for its parameters."""
     return labelled_mesh(fenicsx.run_script(path, parameters, gdim=2))
-
-
-def compile_forms(forms: Sequence[Any]) -> list[Any]:
-    """Compile UFL forms."""
-    return [compiled_form(form) for form in forms]
 
 
 def assembled(forms: Sequence[Any]) -> list[sp.csr_matrix]:

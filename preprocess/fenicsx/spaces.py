@@ -245,3 +245,12 @@ def evaluated(mesh: Any, expression: Any, points: Array, cells: IntArray | None 
     found = compiled.eval(*of_mesh, some)
     shape = (len(some), len(points), *expression.ufl_shape)
     return np.asarray(found).reshape(*shape, -1) if arguments else np.asarray(found).reshape(shape)
+
+
+def p2_cr_element(mesh: Any) -> Any:
+    """Two vectors in space: continuous quadratic, and of Crouzeix and Raviart."""
+    cell = cell_name(mesh)
+    quadratic = element_of(cell, 2, (3,), 3)
+    if basix_ufl is not None:
+        return basix_ufl.mixed_element([quadratic, basix_ufl.element("CR", cell, 1, shape=(3,))])
+    return ufl.MixedElement(quadratic, ufl.VectorElement("CR", mesh.ufl_cell(), 1, dim=3))

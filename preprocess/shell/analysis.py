@@ -41,6 +41,7 @@ def analyse(
     where: str | None = None,
     *,
     mesh: ShellMesh | None = None,
+    verify: bool = False,
     team: fenicsx.Team = fenicsx.ALONE,
     progress: Progress | None = None,
 ) -> ShellFile:
@@ -51,6 +52,7 @@ def analyse(
     spec : plain data, see spec.py
     where : file and key of the specification for messages, the shell's name by default
     mesh : replaces the mesh that the specification names
+    verify : compute strain energies and frequencies by a second method as well (verification.py)
     team : processes that all call this with the same arguments and share the matrices, unless the
         description asks for buckling; each gets the whole result
     progress : called with one line at the beginning of each step
@@ -79,6 +81,13 @@ def analyse(
     finer = FinerMesh(problem, begin)
     modes, left_out = shell_modes(stressed, finer, warnings, begin)
     buckling = shell_buckling(stressed, finer, warnings, begin)
+    second = None
+    if verify:
+        from .verification import verified  # here: its forms are loaded only where they are needed
+
+        begin("verification")
+        second = verified(problem, finer, cases, modes)
+        warnings += second.warnings
     return ShellFile(
         name=str(spec.get("name", "shell")),
         mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
@@ -103,6 +112,7 @@ def analyse(
             "elements": {**problem.choice._asdict(), "mass_form": problem.mass_form},
             "dofs": problem.freedom.n_dof,
             "frequency_errors": left_out or None,
+            "verification": None if second is None else second.words,
             "ranks": ranks,
             "seconds": time.perf_counter() - start,
             "versions": fenicsx.versions(),

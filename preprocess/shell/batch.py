@@ -1,26 +1,44 @@
 """Shell results files made by a batch."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...solver.package.fingerprint import fingerprint
 from ...solver.package.shell.io import write_shell
 from ...solver.package.shell.schema import SHELL_FORMAT_VERSION, ShellFile
-from ..analysed_files import AnalysedFiles
+from ..analysed_files import AnalysedFiles, Ranks
 
 
 class ShellFiles(AnalysedFiles[ShellFile]):
-    """Writes the results file of each shell; see `AnalysedFiles`."""
+    """Writes the results file of each shell.
+
+    Parameters
+    ----------
+    verify : of `analyse`; an input like the specification itself
+    ranks, progress : see `AnalysedFiles`
+    """
+
+    def __init__(
+        self,
+        ranks: Ranks | None = None,
+        progress: Callable[[str], None] | None = None,
+        *,
+        verify: bool = False,
+    ) -> None:
+        super().__init__(ranks, progress)
+        self.verify = verify
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
         """Hash of all inputs of a shell file."""
-        return fingerprint({"spec": spec, "format": list(SHELL_FORMAT_VERSION)})
+        options = {"options": {"verify": True}} if self.verify else {}
+        return fingerprint({"spec": spec, "format": list(SHELL_FORMAT_VERSION), **options})
 
     def analyse(self, spec: dict[str, Any], **team: Any) -> ShellFile:
         """Analyse the shell."""
         from .analysis import analyse  # here: FEniCSx is loaded only where something is built
 
-        return analyse(spec, "shell", progress=self.progress, **team)
+        return analyse(spec, "shell", verify=self.verify, progress=self.progress, **team)
 
     def write(self, target: Path, result: ShellFile) -> None:
         """Write the shell file."""

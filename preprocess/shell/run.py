@@ -14,7 +14,7 @@ def run_shells(options: argparse.Namespace) -> int:
     ranks = launched_ranks()
     out: Path | None = options.out
     with reporter(options.json, ranks.rank == 0) as (report, progress):
-        product = ShellFiles(ranks, progress)
+        product = ShellFiles(ranks, progress, verify=options.verify)
 
         def target_of(spec: Path) -> Path:
             folder: Path = options.out_dir or spec.parent

@@ -170,6 +170,8 @@ def add_shell(commands: Any) -> None:
     text += "of this step; error = false in [buckling] leaves it out"
     kept: dict[str, Any] = {"nargs": "?", "const": 4, "metavar": "COUNT"}
     parser.add_argument("--buckling", type=whole_number, help=text, **kept)
+    text = "compute strain energies and frequencies by a second method as well, and compare"
+    flag(parser, "verify", text)
     _add_described(parser, "force", "quiet")
     add_executor(parser, "shells")
 

@@ -127,6 +127,14 @@ def test_numbers_of_a_cantilever(strip: Path) -> None:
     assert table["frequencies_hz"][0] == pytest.approx(first, rel=5e-3)
 
 
+def test_second_method(strip: Path) -> None:
+    done = shell("strip.toml", "--verify", "--no-figures", "--out", "judged", folder=strip)
+    assert done.returncode == 0, done.stderr
+    assert "\nSecond method   " in done.stdout
+    done = shell("judged/strip/strip.vtkhdf", "--json", folder=strip)
+    assert "of which meshes explain" in json.loads(done.stdout)["verification"]
+
+
 def test_what_is_there_is_shown_again(strip: Path) -> None:
     file = strip / "build" / "shells" / "strip" / "strip.vtkhdf"
     assert read_shell(file).name == "strip"

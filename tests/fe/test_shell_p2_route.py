@@ -1,97 +1,166 @@
 """The elements against another formulation on the same triangles: quadratic displacement, CR
-rotations, as a UFL form (tests/shell_ufl.py). Both meet the references; both meet each other."""
+rotations (preprocess/shell/second_route.py). Both meet the references; both meet each other."""
+
+from typing import Any
 
 import numpy as np
 import pytest
-import ufl
 from shell_benchmarks import expected, numbers, tolerances
 from shell_cantilevers import box
-from shell_meshes import shell_mesh
 from shell_model import Model
 from shell_obstacle_course import scordelis, twisted_beam
+from shell_specs import HARD, plate
 from shell_squares import cross_ply
-from shell_ufl import UflShell
 
-from plymotion.preprocess.laminate import laminate_from_dict, laminate_stiffness
-from plymotion.preprocess.shell.regions import read_materials
+from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.second_route import SecondRoute
+from plymotion.preprocess.shell.verification import fixed, right_side
+from plymotion.solver.math.arrays import Array
 
 # The numbers of the elements are those of both DOLFINx: test_shell_benchmarks.py.
-pytestmark = pytest.mark.one_end
+ONE_END = pytest.mark.one_end
 
 
-def ufl_shell(model: Model) -> UflShell:
-    """The second formulation of a problem: its mesh, lay-ups and axis."""
-    plain = shell_mesh(model.script, **model.mesh)
-    materials = read_materials(model.materials, "materials")
-    stiffness = {}
-    for region in plain.regions:
-        name = model.regions.get(region) or model.regions["all"]
-        made = laminate_from_dict(model.laminates[name], materials, name)
-        stiffness[region] = laminate_stiffness(made.laminate, made.shear)
-    return UflShell(plain, stiffness, dict.fromkeys(plain.regions, model.axis))
+class Second:
+    """The second formulation of a problem, with its supports and loads."""
+
+    def __init__(self, model: Model) -> None:
+        self.problem = ShellProblem(model.spec(), "second")
+        self.route = SecondRoute(self.problem)
+        self.held = fixed(self.route, self.problem, "loads")
+
+    def solved(self, case: dict[str, Any]) -> tuple[Array, Array]:
+        """Right-hand side and displacements of a load case."""
+        rhs, given = right_side(self.route, self.problem, case)
+        return rhs, self.route.solve(rhs, self.held, given)
+
+    def at(self, component: int, place: tuple[float, float, float]) -> int:
+        """Unknown of a component of the displacement of the node at a place."""
+        gap = np.linalg.norm(self.problem.mesh.points_G - place, axis=1)
+        assert gap.min() < 1e-6 * self.problem.mesh.size
+        return int(self.route.u[np.argmin(gap), component])
 
 
+@ONE_END
 def test_scordelis_lo() -> None:
     model, _ = scordelis(16)
-    shell = ufl_shell(model)
-    shell.fix("ux ry rz", lambda p: p[:, 0] < 1e-9)
-    shell.fix("uy uz", lambda p: p[:, 0] > 25.0 - 1e-9)
-    shell.fix("uy rx rz", lambda p: np.abs(p[:, 1]) < 1e-9)
-    load = shell.pressure(lambda x: ufl.as_vector([0.0 * x[0], 0.0 * x[0], -90.0 + 0.0 * x[0]]))
+    shell = Second(model)
+    _, u = shell.solved(model.loads["weight"])
     angle = np.radians(40.0)
-    edge = shell.at("uz", (0.0, 25.0 * np.sin(angle), 25.0 * np.cos(angle)))
-    found = -shell.solve(load)[edge]
+    found = -u[shell.at(2, (0.0, 25.0 * np.sin(angle), 25.0 * np.cos(angle)))]
     assert found == pytest.approx(expected("scordelis")[0], rel=tolerances("scordelis")[0])
     assert numbers("scordelis", 16)[0] == pytest.approx(found, rel=5e-3)
 
 
+@ONE_END
 @pytest.mark.parametrize("direction", ["y", "z"])
 def test_twisted_beam(direction: str) -> None:
     name = f"twisted_{direction}"
     model, _ = twisted_beam((24, 4), direction)
-    shell = ufl_shell(model)
-    shell.fix("ux uy uz rx ry rz", lambda p: p[:, 0] < 1e-9)
-    force = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}[direction]
-    load = shell.edge_force(shell.plain.curves["tip"], force)
-    found = load @ shell.solve(load)
+    (case,) = model.loads.values()
+    rhs, u = Second(model).solved(case)
+    found = rhs @ u
     assert found == pytest.approx(expected(name)[0], rel=tolerances(name)[0])
     assert numbers(name, (24, 4))[0] == pytest.approx(found, rel=1e-2)
 
 
+@ONE_END
 def test_unsymmetric_laminate() -> None:
     """[0/90], a/h = 10: the coupling B, with its sign, in both."""
     model, _ = cross_ply(12, "sin", "0_90", "10")
-    shell = ufl_shell(model)
-
-    def edge(p: np.ndarray, axis: int) -> np.ndarray:
-        return np.abs(p[:, axis] - 0.5) > 0.5 - 1e-9
-
-    shell.fix("uy uz rx", lambda p: edge(p, 0))
-    shell.fix("ux uz ry", lambda p: edge(p, 1))
-    load = shell.pressure(
-        lambda x: ufl.as_vector(
-            [0.0 * x[0], 0.0 * x[0], ufl.sin(np.pi * x[0]) * ufl.sin(np.pi * x[1])]
-        )
-    )
-    w = shell.solve(load)
-    found = 0.1 * w[shell.at("uz", (0.5, 0.5, 0.0))]  # 100 h^3
+    shell = Second(model)
+    _, w = shell.solved(model.loads["q"])
+    found = 0.1 * w[shell.at(2, (0.5, 0.5, 0.0))]  # 100 h^3
     name = "fsdt_sin_0_90_ah10"
     assert found == pytest.approx(expected(name)[0], rel=tolerances(name)[0])
     # u at the middle of an edge is B's work alone: it changes sign with the order of the plies
-    ux = w[shell.at("ux", (0.0, 0.5, 0.0))]
+    ux = w[shell.at(0, (0.0, 0.5, 0.0))]
     ours = model.solved(mesh={"n_length": 32, "n_width": 32})
     row = int(np.argmin(np.linalg.norm(ours.points_G - [0.0, 0.5, 0.0], axis=1)))
     assert ours.statics.displacements[6 * row, 0] == pytest.approx(ux, rel=1e-2)
     assert abs(ux) > 0.01 * abs(w).max()
 
 
+@ONE_END
 def test_composite_box_of_coupled_walls() -> None:
     """CAS 15: on 1120 triangles the second formulation meets CalculiX's S8R within 1 %."""
     model, _ = box((40, 4, 3), "cas15")
-    shell = ufl_shell(model)
-    shell.fix("ux uy uz rx ry rz", lambda p: p[:, 0] < 1e-9)
-    found = [*shell.frequencies(6)]
-    for force in ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)):
-        load = shell.edge_force(shell.plain.curves["tip"], force)
-        found.append(load @ shell.solve(load))
+    shell = Second(model)
+    found = [*np.sqrt(shell.route.eigenvalues(6, shell.held)) / (2.0 * np.pi)]
+    for force in ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]):
+        rhs, u = shell.solved({"F": {"at": "tip", "force": force}})
+        found.append(rhs @ u)
     assert found == pytest.approx(expected("ccx_box_cas15")[:8], rel=1e-2)
+
+
+LOADS = {
+    "press": {"all": {"pressure": 1.0, "sine": [1.0, 1.0, 0.0]}},
+    "pull": {"tip": {"at": "right", "force": [1.0, 0.5, 0.2]}},
+    "turn": {"tip": {"at": "right", "moment": [0.0, 0.1, 0.0]}},
+    "corner": {"tip": {"at": "corner-11", "force": [0.0, 0.0, 0.1]}},
+    "fall": {"all": {"gravity": [1.0, 0.0, 9.81]}},
+    "push": {"end": {"at": "left", "motion": {"ry": 1e-3}}},
+}
+CLAMPED = {"left": {"at": "left", "fixed": "all"}}
+
+
+def analysed(spec: dict[str, Any]) -> tuple[str, list[str]]:
+    found = analyse(spec, verify=True)
+    return str(found.provenance["verification"]), [w["code"] for w in found.warnings]
+
+
+@pytest.mark.parametrize("cells", [{}, {"element": "quadrilateral"}])
+def test_two_routes_agree(cells: dict[str, str]) -> None:
+    supports = CLAMPED | {"right": {"at": "right", "fixed": ["uz"], "only": "loads"}}
+    spec = plate(12, 0.02, supports=supports, loads=LOADS, frequencies={"count": 4})
+    spec["mesh"] |= cells
+    spec["regions"]["all"] |= {"flip": True}
+    words, codes = analysed(spec)
+    assert "of which meshes explain" in words
+    assert "too coarse" not in words
+    assert "verification-differs" not in codes
+    free = {"count": 3, "free": True, "error": False}
+    assert analysed(plate(8, 0.01, frequencies=free))[0].startswith("frequency")
+
+
+@pytest.mark.provokes("verification-differs")
+@pytest.mark.parametrize("matrix", ["K", "M"])
+def test_a_wrong_matrix_is_found(matrix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = plate(16, 0.01, supports=HARD, frequencies={"count": 2})
+    assert "verification-differs" not in analysed(spec)[1]
+    made = getattr(ShellProblem, matrix).func
+    monkeypatch.setattr(ShellProblem, matrix, property(lambda self: 1.1 * made(self)))
+    words, codes = analysed(spec)
+    assert "verification-differs" in codes, words
+
+
+def test_a_wrong_load_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = plate(12, 0.02, supports=CLAMPED, loads={"fall": LOADS["fall"]})
+    made = ShellProblem.loads.func
+    assert "verification-differs" not in analysed(spec)[1]
+
+    def heavier(self: ShellProblem) -> Any:
+        found = made(self)
+        gravity = found._gravity
+        found._gravity = lambda acceleration: 1.05 * gravity(acceleration)
+        return found
+
+    monkeypatch.setattr(ShellProblem, "loads", property(heavier))
+    assert "verification-differs" in analysed(spec)[1]
+
+
+def test_what_is_not_compared_says_so() -> None:
+    links = {"end": {"at": "right", "kind": "rigid"}}
+    assert analysed(plate(4, 0.01, links=links, supports=CLAMPED, frequencies={}))[0] == (
+        "not done for links"
+    )
+    held = {"point": {"at": "corner-00", "fixed": "all"}}
+    assert analysed(plate(4, 0.01, supports=held, frequencies={}))[0] == (
+        "not done for a rotation held at a point"
+    )
+    assert analysed(plate(4, 0.01, supports=HARD))[0] == (
+        "not done for a shell without load cases and unstressed modes"
+    )
+    few = analysed(plate(2, 0.01, supports=HARD, frequencies={"count": 6}))[0]
+    assert "the mesh is too coarse for frequency" in few

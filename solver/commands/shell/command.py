@@ -49,7 +49,7 @@ def run_shell(options: argparse.Namespace) -> int:
         "shell",
         entries_of(options.files),
         options,
-        ["--force"] if options.force else [],
+        [f"--{word}" for word in ("verify", "force") if getattr(options, word)],
         spec_of=lambda entry: _with_buckling(load_shell(entry.file), entry.file, options.buckling),
         show=show,
     )

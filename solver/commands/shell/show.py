@@ -60,7 +60,7 @@ def shell_text(shell: ShellFile) -> str:
         lines += ["", *laminate_lines(laminate)]
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
-    lines += ["", *_modes(shell), *_buckling(shell), *_effort(shell)]
+    lines += ["", *_modes(shell), *_buckling(shell), *_verification(shell), *_effort(shell)]
     lines += [f"warning [{w['code']}] {w['message']}" for w in shell.warnings]
     return "\n".join(lines)
 
@@ -265,6 +265,11 @@ def _buckling(shell: ShellFile) -> list[str]:
     if found.error is None and len(found.factors):
         lines.append(f"{'Mesh error':16}not estimated")
     return lines
+
+
+def _verification(shell: ShellFile) -> list[str]:
+    words = shell.provenance.get("verification")
+    return [f"{'Second method':16}{words}"] if words else []
 
 
 def _effort(shell: ShellFile) -> list[str]:

@@ -32,6 +32,8 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
         "seconds": shell.provenance.get("seconds"),
         "warnings": list(shell.warnings),
     }
+    if (words := shell.provenance.get("verification")) is not None:
+        table["verification"] = words
     if modes is not None:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero
