@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...solver.math.arrays import Array, IntArray
+from ...solver.math.arrays import Array
 from ...solver.package.body.schema import SecondOrder
 from ..modes import Condition
+from ..modes.second_order import square, turned
 from .free_body import FreeBody
 from .links import Constrained, Link
 
@@ -21,11 +22,6 @@ class Bent(NamedTuple):
 
     h: Array  # (N, pairs)
     of_link: list[Array]  # (6, m, m) of each
-
-
-def pairs(m: int) -> tuple[IntArray, IntArray]:
-    """Modes of each pair i <= j."""
-    return np.triu_indices(m)
 
 
 def bent_body(
@@ -44,35 +40,22 @@ def bent_body(
     forces : (N, pairs) g of each pair
     """
     own = [_turned(body, link, U) for link in every]
-    turned = np.zeros_like(forces)
+    moved = np.zeros_like(forces)
     for t, link in zip(own, every, strict=True):
-        turned += t if link.rigid else 0.0
-    loads = -np.asarray(parts.T.T @ (forces + body.K @ turned))
-    h = np.asarray(parts.T @ condition.static(loads, np.zeros_like(loads)).columns) + turned
+        moved += t if link.rigid else 0.0
+    loads = -np.asarray(parts.T.T @ (forces + body.K @ moved))
+    h = np.asarray(parts.T @ condition.static(loads, np.zeros_like(loads)).columns) + moved
     return Bent(
-        h, [_square(link.motion @ (h - t), U.shape[1]) for t, link in zip(own, every, strict=True)]
+        h, [square(link.motion @ (h - t), U.shape[1]) for t, link in zip(own, every, strict=True)]
     )
 
 
 def _turned(body: FreeBody, link: Link, U: Array) -> Array:
     """Second-order motion of the nodes of a link that turn with it, (N, pairs)."""
-    turn = np.asarray(link.motion @ U)[3:].T  # (m, 3)
-    i, j = pairs(U.shape[1])
-    d = (body.nodes[link.rows] - link.position)[:, None]
-    moved = 0.5 * (
-        np.cross(turn[i], np.cross(turn[j], d)) + np.cross(turn[j], np.cross(turn[i], d))
-    )
-    out = np.zeros((len(body.nodes), 3, len(i)))
-    out[link.rows] = moved.transpose(0, 2, 1)
-    return out.reshape(-1, len(i))
-
-
-def _square(values: Array, m: int) -> Array:
-    """Values (a, pairs) as symmetric tables (a, m, m)."""
-    i, j = pairs(m)
-    out = np.empty((len(values), m, m))
-    out[:, i, j] = out[:, j, i] = values
-    return out
+    moved = turned(np.asarray(link.motion @ U)[3:], body.nodes[link.rows] - link.position)
+    out = np.zeros((len(body.nodes), *moved.shape[1:]))
+    out[link.rows] = moved
+    return out.reshape(-1, moved.shape[2])
 
 
 def second_order_sums(body: FreeBody, U: Array, h: Array) -> SecondOrder:
@@ -81,14 +64,11 @@ def second_order_sums(body: FreeBody, U: Array, h: Array) -> SecondOrder:
     Mh = np.asarray(body.M @ h)
     by_node = Mh.reshape(len(x), 3, -1)
     Z1 = np.einsum("na,nbp->abp", x, by_node).reshape(9, -1)
-    i, j = pairs(m)
     G4 = h.T @ Mh  # (pairs, pairs)
-    whole = _square(0.5 * (G4 + G4.T), m)
-    full = np.empty((m, m, m, m))
-    full[i, j] = full[j, i] = whole
+    full = square(square(0.5 * (G4 + G4.T), m)[None], m)[0]
     return SecondOrder(
-        Z0_B=_square(by_node.sum(axis=0), m),
-        Z1_B=_square(Z1, m).reshape(3, 3, m, m),
-        G3=_square(U.T @ Mh, m),
+        Z0_B=square(by_node.sum(axis=0), m),
+        Z1_B=square(Z1, m).reshape(3, 3, m, m),
+        G3=square(U.T @ Mh, m),
         G4=full,
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.specification import CAD, CAD_WITH_UNIT
 from .errors import MeshError
 from .gmsh_alone import define, read
 from .gmsh_model import check_finite
@@ -17,7 +18,7 @@ from .gmsh_script import check_count, gmsh_session, opened
 from .plain import PlainMesh
 from .stack import gmsh
 
-STEP, CAD = (".step", ".stp"), (".step", ".stp", ".iges", ".igs", ".brep")
+STEP = CAD_WITH_UNIT[:2]
 MOST_UNKNOWNS = 600_000  # of a solid: factors of more take tens of gigabytes
 PER_TURN = 10  # cells around a full circle
 SMALLEST = 8.0  # size over that of the smallest cells, of small radii

@@ -179,10 +179,7 @@ def compiled(
     text, jit = (ufl.as_vector(rows), POINT), dolfinx.jit.ffcx_jit
     arguments = {JIT_OPTIONS: {**JIT, "cffi_extra_compile_args": OPTIONS}}
     with quiet():
-        try:
-            found, module, _ = jit(MPI.COMM_SELF, text, **arguments)
-        except Exception as error:
-            raise MissingFenicsx(f"FFCx cannot compile a shell element: {error}") from error
+        found, module, _ = jit(MPI.COMM_SELF, text, **arguments)
     address = int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64))
     return Rows((found, module), address, len(stresses), len(coupling), len(rows), columns)
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ..modes import Condition
+from ..modes.second_order import pairs, square, turned
 from .assembly import DOFS
 from .choice import Choice
 from .freedom import Freedom
@@ -41,20 +42,17 @@ def second_order_fields(problem: ShellProblem, condition: Condition, u: Array) -
     u : (n_dof, m) motion of all degrees of freedom in the modes
     """
     m = u.shape[1]
-    first, second = np.triu_indices(m)
+    first, second = pairs(m)
     g = np.zeros((problem.freedom.n_dof, len(first)))
     for region in problem.regions:
         _add_region(g, region, problem.choice, u, first, second)
     for stiffener in problem.stiffeners:
         _add_stiffener(g, stiffener, u, first, second)
-    turned = _turned_interfaces(problem.freedom, u, first, second)
-    loads = -problem.freedom.gathered(g + problem.K @ turned)
+    moved = _turned_interfaces(problem.freedom, u)
+    loads = -problem.freedom.gathered(g + problem.K @ moved)
     columns = condition.static(loads, np.zeros_like(loads)).columns
-    h = problem.freedom.expanded(columns) + turned
-    out = np.empty((len(h), m, m))
-    out[:, first, second] = h
-    out[:, second, first] = h
-    return out
+    h = problem.freedom.expanded(columns) + moved
+    return square(h, m)
 
 
 def work_on_second_order_strains(problem: ShellProblem, v: Array, u: Array) -> Array:
@@ -84,11 +82,11 @@ def _add_region(
         by_area, plain = ((a @ own).reshape(len(nodes), -1, 3, u.shape[1]) for a in (stress, slope))
         by_area[:, :, 2] *= 0.5
         one, other = by_area[..., first], plain[..., second]
-        turned = one[:, :, 2] * other[:, :, 2]
+        spun = one[:, :, 2] * other[:, :, 2]
         c = np.stack(
             [
-                one[:, :, 0] * other[:, :, 0] + turned,
-                one[:, :, 1] * other[:, :, 1] + turned,
+                one[:, :, 0] * other[:, :, 0] + spun,
+                one[:, :, 1] * other[:, :, 1] + spun,
                 one[:, :, 0] * other[:, :, 1] + one[:, :, 1] * other[:, :, 0],
             ],
             axis=2,
@@ -111,20 +109,16 @@ def _add_stiffener(
     np.add.at(g, dofs.ravel(), (force[:, :, None] * products[:, None]).reshape(-1, len(first)))
 
 
-def _turned_interfaces(freedom: Freedom, u: Array, first: IntArray, second: IntArray) -> Array:
+def _turned_interfaces(freedom: Freedom, u: Array) -> Array:
     """Second-order motion of the nodes of rigid interfaces with respect to them, (n_dof, pairs)."""
-    out = np.zeros((len(u) // DOFS, DOFS, len(first)))
+    out = np.zeros((len(u) // DOFS, DOFS, len(pairs(u.shape[1])[0])))
     rows = u.reshape(-1, DOFS, u.shape[1])
     n_node = freedom.mesh.n_node
     for number, link in enumerate(freedom.links):
         if link.kind != "rigid":
             continue
-        turn = rows[n_node + number, 3:]
-        one, other = turn[:, first].T, turn[:, second].T  # (pairs, 3)
         arms = freedom.mesh.points_G[link.group.nodes] - link.point_G
-        d = arms[:, None]
-        moved = 0.5 * (np.cross(one, np.cross(other, d)) + np.cross(other, np.cross(one, d)))
-        out[link.group.nodes, :3] = np.swapaxes(moved, 1, 2)
+        out[link.group.nodes, :3] = turned(rows[n_node + number, 3:], arms)
     return out.reshape(len(u), -1)
 
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.specification import CAD, CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
-from ..fenicsx.gmsh_solid import CAD, STEP, CadPart, solid_from_file
+from ..fenicsx.gmsh_solid import CadPart, solid_from_file
 from ..python_script import is_refused
 from .cells import boundary, derivatives, faces, reference_nodes
 from .errors import SolidError
 
-OWN_UNIT = (*STEP, ".iges", ".igs")  # files that have a unit of length
 KINDS = (*CAD, ".geo", ".msh")
 FACE_NODE = 20  # first node of a hexahedron in the middle of a face
 THINNEST = 1e-6  # least extent of a solid relative to the largest
@@ -78,7 +78,7 @@ def solid_mesh(table: Mapping[str, Any], where: str, size: float | None = None) 
     if path.suffix.lower() not in KINDS:
         raise SolidError(f"{where}.file = {str(path)!r}: expected one of {', '.join(KINDS)}")
     unit = table.get("unit")
-    if unit is None and path.suffix.lower() not in OWN_UNIT:
+    if unit is None and path.suffix.lower() not in CAD_WITH_UNIT:
         raise SolidError(
             f'{where}.unit: missing: a {path.suffix} file has no unit of length; expected "m", '
             '"mm", "cm" or "in"'

@@ -4,7 +4,7 @@ import numpy as np
 import ufl
 
 from ...solver.math.arrays import Array
-from ..exchange.second_order import pairs
+from ..modes.second_order import pairs
 from .forms import STIFFNESS_DEGREE, column, strain
 from .model import SolidModel
 

@@ -13,6 +13,9 @@ from typing import Any, NoReturn
 
 from ..errors import did_you_mean
 
+# Folder of the results of a command.
+FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "solid")}
+
 COMMAND = "COMMAND"  # what --help and messages call a command
 EXECUTORS = ("local", "dask", "mpi")
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..errors import InputError, did_you_mean
 from .arguments import (
+    FOLDERS,
     add_case_options,
     add_command,
     add_executor,
@@ -22,7 +23,6 @@ from .modes.place import at_of
 from .section.codes import CODES, OF_BLADES, TARGETS
 
 # Without --out None: a folder that the user has named may be a link.
-FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "solid")}
 EXCHANGED = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
 PACKAGE = "PACKAGE.vtkhdf"
 SECTION_TEXT = """\

@@ -15,6 +15,7 @@ from ..interrupts import INTERRUPTED
 from ..package.common.replaceable import refuse_foreign
 from ..package.common.shares import by_mesh, mesh_key
 from ..package.common.temporary import temporary_sibling
+from .arguments import FOLDERS
 from .executors import Executor, executor_of
 from .fenicsx_side.launch import Line, make_all, start_of
 
@@ -248,11 +249,12 @@ def run_described(
     ----------
     command, words : of the preprocessor: its command, `section` or `shell`, and options
     entries : results files among them are only shown
-    options : out, check, json, quiet, and those of the executor
+    options : out (default: FOLDERS), check, json, quiet, and those of the executor
     spec_of : checks a description and returns its specification
     show : what to do with the results, in the order of the entries; returns the exit code
     list_each : a line for each on standard error where there is no progress bar
     """
+    options.out = options.out or FOLDERS[command]
     made: dict[str, Made] = {}
     try:
         made |= {e.name: Made(e, e.file, "unchanged") for e in entries if _is_result(e)}

@@ -147,23 +147,51 @@ def test_solid_moves_as_the_beam_does(folder: Path) -> None:
     assert lowest["solid"] == pytest.approx(lowest["beam"], rel=0.1)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
+WRONG = {
+    "bar.toml": [
         ('unit = "mm"\n', "", "bar.toml: mesh.unit: missing: bar.geo has no unit of length"),
         ('file = "bar.geo"', 'file = "bar.stl"', 'mesh.file = "bar.stl": there is no file'),
         ('at = "tip"', 'at = "tap"', 'loads.end.tip.at = "tap": no such interface'),
         ('supports = ["root"]', 'supports = ["tip"]', 'expected "rigid": it is held'),
         ('material = "aluminium"', 'material = "alloy"', 'regions.bar.material = "alloy": no such'),
         ("nu = 0.33", "nu = 0.5", "materials.aluminium.nu = 0.5"),
+        (
+            '{ at = "left" }',
+            "{ plane = { point = [0, 0, 0], normal = [0, 0, 0] } }",
+            "root.plane.normal = [0, 0, 0]: expected a vector of non-zero length",
+        ),
+        (
+            'material = "aluminium"',
+            'material = "aluminium"\naxis_about = { point = [0, 0, 0], direction = [0, 0, 0] }',
+            "axis_about.direction = [0, 0, 0]: expected a vector of non-zero length",
+        ),
     ],
+    "case.toml": [
+        ('solid = "bar.toml"', 'solid = "no.toml"', "bodies.bar.solid: no.toml"),
+        ('link = "average"', 'link = "section"', "bodies.bar.interfaces.tip.link"),
+        ('{ at = "left" }', '{ link = "rigid" }', "expected one of bore, plane, at; found none"),
+        ('{ at = "left" }', '{ at = "left", link = "average" }', "it carries the body frame"),
+        (
+            'interfaces = { root = { at = "left"',
+            'modes = [{ kind = "static-axial" }]\ninterfaces = { root = { at = "left"',
+            'bodies.bar.modes[0].kind = "static-axial": expected "lowest"',
+        ),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "words"),
+    [(file, *each) for file, changes in WRONG.items() for each in changes],
 )
-def test_wrong_descriptions_leave_nothing(folder: Path, old: str, new: str, words: str) -> None:
-    assert old in SOLID
-    (folder / "bar.toml").write_text(SOLID.replace(old, new))
-    done = plymotion(folder, "solid", "bar.toml", "--check")
+def test_wrong_input_is_refused(folder: Path, file: str, old: str, new: str, words: str) -> None:
+    text = (folder / file).read_text()
+    assert old in text
+    (folder / file).write_text(text.replace(old, new))
+    command = ["check"] if file == "case.toml" else ["solid", "--check"]
+    done = plymotion(folder, *command, file)
     assert done.returncode == 2
-    assert words in done.stderr
+    assert words in done.stderr, done.stderr
     assert not list(folder.glob("build/**/*.json"))
 
 
@@ -184,30 +212,3 @@ def test_a_cad_file_needs_a_material(tmp_path: Path) -> None:
     assert "part.step: --material: missing; expected aluminium, steel, titanium" in done.stderr
     done = plymotion(tmp_path, "solid", "part.step", "--material", "70e9,0.33")
     assert "--material 70e9,0.33: expected" in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ('solid = "bar.toml"', 'solid = "no.toml"', "bodies.bar.solid: no.toml"),
-        ('link = "average"', 'link = "section"', "bodies.bar.interfaces.tip.link"),
-        ('{ at = "left" }', '{ link = "rigid" }', "expected one of bore, plane, at; found none"),
-        ('{ at = "left" }', '{ at = "left", link = "average" }', "it carries the body frame"),
-    ],
-)
-def test_wrong_bodies_are_refused(folder: Path, old: str, new: str, words: str) -> None:
-    assert old in CASE
-    (folder / "case.toml").write_text(CASE.replace(old, new))
-    done = plymotion(folder, "check", "case.toml")
-    assert done.returncode == 2
-    assert words in done.stderr, done.stderr
-
-
-def test_kinds_of_modes_that_solids_have_not(folder: Path) -> None:
-    text = CASE.replace(
-        'interfaces = { root = { at = "left"',
-        'modes = [{ kind = "static-axial" }]\ninterfaces = { root = { at = "left"',
-    )
-    (folder / "case.toml").write_text(text)
-    done = plymotion(folder, "check", "case.toml")
-    assert 'bodies.bar.modes[0].kind = "static-axial": expected "lowest"' in done.stderr

@@ -198,7 +198,7 @@ def test_a_script_is_known_by_all_that_it_reads(plate: Path) -> None:
         ("format = 1", "format = 2", "format = 2: value should be 1"),
         ('fixed = "all"', 'fixed = ["uxx"]', "supports.root.fixed"),
         ("axis = [1, 0, 0]", "axes = [1, 0, 0]", "regions.plate.axes: unknown key; did you mean"),
-        ("axis = [1, 0, 0]", "axis = [0, 0, 0]", "expected `axis` of non-zero length"),
+        ("axis = [1, 0, 0]", "axis = [0, 0, 0]", "axis = [0, 0, 0]: expected a vector"),
         ("axis = [1, 0, 0]", "", "regions.plate.axis: missing, needed for the direction"),
         ('laminate = "skin"', 'laminate = "skim"', "no such laminate; did you mean 'skin'?"),
         ('laminate = "skin"', 'material = "cfrp"', "expected `thickness` with `material`"),

@@ -18,7 +18,7 @@ from ...package.common.materials import MaterialError
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import share
 from ...package.section.io import read_section
-from ..body_arguments import FOLDERS
+from ..arguments import FOLDERS
 from ..described import (
     USER_ERROR,
     Entry,
@@ -105,7 +105,6 @@ def run_section(options: argparse.Namespace) -> int:
                 print(line, file=sys.stderr if options.json else sys.stdout)
         return code
 
-    options.out = options.out or FOLDERS["section"]
     flags = ("--no-estimate", "--verify", "--force")
     words = [word for word in flags if getattr(options, _name(word))]
     if options.accuracy is not None:
@@ -114,7 +113,8 @@ def run_section(options: argparse.Namespace) -> int:
         raise InputError("section: --to is for FILE, also for DIR/*/*.vtkhdf")
     entries = _entries(options)
     for suffix in (".csv", ".json") if options.batch and not options.check else ():
-        refuse_foreign(options.out / f"{_summary(options)}{suffix}")  # before the work
+        folder = options.out or FOLDERS["section"]
+        refuse_foreign(folder / f"{_summary(options)}{suffix}")  # before the work
     return run_described(
         "section",
         entries,

@@ -12,7 +12,6 @@ from ...inputs.shell.expand import load_shell
 from ...package.common.materials import MaterialError
 from ...package.shell.io import read_shell
 from ...package.shell.schema import ShellFile
-from ..body_arguments import FOLDERS
 from ..described import Made, Request, drawn, entries_of, file_lines, run_described, show_each
 from .show import shell_text
 from .show_json import shell_json
@@ -44,7 +43,6 @@ def run_shell(options: argparse.Namespace) -> int:
     def show(made: list[Made], _: list[Request]) -> int:
         return show_each(made, table_of, text_of, as_json=options.json)
 
-    options.out = options.out or FOLDERS["shell"]
     return run_described(
         "shell",
         entries_of(options.files),

@@ -8,7 +8,6 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.solid.expand import solid_spec
 from ...package.body.io import read_package
-from ..body_arguments import FOLDERS
 from ..described import Made, Request, entries_of, file_lines, run_described, show_each
 
 # Results of a solid on the screen.
@@ -131,7 +130,6 @@ def run_solid(options: argparse.Namespace) -> int:
     def show(made: list[Made], _: list[Request]) -> int:
         return show_each(made, table_of, text_of, as_json=options.json)
 
-    options.out = options.out or FOLDERS["solid"]
     return run_described(
         "solid",
         entries_of(options.files),

@@ -14,12 +14,19 @@ def usable_path(text: str) -> str:
     return text
 
 
+def _of_some_length(vector: list[float]) -> list[float]:
+    if not any(vector):
+        raise ValueError("expected a vector of non-zero length")
+    return vector
+
+
 # Names become those of files, beside which temporary ones need room.
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=100)]
 Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]  # of an expression
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 FilePath = Annotated[str, AfterValidator(usable_path)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Axis = Annotated[Vector, AfterValidator(_of_some_length)]
 
 
 class Table(BaseModel):
@@ -30,6 +37,15 @@ class Table(BaseModel):
 
     model_config = ConfigDict(
         extra="forbid", allow_inf_nan=False, frozen=True, strict=True, defer_build=True
+    )
+
+
+class Around(Table):
+    """`axis_about`: directions around an axis."""
+
+    point: Vector = Field(description="on the axis", json_schema_extra={"unit": "m"})
+    direction: Axis = Field(
+        description="of the axis, of any length", json_schema_extra={"unit": "-"}
     )
 
 

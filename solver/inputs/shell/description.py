@@ -15,7 +15,7 @@ from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_wo
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
-from ..common.table import Name, Pair, Table, Vector, unit
+from ..common.table import Around, Axis, Name, Pair, Table, Vector, unit
 from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
@@ -118,16 +118,8 @@ class Laminate(LayUp):
         return self
 
 
-class AxisAbout(Table):
+class AxisAbout(Around):
     """`axis_about`: e1 points around an axis, right-handed."""
-
-    point: Vector = Field(description="on the axis", json_schema_extra=unit("m"))
-    direction: Vector = Field(description="of the axis, of any length", json_schema_extra=unit("-"))
-
-    @model_validator(mode="after")
-    def _long(self) -> Self:
-        _direction(self.direction, "direction")
-        return self
 
 
 class Region(Table):
@@ -146,7 +138,7 @@ class Region(Table):
         description="with `material`, as in a laminate; absent: mid",
         json_schema_extra=unit("m"),
     )
-    axis: Vector | None = Field(
+    axis: Axis | None = Field(
         default=None,
         description="reference direction of the plies: e1 is its projection on the shell. Absent: "
         "x, or y where the normal is along x",
@@ -173,8 +165,6 @@ class Region(Table):
         given = [self.axis, self.axis_curve, self.axis_about]
         if sum(value is not None for value in given) > 1:
             raise ValueError("expected one of `axis`, `axis_curve`, `axis_about`")
-        if self.axis is not None:
-            _direction(self.axis, "axis")
         return self
 
 
@@ -324,11 +314,6 @@ class ShellDescription(Table):
         if self.loads and not self.supports:
             raise ValueError("loads without supports: expected at least one table [supports.NAME]")
         return self
-
-
-def _direction(vector: list[float], key: str) -> None:
-    if not any(vector):
-        raise ValueError(f"expected `{key}` of non-zero length")
 
 
 def describe(file: Path) -> ShellDescription:

@@ -12,14 +12,9 @@ from ...errors import InputError
 from ...package.body.specification import LinkKind
 from ..common import lines
 from ..common.material import Material
-from ..common.table import FilePath, Name, Table, Vector, unit
+from ..common.table import Around, Axis, FilePath, Name, Table, Vector, unit
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
-
-
-def _longer_than_0(value: list[float], key: str) -> None:
-    if not any(value):
-        raise ValueError(f"{key} = {value}: expected a vector longer than 0")
 
 
 class SolidMesh(Table):
@@ -52,11 +47,8 @@ class SolidMesh(Table):
     )
 
 
-class AxisAbout(Table):
+class AxisAbout(Around):
     """`axis_about`: material axis 1 around an axis, right-handed, 2 along it, 3 outwards."""
-
-    point: Vector = Field(description="on the axis", json_schema_extra=unit("m"))
-    direction: Vector = Field(description="of the axis, of any length", json_schema_extra=unit("-"))
 
 
 class SolidRegion(Table):
@@ -66,10 +58,10 @@ class SolidRegion(Table):
     """
 
     material: Name = Field(description="name of a material")
-    axis: Vector | None = Field(
+    axis: Axis | None = Field(
         default=None, description="axis 1 of an orthotropic material", json_schema_extra=unit("-")
     )
-    normal: Vector | None = Field(
+    normal: Axis | None = Field(
         default=None,
         description="axis 3, as far as it is normal to axis 1",
         json_schema_extra=unit("-"),
@@ -82,7 +74,7 @@ class Bore(Table):
 
     radius: float = Field(gt=0, description="of the cylinder", json_schema_extra=unit("m"))
     point: Vector = Field(description="on its axis", json_schema_extra=unit("m"))
-    direction: Vector = Field(description="of its axis, of any length", json_schema_extra=unit("-"))
+    direction: Axis = Field(description="of its axis, of any length", json_schema_extra=unit("-"))
     length: float | None = Field(
         default=None,
         gt=0,
@@ -91,22 +83,12 @@ class Bore(Table):
         json_schema_extra=unit("m"),
     )
 
-    @model_validator(mode="after")
-    def _long(self) -> Self:
-        _longer_than_0(self.direction, "direction")
-        return self
-
 
 class Plane(Table):
     """`plane`: the outer faces in a plane."""
 
     point: Vector = Field(description="in the plane", json_schema_extra=unit("m"))
-    normal: Vector = Field(description="of the plane, of any length", json_schema_extra=unit("-"))
-
-    @model_validator(mode="after")
-    def _long(self) -> Self:
-        _longer_than_0(self.normal, "normal")
-        return self
+    normal: Axis = Field(description="of the plane, of any length", json_schema_extra=unit("-"))
 
 
 class SolidInterface(Table):

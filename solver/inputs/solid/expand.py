@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, nearest
-from ...package.body.specification import SolidSpecification, SolidTable
+from ...package.body.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh
 from ..common.material import check_materials, plain
@@ -13,7 +13,6 @@ from ..common.table import plain_table
 from ..scripts import refuse_script
 from .description import LENGTHS, SolidDescription, checked
 
-CAD = (".step", ".stp", ".iges", ".igs", ".brep")
 # Metals by their usual constants; strengths differ from alloy to alloy and are not among them.
 METALS = {
     "aluminium": (70e9, 0.33, 2700.0),
@@ -33,8 +32,12 @@ def described_solid(file: Path) -> tuple[SolidDescription, SolidTable]:
     return solid_table(read_toml(file, "solid description"), file)
 
 
-def solid_table(table: dict[str, Any], file: Path) -> tuple[SolidDescription, SolidTable]:
-    """Return the same of a description already read; its paths are relative to its folder."""
+def solid_table(
+    table: dict[str, Any], file: Path, size: float | None = None
+) -> tuple[SolidDescription, SolidTable]:
+    """Return the same of a description already read, with another size of the cells if given."""
+    if size is not None and isinstance(table.get("mesh"), dict):
+        table = {**table, "mesh": {**table["mesh"], "size": size}}
     description = checked(table, file)
     problems = [*check_materials(description.materials), *_references(description)]
     mesh: dict[str, Any] = {}
@@ -76,9 +79,7 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
         if material is not None:
             raise InputError(f"{file}: --material: expected with a CAD file only")
         table = read_toml(file, "solid description")
-    if size is not None and isinstance(table.get("mesh"), dict):
-        table["mesh"] = {**table["mesh"], "size": size}
-    description, solid = solid_table(table, file)
+    description, solid = solid_table(table, file, size)
     return {
         "body": file.stem,
         "kind": "solid",
@@ -122,7 +123,7 @@ def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
         raise InputError(f"{key}: expected {', '.join(CAD)}, .geo or .msh")
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
         raise InputError(f"{key}: not a mesh of gmsh")
-    own_unit = file.suffix.lower() in CAD[:4]
+    own_unit = file.suffix.lower() in CAD_WITH_UNIT
     if own_unit and table.unit is not None:
         raise InputError(f'mesh.unit = "{table.unit}": expected none: {table.file} has its own')
     if not own_unit and table.unit is None:

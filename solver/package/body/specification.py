@@ -59,6 +59,8 @@ Direction = Literal["x", "y", "z", "rx", "ry", "rz"]  # along and about the body
 LinkKind = Literal["rigid", "average"]
 ShellLinkKind = Literal["rigid", "average", "section"]
 
+CAD_WITH_UNIT = (".step", ".stp", ".iges", ".igs")  # files that have a unit of length
+CAD = (*CAD_WITH_UNIT, ".brep")
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 LINK_KINDS: tuple[LinkKind, ...] = get_args(LinkKind)
 SHELL_LINK_KINDS: tuple[ShellLinkKind, ...] = get_args(ShellLinkKind)

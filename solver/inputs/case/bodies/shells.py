@@ -9,7 +9,7 @@ from ....package.body.specification import ShellSpecification
 from ...common.gmsh_file import physical_groups
 from ...common.table import plain_table
 from ...shell.expand import shell_spec
-from ..tables.modes import ModeChoice, SpinningChoice, check_modes
+from ..tables.modes import ModeChoice, SpinningChoice, check_places
 from ..tables.shell_schema import ShellBody
 from .descriptions import shell_table
 
@@ -56,14 +56,7 @@ def shell_body_spec(
 
 def _check_motion(key: str, body: ShellBody) -> list[str]:
     """Return what is wrong with the interfaces that carry the frame, and with the modes."""
-    places = {name: float(i) for i, name in enumerate(body.interfaces)}
-    found = check_modes(key, body.reference, body.modes, places)
-    for place in body.reference.places:
-        if place in body.interfaces and body.interfaces[place].link != "rigid":
-            found.append(
-                f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected '
-                '"rigid": it carries the body frame'
-            )
+    found = check_places(key, body)
     found += [
         f'{key}.modes[{i}].kind = "torsion": expected "lowest", "bending-xy", "bending-xz" or '
         '"axial": a shell that twists moves along y and z'

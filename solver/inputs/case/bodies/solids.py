@@ -7,7 +7,7 @@ from ....package.body.specification import SolidSpecification
 from ...common import read_toml
 from ...common.table import plain_table
 from ...solid.expand import solid_table
-from ..tables.modes import AttachmentChoice, ModeChoice, check_modes
+from ..tables.modes import AttachmentChoice, ModeChoice, check_places
 from ..tables.solid_schema import SolidBody
 
 
@@ -28,11 +28,9 @@ def solid_body_spec(
     key, file = f"bodies.{name}", folder / body.solid
     try:
         table = read_toml(file, "solid description")
-        if body.size is not None and isinstance(table.get("mesh"), dict):
-            table["mesh"] = {**table["mesh"], "size": body.size}
         # its own analysis is another one
         kept = {k: v for k, v in table.items() if k not in ("supports", "loads", "interfaces")}
-        _, solid = solid_table(kept, file)
+        _, solid = solid_table(kept, file, body.size)
     except InputError as error:
         raise under(f"{key}.solid", error) from error
     if found := _check_motion(key, body):
@@ -53,14 +51,7 @@ def solid_body_spec(
 
 def _check_motion(key: str, body: SolidBody) -> list[str]:
     """Return what is wrong with the interfaces that carry the frame, and with the modes."""
-    places = {name: float(i) for i, name in enumerate(body.interfaces)}
-    found = check_modes(key, body.reference, body.modes, places)
-    for place in body.reference.places:
-        if place in body.interfaces and body.interfaces[place].link != "rigid":
-            found.append(
-                f'{key}.interfaces.{place}.link = "average": expected "rigid": it carries the '
-                "body frame"
-            )
+    found = check_places(key, body)
     found += [
         f'{key}.modes[{i}].kind = "{mode.kind}": expected "lowest" or "attachment": the modes of '
         "a solid"

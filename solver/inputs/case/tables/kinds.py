@@ -14,7 +14,7 @@ from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.contract import Key as JointKey
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
-from ...common.table import Name, Table, Vector, unit
+from ...common.table import Axis, Name, Table, unit
 from .laws import CurveTable, LoadLaw, RotationDrive, TranslationDrive
 from .python_code import PythonCode
 from .signals import JointCoordinate
@@ -24,19 +24,12 @@ Z = [0.0, 0.0, 1.0]
 NONE = [0.0, 0.0, 0.0]
 
 
-def _of_some_length(vector: list[float]) -> list[float]:
-    if not any(vector):
-        raise ValueError("expected a vector of non-zero length")
-    return vector
-
-
 def _not_zero(value: float | None) -> float | None:
     if value == 0.0:
         raise ValueError("expected a number other than 0")
     return value
 
 
-GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
 Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
 
 
@@ -80,7 +73,7 @@ def field_of(key: Key) -> tuple[Any, FieldInfo]:
     if isinstance(key, Three):
         kind, symbol, default = Constants, key.unit, NONE
     else:
-        kind, symbol = GlobalDirection, "-"
+        kind, symbol = Axis, "-"
         default = None if key.absent else Z
     default = ... if key.required else default
     found: FieldInfo = Field(
@@ -181,7 +174,7 @@ class LoadTable(Table):
     """Keys of every load from outside."""
 
     at: str = Field(description='"BODY.INTERFACE"')
-    direction: GlobalDirection = Field(
+    direction: Axis = Field(
         description="at the start, global; only the direction counts", json_schema_extra=unit("-")
     )
     frame: Literal["global", "following"] = Field(

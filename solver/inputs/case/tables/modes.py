@@ -158,3 +158,14 @@ def check_modes(
     if len(places) == 2 and places[0] == places[1]:
         found.append(f"{key}.reference.at = {reference.at}: expected two different places")
     return found
+
+
+def check_places(key: str, body: Any) -> list[str]:
+    """Return the same of a shell or solid, and errors in the interfaces that carry its frame."""
+    places = {name: float(i) for i, name in enumerate(body.interfaces)}
+    return check_modes(key, body.reference, body.modes, places) + [
+        f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected "rigid": it '
+        "carries the body frame"
+        for place in body.reference.places
+        if place in body.interfaces and body.interfaces[place].link != "rigid"
+    ]

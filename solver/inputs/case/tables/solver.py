@@ -9,8 +9,8 @@ from pydantic import Field, create_model
 
 from ....dynamics.elements.constraints.treatment import Treatment
 from ....integrators.table import INTEGRATORS
-from ...common.table import Table, Vector, unit
-from .kinds import GlobalDirection, field_of
+from ...common.table import Axis, Table, Vector, unit
+from .kinds import field_of
 
 # Light crosses an atomic nucleus in 1e-23 s; squares of shorter times soon leave the floating point
 # range, 1e-308.
@@ -25,9 +25,7 @@ else:
 class Spin(Table):
     """`spin` of `[solver]`: the whole mechanism turns about a fixed axis at constant speed."""
 
-    axis: GlobalDirection = Field(
-        description="direction of the axis, global", json_schema_extra=unit("-")
-    )
+    axis: Axis = Field(description="direction of the axis, global", json_schema_extra=unit("-"))
     point: Vector = Field(
         default=[0.0, 0.0, 0.0],
         description="a point of the axis, global",
