@@ -10,6 +10,7 @@ gmsh has no limit of its own.
 
 import json
 import os
+import re
 import resource
 import runpy
 import sys
@@ -20,6 +21,7 @@ import gmsh
 import numpy as np
 
 FINEST = 1e-7  # size of cells over that of the model, below which no mesh is meant
+NAMED = re.compile(r"\b(Merge|Include)\s*[\"']([^\"'\n]+)[\"']")
 Parameters = Mapping[str, float | Sequence[float]]
 
 
@@ -39,12 +41,29 @@ def define(parameters: Parameters) -> None:
 
 def read(script: str) -> None:
     """Run a script, and not SCRIPT.opt beside it, which gmsh runs with each file that it merges."""
+    _refuse_options(os.path.abspath(script))
     quote = "'" if '"' in script else '"'  # gmsh has no escapes within quotes
     with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
         outer = os.path.join(folder, "script.geo")
         with open(outer, "wb") as file:
             file.write(os.fsencode(f"Include {quote}{os.path.abspath(script)}{quote};\n"))
         gmsh.merge(outer)
+
+
+def _refuse_options(script: str, known: frozenset[str] = frozenset()) -> None:
+    """Raise ValueError if a FILE that a script merges, by a name in quotes, has a FILE.opt."""
+    if script in known or not os.path.isfile(script):
+        return
+    with open(script, encoding="utf-8", errors="replace") as file:
+        text = file.read()
+    for word, name in NAMED.findall(text):
+        path = os.path.join(os.path.dirname(script), name)
+        if word == "Include":
+            _refuse_options(path, known | {script})
+        elif os.path.lexists(f"{path}.opt"):
+            raise ValueError(
+                f'Merge "{name}" would run {path}.opt as a script: expected no such file'
+            )
 
 
 def generate(script: str, parameters: Parameters) -> None:

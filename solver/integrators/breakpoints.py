@@ -27,7 +27,8 @@ ROUNDING = 1e-13  # of the largest value: a point on the curve through its neigh
 JUMPS = 1e-6  # of the largest value or derivative: less is continuous
 EXPRESSION = 200  # steps at least where an expression reads the time
 # Cells of the run in which no part of a law varies by more than this share of its range.
-VARIES, SHORTEST, MOST_CELLS, FIRST_CELLS, SPLIT = 0.2, 1e-9, 50_000, 16, 4
+VARIES, SHORTEST, FIRST_CELLS, SPLIT = 0.2, 1e-9, 16, 4
+MOST_CELLS = 50_000
 REMEMBERED = 64  # lengths of a cell in which a shorter one keeps steps short enough
 GAP = 2.0**-46  # of the run: an instant of a jump is known to that
 JUMPING = frozenset((op.LESS, op.LESS_EQUAL, op.SIGN, op.FLOOR))
@@ -41,6 +42,7 @@ class Breaks(NamedTuple):
     narrow: Array  # (n,) forces may begin to vary fast, and a bit behind that [s]
     jumps: Array  # (m, 2) the instants before and after a jump of forces, GAP apart [s]
     longest: float
+    unsearched: int  # expressions that may break at more instants than can be searched
 
 
 def breaks(model: Model, t_end: float) -> Breaks:
@@ -50,7 +52,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
     instants of a sampled controller, t_end / MOST_BREAKS with a table of many breaks; or infinity.
     """
     kinks, narrow, jumps = [np.zeros(0)], [np.zeros(0)], [np.zeros((0, 2))]
-    longest = np.inf
+    longest, unsearched = np.inf, 0
     driven = _of_drives(model)
     for law in range(len(model.law_start) - 1):
         own = slice(int(model.law_start[law]), int(model.law_start[law + 1]))
@@ -71,7 +73,11 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         longest = min(longest, t_end / EXPRESSION)
         drive = p in {int(model.quantities.law[law]) for law in driven}
-        bends, begins, leaps = _of_program(programs, p, t_end, drive=drive)
+        found = _of_program(programs, p, t_end, drive=drive)
+        if found is None:
+            unsearched += 1
+            continue
+        bends, begins, leaps = found
         kinks.append(bends)
         narrow.append(begins)
         jumps.append(leaps)
@@ -80,6 +86,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
         np.unique(np.concatenate(narrow)),
         _apart(np.concatenate(jumps)),
         longest,
+        unsearched,
     )
 
 
@@ -131,8 +138,11 @@ def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array
 
 def _of_program(
     programs: Programs, p: int, t_end: float, *, drive: bool
-) -> tuple[Array, Array, Array]:
-    """Return kinks, narrow parts and jumps of an expression, of what reads the time alone in it."""
+) -> tuple[Array, Array, Array] | None:
+    """Return kinks, narrow parts and jumps of an expression, of what reads the time alone in it.
+
+    None: it may break in more than MOST_CELLS places.
+    """
 
     def breaking(low: Array, high: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Whether an interval may have a kink, or a jump."""
@@ -151,18 +161,16 @@ def _of_program(
         kink, jump = breaking(low, high)
         found = kink | jump
         if np.count_nonzero(found) > MOST_CELLS:
-            break  # everywhere, as of two functions that are the same
+            return None  # everywhere, as of two functions that are the same
         low, high = _split(low[found], high[found], FIRST_CELLS)
-    else:
-        kink, jump = breaking(low, high)
-        kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
-        bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
-        edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
-        narrow = _narrowing(
-            lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)], edges
-        )
-        return _first_of(bends, GAP * t_end), narrow, leaps
-    return np.zeros(0), np.zeros(0), np.zeros((0, 2))
+    kink, jump = breaking(low, high)
+    kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
+    bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
+    edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
+    narrow = _narrowing(
+        lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)], edges
+    )
+    return _first_of(bends, GAP * t_end), narrow, leaps
 
 
 def _first_of(times: Array, gap: float) -> Array:

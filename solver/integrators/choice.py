@@ -200,6 +200,8 @@ def make_integrator(
         "derivative": lambda: right_hand_side(model),
     }[kind.takes]()
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
+    if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
+        made.unsearched = found.unsearched
     made.vibrates = bool(
         model.n_mode.any() or model.plan.element_row.size or (model.quantities.along >= 0).any()
     )

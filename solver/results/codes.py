@@ -44,6 +44,8 @@ VIBRATION_DAMPED = _run("vibration-damped")
 STALLED = _run("steps-tiny")
 GROWS = _run("motion-grows", limit=10.0)
 REFUSED = _run("steps-refused", "note", 0.2)
+# solver/integrators/breakpoints.py has the limit.
+BREAKS_UNSEARCHED = _run("breaks-not-searched", limit=50000.0)
 # Singular positions on the way.
 SINGULAR = _run("singular-position", "error")
 BRANCH = _run("branch-change", "error")

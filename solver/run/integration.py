@@ -12,6 +12,8 @@ from ..integrators.choice import make_integrator
 from ..integrators.generic import Watch, integrate
 from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
+from ..results.codes import BREAKS_UNSEARCHED
+from ..results.finding import Finding
 from ..signals import Histories, recorded
 from .outcome import RunSpec
 from .preparation import Prepared, prepare
@@ -60,6 +62,8 @@ def integrated(
             prepared.treatment,
             functions=prepared.functions,
         )
+        if integrator.unsearched:
+            prepared.notes.append(_unsearched(integrator.unsearched))
         times = output_times(solver.t_end, solver.output_step)
         prepared.turns.times = times
         solution = integrate(
@@ -71,6 +75,15 @@ def integrated(
         )
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
+
+
+def _unsearched(count: int) -> Finding:
+    text = (
+        f"{count} of the expressions of the time may break at more than 50,000 instants: no step "
+        "ends there, and short pulses may be stepped over; write the breaks as a table, give "
+        "`max_step`, or a shorter `t_end`"
+    )
+    return BREAKS_UNSEARCHED.finding(text, value=count)
 
 
 def complete(prepared: Prepared) -> FinishedRun:

@@ -14,6 +14,7 @@ from plymotion.solver.results.codes import CODES, GROUPS, MEMBER_CODES, RUN_CODE
 # Where the number of a code is kept, for those whose source does not read it from the list.
 LIMITS = {
     "feedback-limits-steps": ("solver/integrators/generic/advice.py", "FEEDBACK_LIMITED"),
+    "breaks-not-searched": ("solver/integrators/breakpoints.py", "MOST_CELLS"),
     "mesh-coarse-for-modes": ("preprocess/beam/accuracy.py", "LIMIT"),
     "static-modes-dependent": ("preprocess/modes/static.py", "DEPENDENT"),
     "measured-shape-rigid": ("solver/commands/measured_modes/package.py", "RIGID"),

@@ -132,3 +132,19 @@ def test_petsc_does_not_read_the_current_folder(tmp_path: Path, guarded: bool) -
     words = [sys.executable, "-c", code]
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path)
     assert done.stdout == f"{not guarded}\n", done.stderr
+
+
+def test_a_script_does_not_merge_a_file_with_a_companion(square: Path) -> None:
+    """gmsh would run it; without the companion the same script merges the mesh."""
+    folder = square.parent
+    script = folder / "own.geo"
+    script.write_text('Include "part.geo";\n')
+    (folder / "part.geo").write_text(f'Merge "{square.name}";\n')
+    companion = folder / f"{square.name}.opt"
+    companion.write_text(strike(folder))
+    fenicsx.check_count(script, {})
+    with pytest.raises(MeshError, match=r"Merge \"square.msh\" would run .*square.msh.opt"):
+        fenicsx.run_script(script, {})
+    assert not (folder / "STRUCK").exists()
+    companion.unlink()
+    assert fenicsx.run_script(script, {}).cells.size

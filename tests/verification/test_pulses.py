@@ -127,3 +127,18 @@ def test_fixed_steps_end_at_breaks(tmp_path, integrator):
     )
     found = integrate(made, np.array([0.0, 10.0]))
     assert found.y[-1, ready.model.n_pos] == pytest.approx(0.7, rel=0.1)
+
+
+@pytest.mark.provokes("breaks-not-searched")
+def test_breaks_that_are_too_many_to_be_searched_are_told(tmp_path):
+    """100,000 kinks; each remedy of the finding clears it."""
+    law = 'expression = "1e-9 * abs(sin(1e6 * t))"'
+    runs = ((0.3, "", True), (0.3, "max_step = 0.01", False), (0.03, "", False))
+    for t_end, solver, told in runs:
+        speed(tmp_path, law, t_end, f'integrator = "rk8"\n{solver}', 0.01)
+        summary = json.loads((tmp_path / "build/base/summary.json").read_text("utf-8"))
+        codes = [finding["code"] for finding in summary["warnings"]]
+        assert ("breaks-not-searched" in codes) == told
+    table = "table = { times = [0.0, 0.1, 0.3], values = [0.0, 1e-9, 0.0] }"
+    speed(tmp_path, table, 0.3, 'integrator = "rk8"', 0.01)
+    assert "breaks-not-searched" not in (tmp_path / "build/base/summary.json").read_text("utf-8")

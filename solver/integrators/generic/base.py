@@ -103,6 +103,7 @@ class Integrator(ABC):
     # Of |h w| on average, above which stability and not accuracy limits the steps; None: nowhere.
     limited_above: ClassVar[float | None] = None
 
+    unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
     vibrates = True  # whether anything in the system stores energy and could vibrate
 
     def __init__(
