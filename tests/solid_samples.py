@@ -73,8 +73,8 @@ def tube(occ: Any) -> None:
     occ.cut([(3, outer)], [(3, occ.addCylinder(0, 0, -1, 0, 0, 122, 20))])
 
 
-def step_file(path: Path, draw: Callable[[Any], None], unit: str = MILLIMETRE) -> list[Rigid]:
-    """Write a drawing as STEP; returns the inertia of its solids before they were written."""
+def cad_file(path: Path, draw: Callable[[Any], None]) -> list[Rigid]:
+    """Write a drawing in mm; returns the inertia of its solids before they were written."""
     with fenicsx.gmsh_session() as gmsh:
         gmsh.clear()
         occ = gmsh.model.occ
@@ -91,6 +91,12 @@ def step_file(path: Path, draw: Callable[[Any], None], unit: str = MILLIMETRE) -
         ]
         gmsh.write(str(path))
         gmsh.clear()
+    return found
+
+
+def step_file(path: Path, draw: Callable[[Any], None], unit: str = MILLIMETRE) -> list[Rigid]:
+    """Write a drawing as STEP with its unit of length."""
+    found = cad_file(path, draw)
     text = path.read_text()
     assert MILLIMETRE in text
     path.write_text(text.replace(MILLIMETRE, unit))

@@ -18,7 +18,8 @@ from .gmsh_script import check_count, gmsh_session, opened
 from .plain import PlainMesh
 from .stack import gmsh
 
-STEP = CAD_WITH_UNIT[:2]
+STEP, IGES = CAD_WITH_UNIT[:2], CAD_WITH_UNIT[2:]
+GAP = 1e-5  # between faces of an IGES file that are one surface [m]
 MOST_UNKNOWNS = 600_000  # of a solid: factors of more take tens of gigabytes
 PER_TURN = 10  # cells around a full circle
 SMALLEST = 8.0  # size over that of the smallest cells, of small radii
@@ -110,12 +111,25 @@ def _import(path: Path, metres: float | None) -> None:
     """Import a CAD file in metres; touching solids share their faces then."""
     if path.suffix.lower() in STEP and b"LENGTH_UNIT" not in path.read_bytes():
         raise MeshError(f"{path}: has no LENGTH_UNIT; expected a STEP file with its unit of length")
-    gmsh.option.setString("Geometry.OCCTargetUnit", "M")
-    occ = gmsh.model.occ
+    suffix, occ = path.suffix.lower(), gmsh.model.occ
+    for name, value in (
+        # of all directions alike it keeps cylinders, which `dilate` would not
+        ("OCCScaling", metres if metres and suffix == ".brep" else 1.0),
+        ("OCCSewFaces", suffix in IGES),  # most IGES files have faces only
+        ("OCCMakeSolids", suffix in IGES),
+        ("Tolerance", GAP if suffix in IGES else 1e-8),
+    ):
+        gmsh.option.setNumber(f"Geometry.{name}", float(value))
     try:
+        if suffix in IGES:  # OpenCASCADE takes no unit for them before it has read one
+            gmsh.option.setString("Geometry.OCCTargetUnit", "")
+            occ.importShapes(str(path))
+            gmsh.clear()
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
         found = occ.importShapes(str(path), highestDimOnly=True)  # never run as a script
     except Exception as error:  # gmsh raises bare Exception
         raise MeshError(f"{path}: OpenCASCADE cannot read it: {error}") from error
+    gmsh.option.setNumber("Geometry.Tolerance", 1e-8)
     solids = [tag for tag in found if tag[0] == 3]
     if not solids:
         kinds = {2: "faces", 1: "curves", 0: "points"}
@@ -126,8 +140,6 @@ def _import(path: Path, metres: float | None) -> None:
             f"{path}: no closed solid, found {what or 'nothing'}: an open shell has no inside; "
             "expected solids (export the part as a solid, and close gaps in the CAD program)"
         )
-    if metres and path.suffix.lower() == ".brep":
-        occ.dilate(solids, 0.0, 0.0, 0.0, metres, metres, metres)
     if len(solids) > 1:
         pieces, _ = occ.fragment(solids[:1], solids[1:])
         if len([p for p in pieces if p[0] == 3]) > len(solids):

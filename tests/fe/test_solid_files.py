@@ -13,6 +13,7 @@ from solid_samples import (
     STEEL,
     WOUND,
     bracket,
+    cad_file,
     filleted,
     model_of,
     one_body,
@@ -68,6 +69,35 @@ def test_inertia_is_that_of_the_cad_geometry(
     parts = step_file(file, draw, unit)
     model = model_of(file, size, material, region=region)
     assert_inertia(model, one_body(parts, [material["rho"]], length))
+
+
+@pytest.mark.parametrize("draw", [bracket, tube])
+@pytest.mark.parametrize(("name", "length"), [("part.brep", 1e-3), ("PART.BREP", 0.0254)])
+def test_brep_files_are_in_the_unit_that_is_given(
+    draw: Callable[[Any], None], name: str, length: float, tmp_path: Path
+) -> None:
+    parts = cad_file(tmp_path / "drawn.brep", draw)
+    file = (tmp_path / "drawn.brep").rename(tmp_path / name)
+    with pytest.raises(SolidError, match=r"unit: missing: a \.(brep|BREP) file has no unit"):
+        model_of(file, 8.0 * length)
+    model = model_of(file, 8.0 * length, unit=length)
+    assert_inertia(model, one_body(parts, [ALUMINIUM["rho"]], length))
+    # the exact geometry as well: its cylinders are still cylinders
+    assert model.mesh.exact[0].volume == pytest.approx(length**3 * parts[0].volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("draw", [bracket, tube])
+def test_faces_of_iges_files_become_a_solid(draw: Callable[[Any], None], tmp_path: Path) -> None:
+    file = tmp_path / "part.igs"
+    try:
+        parts = cad_file(file, draw)
+    except Exception as error:  # gmsh raises bare Exception
+        if "Unknown output file format" not in str(error):
+            raise
+        pytest.skip("this gmsh writes no IGES")
+    model = model_of(file, 0.008)
+    assert_inertia(model, one_body(parts, [ALUMINIUM["rho"]], 1e-3))
+    assert model.mesh.exact[0].volume == pytest.approx(1e-9 * parts[0].volume, rel=1e-6)
 
 
 def test_two_solids_share_their_faces_and_keep_their_materials(tmp_path: Path) -> None:
