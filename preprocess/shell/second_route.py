@@ -131,15 +131,6 @@ class SecondRoute:
             found[:, row] = np.ravel(numbers)[nearest]
         return found
 
-    def along(self, ends: IntArray, total: Array) -> Array:
-        """Right-hand side of a total force (3,) spread evenly over straight sides (k, 2)."""
-        rhs, rows = np.zeros(self.K.shape[0]), self.numbers(ends)
-        length = np.linalg.norm(np.diff(self.points[ends], axis=1)[:, 0], axis=1)
-        share = (length / length.sum())[:, None] * total
-        for nodes, weight in (*((end, 1 / 6) for end in ends.T), (len(self.points) + rows, 4 / 6)):
-            np.add.at(rhs, self.u[nodes], weight * share)
-        return rhs
-
     def numbers(self, ends: IntArray) -> IntArray:
         """Rows of `sides` of pairs of nodes (k, 2)."""
         n = len(self.points)

@@ -98,6 +98,8 @@ LOADS = {
     "press": {"all": {"pressure": 1.0, "sine": [1.0, 1.0, 0.0]}},
     "pull": {"tip": {"at": "right", "force": [1.0, 0.5, 0.2]}},
     "turn": {"tip": {"at": "right", "moment": [0.0, 0.1, 0.0]}},
+    "spread": {"all": {"at": "plate", "force": [0.0, 1.0, 0.3], "moment": [0.1, 0.2, 0.05]}},
+    "edge": {"top": {"at": "top", "force_per_length": [0.0, 0.0, 1.0]}},
     "corner": {"tip": {"at": "corner-11", "force": [0.0, 0.0, 0.1]}},
     "fall": {"all": {"gravity": [1.0, 0.0, 9.81]}},
     "push": {"end": {"at": "left", "motion": {"ry": 1e-3}}},
