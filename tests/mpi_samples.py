@@ -1,10 +1,12 @@
-"""A sweep by the ranks of an MPI job on this machine, for tests and measurements."""
+"""Ranks of an MPI job on this machine: of a sweep, and of one analysis."""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
 from shutil import which
+
+ROOT = Path(__file__).resolve().parent.parent
 
 
 def with_mpi(folder: Path) -> str | None:
@@ -34,3 +36,31 @@ def ranks(number: int, *words: str) -> list[str]:
     start = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(number), sys.executable]
     futures = ["-m", "mpi4py.futures", "-m", "plymotion.solver"]
     return [*start, *futures, *words, "--executor", "mpi"]
+
+
+def mpirun(number: int) -> list[str]:
+    """Start of a program of this Python on some ranks; skips a test where there is no MPI."""
+    own = Path(sys.executable).parent / "mpiexec"  # of the wheel, whose MPI it must be
+    launcher = str(own) if own.exists() else which("mpirun")
+    if launcher is None:
+        import pytest
+
+        pytest.skip("no mpirun here")
+    return [launcher, "-n", str(number)]
+
+
+def of_ranks(number: int, *words: str | Path) -> "subprocess.CompletedProcess[str]":
+    """A program of this Python on some ranks, with its output."""
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]),
+        "OPENBLAS_NUM_THREADS": "1",
+        # Open MPI asks for these in a container and on a machine with few cores.
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    }
+    line = [*mpirun(number), sys.executable, *map(str, words)]
+    return subprocess.run(
+        line, capture_output=True, text=True, cwd=ROOT, env=environment, timeout=300
+    )

@@ -43,15 +43,13 @@ class Stressed:
         if not p.any():
             return Kg
         Kp = problem.pressure_stiffness(p)
-        return sp.csr_matrix((Kg.data + Kp.data, Kg.indices, Kg.indptr), shape=Kg.shape)
+        return _sum(Kg, Kp)
 
     def stiffness(self, case: str | None, where: str, in_plane: bool = True) -> sp.csr_matrix:
         """Stiffness under a load case; without one that of the unloaded shell."""
         if case is None:
             return self.problem.K
-        K, Kg = self.problem.K, self.geometric(case, where, in_plane)
-        # one pattern for all matrices, as `Freedom` expects; a sum would drop zeros
-        return sp.csr_matrix((K.data + Kg.data, K.indices, K.indptr), shape=K.shape)
+        return _sum(self.problem.K, self.geometric(case, where, in_plane))
 
     def rotation(self, case: str) -> float:
         """Largest rotation in a load case [rad]."""
@@ -66,6 +64,13 @@ class Stressed:
                 + did_you_mean(case, self.names)
             )
         return self.names.index(case)
+
+
+def _sum(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
+    """A + B, with the zeros of matrices of one pattern, which `Freedom` then knows."""
+    if np.array_equal(A.indices, B.indices) and np.array_equal(A.indptr, B.indptr):
+        return sp.csr_matrix((A.data + B.data, A.indices, A.indptr), shape=A.shape)
+    return sp.csr_matrix(A + B)  # with stiffeners
 
 
 def check_stable(K: sp.csr_matrix, problem: ShellProblem, case: str, where: str) -> None:

@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mpi_samples import mpirun
 
 from plymotion.preprocess.__main__ import main
 from plymotion.solver.package.section.io import read_section
@@ -190,14 +190,6 @@ def test_shares_are_the_whole(tmp_path: Path, capfd: pytest.CaptureFixture[str],
     # In the order of meshes: a share holds few of them.
     assert [name for part in made for name in part] == ["a", "c", "e", "b", "d"]
     assert len(list(tmp_path.glob("*.vtkhdf"))) == 5
-
-
-def mpirun(n: int) -> list[str]:
-    own = Path(sys.executable).parent / "mpiexec"  # of the wheel, whose MPI it must be
-    launcher = str(own) if own.exists() else shutil.which("mpirun")
-    if launcher is None:
-        pytest.skip("no mpirun here")
-    return [launcher, "-n", str(n)]
 
 
 def test_ranks_work_on_one_section_together(

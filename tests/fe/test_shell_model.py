@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+from mpi_samples import mpirun
 from shell_element_samples import element_stiffness
 from shell_specs import HARD, METAL, box, mesh_from, plate
 
@@ -299,14 +299,6 @@ def test_parts_are_told_apart() -> None:
 
 def command(*arguments: str | Path) -> list[str]:
     return [sys.executable, "-m", "plymotion.preprocess", *map(str, arguments)]
-
-
-def mpirun(n: int) -> list[str]:
-    own = Path(sys.executable).parent / "mpiexec"  # of the wheel, whose MPI it must be
-    launcher = str(own) if own.exists() else shutil.which("mpirun")
-    if launcher is None:
-        pytest.skip("no mpirun here")
-    return [launcher, "-n", str(n)]
 
 
 def test_two_ranks_give_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

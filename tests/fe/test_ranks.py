@@ -1,0 +1,200 @@
+"""One section, one shell on the ranks of an MPI job: parts of matrices, results, failing ranks."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mpi_samples import of_ranks
+from section_specs import library_spec
+from shell_specs import CFRP, box, plate
+
+from plymotion.preprocess.__main__ import main
+from plymotion.solver.package.section.io import read_section
+from plymotion.solver.package.shell.io import read_shell
+
+CLOSE = 1e-8
+PREPROCESS = ("-m", "plymotion.preprocess")
+BEAM = {"stiffness": np.diag([7e7, 3e7, 3e7, 5e2, 6e2, 6e2]).tolist(), "mass": np.eye(6).tolist()}
+CLAMPED = {"root": {"at": "left", "fixed": "all"}}
+PULL, PUSH = ({"x": {"tip": {"at": "right", "force": [f, 0.0, 10.0]}}} for f in (1e3, -1e3))
+
+SECTIONS: dict[str, dict[str, Any]] = {
+    "box": library_spec("box", {"width": 0.1, "height": 0.06, "wall": 0.004}, CFRP),
+    "thin": library_spec("rectangle", {"width": 1.0, "height": 1e-4}, CFRP),
+    "twisted": {
+        **library_spec("rectangle", {"width": 0.1, "height": 0.05}, CFRP),
+        "initial_curvature": [0.4, 0.0, 0.1],
+    },
+}
+SHELLS: dict[str, dict[str, Any]] = {
+    "linked": box(
+        links={"tip": {"at": "tip", "kind": "average"}},
+        loads={"a": {"f": {"at": "tip", "force": [1, 2, -3]}, "g": {"gravity": [0, 0, -9.8]}}},
+        frequencies={"count": 4, "free": True},
+    ),
+    "stiffened": plate(
+        (20, 6),
+        0.004,
+        1.0,
+        0.3,
+        stiffeners={"top": {"at": "top", "offset": [0.0, 0.02], **BEAM}},
+        supports=CLAMPED,
+        links={"end": {"at": "right", "kind": "rigid"}},
+        loads={"pull": {"tip": {"at": "end", "force": [1e3, 0.0, 10.0]}}},
+        frequencies={"count": 3, "prestress": "pull"},
+    ),
+    "buckling": plate((12, 4), 0.004, 1.0, 0.3, supports=CLAMPED, loads=PUSH, buckling={}),
+    "quadrilaterals": plate((30, 8), 0.01, supports=CLAMPED, loads=PULL, frequencies={"count": 3}),
+}
+SHELLS["quadrilaterals"]["mesh"]["element"] = "quadrilateral"
+
+# What each rank has of a shell and of a section; sums over the ranks against the whole.
+PARTS = """
+import json, sys
+import numpy as np
+from plymotion.preprocess import fenicsx
+from plymotion.preprocess.fenicsx.distributed import Distribution
+from plymotion.preprocess.section.layers import layup
+from plymotion.preprocess.section.problem import section_problem
+from plymotion.preprocess.shell.problem import ShellProblem
+
+team, found = fenicsx.world(), {}
+specs = json.load(open(sys.argv[1]))
+for name, spec in specs.items():
+    parts = []
+    for own in (fenicsx.ALONE, team):
+        if name == "shell":
+            problem = ShellProblem(spec, name, own)
+            parts.append(problem.freedom.reduced(problem.K))
+        else:
+            problem = section_problem(spec["mesh"], name, 2, own)
+            C = layup(spec, problem.mesh, problem.space, name).stiffness
+            parts.append(problem.operators.E(C[problem.space.own]))
+            cells = len(problem.space.gradients)
+    whole, part = parts
+    rows = Distribution(part, team)
+    starts, columns, values = rows.csr(part)
+    X = np.random.default_rng(0).standard_normal((whole.shape[0], 2))
+    product = team.total(part @ X)
+    # rows of the sum, in PETSc's order of unknowns
+    own = np.add.reduceat(values[:, None] * X[rows._order][columns], starts[:-1])
+    found[name] = {
+        "product": float(np.abs(product - whole @ X).max() / np.abs(whole @ X).max()),
+        "rows": float(np.abs(rows.gathered(own) - whole @ X).max() / np.abs(whole @ X).max()),
+        "of the rows": rows.n_own / rows.n,
+        "of the entries": part.nnz / whole.nnz,
+    }
+found["of the cells"] = cells / problem.mesh.cells.n_cell
+everything = team.comm.gather(found)
+if team.rank == 0:
+    print(json.dumps(everything))
+"""
+
+# Rank 1 fails where the other one waits for its rows.
+FAILS = """
+import sys
+from plymotion.preprocess.__main__ import main
+from plymotion.preprocess.fenicsx import distributed, parallel
+
+def fails(self, part):
+    raise MemoryError("no memory for the rows")
+
+parallel.AFTER_ERROR = 1.0
+if parallel.world().rank == 1:
+    distributed.Distribution.csr = fails
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def files(folder: Path, specs: dict[str, dict[str, Any]]) -> list[Path]:
+    made = [folder / f"{name}.json" for name in specs]
+    for file, spec in zip(made, specs.values(), strict=True):
+        file.write_text(json.dumps(spec))
+    return made
+
+
+def both(folder: Path, command: str, specs: dict[str, dict[str, Any]], *options: str) -> Path:
+    """Results by two ranks in `together`, by this process in the folder that is returned."""
+    made = files(folder, specs)
+    alone = folder / "alone"
+    assert main([command, *map(str, made), "--out-dir", str(alone), *options]) == 0
+    to = ("--out-dir", folder / "together", *options)
+    done = of_ranks(2, *PREPROCESS, command, *made, *to)
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) == len(made)
+    return alone
+
+
+def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> None:
+    specs = {"shell": SHELLS["stiffened"], "section": SECTIONS["box"]}
+    (file,) = files(tmp_path, {"both": specs})
+    done = of_ranks(2, "-c", PARTS, file)
+    assert done.returncode == 0, done.stderr
+    ranks = json.loads(done.stdout)
+    for name in specs:
+        shares = [rank[name]["of the rows"] for rank in ranks]
+        assert sum(shares) == pytest.approx(1.0, abs=1e-12)
+        for rank in ranks:
+            assert rank[name]["product"] < 1e-13
+            assert rank[name]["rows"] < 1e-13
+            assert 0.3 < rank[name]["of the rows"] < 0.7
+            assert rank[name]["of the entries"] < 0.65
+            assert rank["of the cells"] == pytest.approx(0.5, abs=0.01)
+
+
+def test_sections_by_two_ranks(tmp_path: Path) -> None:
+    alone = both(tmp_path, "section", SECTIONS)
+    for name in SECTIONS:
+        one, two = (read_section(f / f"{name}.vtkhdf") for f in (alone, tmp_path / "together"))
+        size = np.sqrt(np.diag(one.K))
+        limit = CLOSE * np.outer(size, size)
+        if one.provenance["round_off"] is not None:  # of a thin wall, measured
+            limit += 2.0 * one.provenance["round_off"] * np.outer(size, size)
+        assert (np.abs(two.K - one.K) <= limit).all(), name
+        np.testing.assert_allclose(two.M, one.M, rtol=1e-12, atol=1e-12 * np.abs(one.M).max())
+        assert two.error_estimate is not None
+        assert len(two.recovery.points) == len(one.recovery.points)
+        if name == "box":
+            worst = np.abs(two.recovery.strain_M - one.recovery.strain_M).max()
+            assert worst < CLOSE * np.abs(one.recovery.strain_M).max()
+
+
+def test_refined_section_by_two_ranks(tmp_path: Path) -> None:
+    """With hanging nodes."""
+    alone = both(tmp_path, "section", {"box": SECTIONS["box"]}, "--accuracy", "5e-5")
+    one, two = (read_section(f / "box.vtkhdf") for f in (alone, tmp_path / "together"))
+    assert len(one.provenance["refinements"]) > 1
+    assert one.provenance["dofs"] == two.provenance["dofs"]
+    size = np.sqrt(np.diag(one.K))
+    assert np.abs((two.K - one.K) / np.outer(size, size)).max() < CLOSE
+
+
+def test_shells_by_two_ranks(tmp_path: Path) -> None:
+    alone = both(tmp_path, "shell", SHELLS)
+    for name in SHELLS:
+        one, two = (read_shell(f / f"{name}.vtkhdf") for f in (alone, tmp_path / "together"))
+        pairs = [
+            (one.cases.displacements_G, two.cases.displacements_G),
+            (one.cases.resultants_E, two.cases.resultants_E),
+            (one.cases.reactions_G, two.cases.reactions_G),
+        ]
+        if one.modes is not None:
+            assert two.modes is not None
+            pairs.append((one.modes.frequencies, two.modes.frequencies))
+        if one.buckling is not None:
+            assert two.buckling is not None
+            pairs.append((one.buckling.factors, two.buckling.factors))
+        for a, b in pairs:
+            assert np.abs(a - b).max() < CLOSE * np.abs(a).max(), name
+
+
+def test_a_failing_rank_ends_all(tmp_path: Path) -> None:
+    (file,) = files(tmp_path, {"box": SHELLS["linked"]})
+    done = of_ranks(2, "-c", FAILS, "shell", file)
+    assert done.returncode == 2
+    told = "rank 1: error: no memory for the rows; the job is aborted"
+    assert done.stderr.count(told) == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.glob("*.vtkhdf*"))
