@@ -19,7 +19,8 @@ import numpy as np
 from shell_cantilevers import box, cantilever
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.petsc import petsc_matrix, sorted_csr
+from plymotion.preprocess.fenicsx.distributed import Distribution
+from plymotion.preprocess.fenicsx.petsc import sorted_csr
 from plymotion.preprocess.fenicsx.stack import MPI, SLEPc
 
 N_MODE = 8
@@ -33,7 +34,8 @@ SHELLS = {
 def bare(K: Any, M: Any) -> float:
     """One solution by SLEPc, set up here; returns the lowest value."""
     eps = SLEPc.EPS().create(comm=MPI.COMM_SELF)
-    eps.setOperators(petsc_matrix(K, spd=True), petsc_matrix(M, spd=False))
+    rows = Distribution(K, fenicsx.ALONE)
+    eps.setOperators(rows.matrix(K, spd=True), rows.matrix(M, spd=False))
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
     eps.setTarget(0.0)
