@@ -38,14 +38,15 @@ reactions of its load cases, natural modes. A file whose stored inputs
 (specification, preprocessor sources, format version) are unchanged is not written
 again. SPEC `-` alone reads names from standard input and processes each one
 immediately. `mpirun -n N python -m plymotion.preprocess shell ...` analyses one
-shell after the other with all ranks; rank 0 writes and prints.
+shell after the other with all ranks, each with its own cells; rank 0 writes and
+prints.
 
 exit code: 0 all files are up to date; 2 a shell could not be analysed (the others
 were analysed); 130 interrupted.
 """
 RANKS_EPILOG = """\
 `mpirun -n N python -m plymotion.preprocess section ...` analyses one section
-after the other with all ranks; rank 0 writes and prints."""
+after the other with all ranks, each with its own cells; rank 0 writes and prints."""
 POOL_EPILOG = """\
 Start this command with
     mpirun -n N python -m mpi4py.futures -m plymotion.preprocess section-batch ...

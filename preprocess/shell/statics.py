@@ -78,7 +78,7 @@ def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array, team: fen
 
     The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.
     The round-off of one solve depends on the order of elimination and changes the ninth digit. With
-    refinement the result is the same for every factorisation, on one rank or more.
+    refinement the result is the same for every factorisation of the same matrix.
     """
     longer = K.astype(np.longdouble)
     q = factor.solve(loads)
