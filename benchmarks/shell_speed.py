@@ -34,7 +34,7 @@ SHELLS = {
 def bare(K: Any, M: Any) -> float:
     """One solution by SLEPc, set up here; returns the lowest value."""
     eps = SLEPc.EPS().create(comm=MPI.COMM_SELF)
-    rows = Distribution(K, fenicsx.ALONE)
+    rows = Distribution(fenicsx.ALONE, K, M)
     eps.setOperators(rows.matrix(K, spd=True), rows.matrix(M, spd=False))
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)

@@ -22,21 +22,24 @@ class Distribution:
 
     Parameters
     ----------
-    part : (n, n) the part of this process
+    parts : (n, n) of this process, of the matrices of one problem
     """
 
-    def __init__(self, part: sp.csr_matrix, team: Team) -> None:
-        self.team, self.n = team, part.shape[0]
+    def __init__(self, team: Team, *parts: sp.csr_matrix) -> None:
+        self.team, self.n = team, parts[0].shape[0]
         self.rows: Any = slice(0, self.n)  # of this process
         self.n_own = self.n
         if team.size == 1:
             return
-        filled = np.diff(part.indptr) > 0
+        filled = np.logical_or.reduce([np.diff(part.indptr) > 0 for part in parts])
         owner = team.least(np.where(filled, team.rank, team.size - 1))
-        self._order = np.argsort(owner, kind="stable")  # PETSc's: process by process
-        bounds = np.searchsorted(owner[self._order], np.arange(team.size + 1))
-        self._of = [self._order[a:b] for a, b in pairwise(bounds)]
-        self.rows = self._of[team.rank]
+        group = 2 * owner + (team.total(filled.astype(float)) > 1.0)
+        # PETSc's order: process by process, of each the rows that others have entries in at the end
+        self._order = np.argsort(group, kind="stable")
+        bounds = np.searchsorted(group[self._order], np.arange(2 * team.size + 1))
+        groups = [self._order[a:b] for a, b in pairwise(bounds)]
+        self._inner, self._shared = groups[2 * team.rank], groups[1::2]
+        self.rows = np.concatenate([self._inner, self._shared[team.rank]])
         self.n_own = len(self.rows)
         self._number = np.empty(self.n, dtype=PETSc.IntType)
         self._number[self._order] = np.arange(self.n)
@@ -51,12 +54,14 @@ class Distribution:
         index = PETSc.IntType
         if self.team.size > 1:
             mine = self.team.rank
-            pieces = [None if i == mine else part[rows] for i, rows in enumerate(self._of)]
-            total = part[self.rows]
+            pieces = [None if i == mine else part[rows] for i, rows in enumerate(self._shared)]
+            inner, shared = part[self._inner], part[self._shared[mine]]
             for piece in self.team.comm.alltoall(pieces):
-                if piece is not None and piece.nnz:
-                    total = total + piece
-            return total.indptr.astype(index), self._number[total.indices], total.data
+                if piece is not None:
+                    shared = shared + piece
+            starts = np.concatenate([inner.indptr, inner.indptr[-1] + shared.indptr[1:]])
+            columns = self._number[np.concatenate([inner.indices, shared.indices])]
+            return starts.astype(index), columns, np.concatenate([inner.data, shared.data])
         return (
             part.indptr.astype(index, copy=False),
             part.indices.astype(index, copy=False),

@@ -89,7 +89,7 @@ def _krylov_schur(
     solid: bool,
 ) -> Array:
     eps = SLEPc.EPS().create(comm=team.comm)
-    rows = Distribution(K, team)
+    rows = Distribution(team, K, M)
     operators = rows.matrix(K, spd=target == 0.0), rows.matrix(M, spd=False)
     try:
         # with a shift away from zero the factorised matrix is as far from singular as the

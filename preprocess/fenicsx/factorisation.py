@@ -93,7 +93,7 @@ class Cholesky:
 
     def _create(self) -> None:
         """The objects of PETSc that new values do not change."""
-        self._rows = Distribution(self.A, self._team)
+        self._rows = Distribution(self._team, self.A)
         self._mat = self._rows.matrix(self.A, spd=True)
         self._pc = PETSc.PC().create(comm=self._team.comm)
         self._pc.setOperators(self._mat)

@@ -17,7 +17,7 @@ def negative_pivots(A: Any, team: Team = ALONE, solid: bool = False) -> int:
     InertiaError if A cannot be factorised.
     """
     A = sorted_csr(A)
-    mat = Distribution(A, team).matrix(A, spd=False)
+    mat = Distribution(team, A).matrix(A, spd=False)
     pc = PETSc.PC().create(comm=team.comm)
     pc.setOperators(mat)
     pc.setType("cholesky")

@@ -74,7 +74,7 @@ for name, spec in specs.items():
             parts.append(problem.operators.E(C[problem.space.own]))
             cells = len(problem.space.gradients)
     whole, part = parts
-    rows = Distribution(part, team)
+    rows = Distribution(team, part)
     starts, columns, values = rows.csr(part)
     X = np.random.default_rng(0).standard_normal((whole.shape[0], 2))
     product = team.total(part @ X)
