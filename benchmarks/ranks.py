@@ -2,21 +2,21 @@
 
 . build/fenicsx.env && PYTHONPATH=.:tests "$FENICSX_PYTHON" benchmarks/ranks.py [--repeats N]
 
-Each rank runs `python -m plymotion.preprocess section|shell SPEC.json` as users do, in a profile by
-processor time. Assembly is all from the mesh in memory to the rows that MUMPS gets. Processor time
-contains waiting for other ranks, because MPI waits busily. The slowest, or largest, rank counts;
-the least of runs in turns, because other work on the machine adds to all figures.
+Each rank runs `python -m plymotion.preprocess section|shell SPEC.json` as users do. Assembly is all
+from the mesh in memory to the rows that MUMPS gets, with what ranks exchange for them. Times are
+user times of the processor: MPI waits busily, so waiting for other ranks is part of them. The
+slowest, or largest, rank counts; the least of runs in turns, because other work on the machine adds
+to all figures.
 """
 
-import cProfile
 import json
 import os
-import pstats
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,20 +25,6 @@ import numpy as np
 RANKS = (1, 2, 4)
 # Open MPI: waiting ranks let others have the core; no rank is bound to a busy one.
 QUIET = {"OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
-ASSEMBLY = {  # functions whose time, with all that they call, is that of the assembly
-    "section": (
-        ("section/space.py", "__init__"),
-        ("section/space.py", "pattern"),
-        ("section/operators.py", "E"),
-        ("section/pattern.py", "matrix"),
-        ("fenicsx/distributed.py", "matrix"),
-    ),
-    "shell": (
-        ("shell/problem.py", "K"),
-        ("shell/freedom.py", "reduced"),
-        ("fenicsx/distributed.py", "matrix"),
-    ),
-}
 
 
 def models() -> dict[str, dict[str, Any]]:
@@ -55,15 +41,29 @@ def models() -> dict[str, dict[str, Any]]:
 
 
 def as_rank(folder: Path, words: list[str]) -> int:
-    """The command in a profile; its figures go into a file for each rank."""
+    """The command; its figures go into a file for each rank."""
     from plymotion.preprocess.__main__ import main
+    from plymotion.preprocess.fenicsx.distributed import Distribution
+    from plymotion.preprocess.section.operators import SectionOperators
+    from plymotion.preprocess.section.pattern import Pattern, Restriction
+    from plymotion.preprocess.section.space import SectionSpace
+    from plymotion.preprocess.shell.assembly import Assembly
+    from plymotion.preprocess.shell.freedom import Freedom
 
-    profile, start = cProfile.Profile(time.process_time), time.perf_counter()
-    code = profile.runcall(main, words)
+    spent = [0.0]
+    for owner, name in (
+        *((SectionSpace, "__init__"), (Pattern, "__init__"), (SectionOperators, "E")),
+        *((Restriction, "matrix"), (Assembly, "matrix"), (Freedom, "reduced")),
+        (Distribution, "matrix"),
+    ):
+        setattr(owner, name, timed(getattr(owner, name), spent))
+    start = time.perf_counter()
+    code = main(words)
     used = resource.getrusage(resource.RUSAGE_SELF)
     found = {
-        "assembly": _assembly(profile, words[0]),
-        "processor": used.ru_utime + used.ru_stime,
+        "assembly": spent[0],
+        "user": used.ru_utime,
+        "system": used.ru_stime,
         "elapsed": time.perf_counter() - start,
         "MB": used.ru_maxrss / 1024.0,
     }
@@ -71,13 +71,16 @@ def as_rank(folder: Path, words: list[str]) -> int:
     return code
 
 
-def _assembly(profile: cProfile.Profile, kind: str) -> float:
-    rows = pstats.Stats(profile).stats.items()  # type: ignore[attr-defined]
-    return sum(
-        row[3]
-        for (file, _, name), row in rows
-        if any(file.endswith(place) and name == own for place, own in ASSEMBLY[kind])
-    )
+def timed(work: Callable[..., Any], spent: list[float]) -> Callable[..., Any]:
+    """A function that adds its user time to `spent`."""
+
+    def run(*arguments: Any, **options: Any) -> Any:
+        start = resource.getrusage(resource.RUSAGE_SELF).ru_utime
+        found = work(*arguments, **options)
+        spent[0] += resource.getrusage(resource.RUSAGE_SELF).ru_utime - start
+        return found
+
+    return run
 
 
 def measured(n: int, words: list[str]) -> dict[str, float]:
@@ -111,8 +114,8 @@ def main() -> None:
         sys.exit(as_rank(Path(sys.argv[2]), sys.argv[3:]))
     repeats = int(sys.argv[2]) if sys.argv[1:2] == ["--repeats"] else 3
     print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores\n")
-    print("| | ranks | assembly [s] | whole, processor [s] | elapsed [s] | MB | difference |")
-    print("|---|---|---|---|---|---|---|")
+    print("| | ranks | assembly [s] | whole [s] | system [s] | elapsed [s] | MB | difference |")
+    print("|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for kind, spec in models().items():
@@ -127,8 +130,8 @@ def main() -> None:
                 least = {k: min(r[k] for r in runs[n]) for k in runs[n][0]}
                 results = (folder / str(i) / f"{kind}.vtkhdf" for i in (1, n))
                 print(
-                    f"| {kind} | {n} | {least['assembly']:.2f} | {least['processor']:.2f} | "
-                    f"{least['elapsed']:.1f} | {least['MB']:.0f} | "
+                    f"| {kind} | {n} | {least['assembly']:.2f} | {least['user']:.2f} | "
+                    f"{least['system']:.1f} | {least['elapsed']:.1f} | {least['MB']:.0f} | "
                     f"{difference(kind, *results):.0e} |",
                     flush=True,
                 )
