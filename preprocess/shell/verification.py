@@ -16,6 +16,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.shell.schema import ShellCases, ShellModes
 from .. import fenicsx
 from .discretisation import REST, FinerMesh, frequency_errors
+from .errors import ShellError
 from .guards import COINCIDENT
 from .loads import KINDS
 from .problem import ShellProblem
@@ -53,8 +54,8 @@ def verified(
         found = _both(problem, finer, cases, modes)
     except _NotDone as reason:
         return Verified(f"not done for {reason}", [])
-    except (fenicsx.EigenError, fenicsx.FactorisationError) as error:
-        return Verified(f"not done: by the second method, {error}", [])
+    except (fenicsx.EigenError, fenicsx.FactorisationError, ShellError) as error:
+        return Verified(f"not done: {error}", [])
     judged, coarse = [], []
     for name, values in found.items():
         ours, ours_finer, other, other_finer = (float(value) for value in values)
