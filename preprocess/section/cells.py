@@ -82,12 +82,20 @@ class CellMesh:
         return shapes
 
     @cached_property
-    def domains(self) -> list[Any]:
-        """The DOLFINx mesh of the cells of each kind in `of_kinds`."""
-        return [
-            fenicsx.separate_cells(KINDS[kind], shape)
-            for (kind, _), shape in zip(self.of_kinds, self.shapes, strict=True)
-        ]
+    def _domains(self) -> dict[tuple[int, int], list[Any]]:
+        return {}
+
+    def domains(self, some: slice) -> list[Any]:
+        """The DOLFINx mesh of some of the cells of each kind in `of_kinds`; None without any."""
+        key = some.start, some.stop
+        if key not in self._domains:
+            self._domains[key] = [
+                fenicsx.separate_cells(KINDS[kind], shape[within(rows, some)])
+                if within(rows, some).any()
+                else None
+                for (kind, rows), shape in zip(self.of_kinds, self.shapes, strict=True)
+            ]
+        return self._domains[key]
 
     @cached_property
     def edge_table(self) -> tuple[IntArray, IntArray, IntArray]:
@@ -141,6 +149,11 @@ def turned(mesh: CellMesh) -> CellMesh:
         angles = angles.copy()
         angles[rows] = angles[rows][:, OPPOSITE]
     return replace(mesh, nodes=nodes, layer_angle=angles)
+
+
+def within(rows: IntArray, some: slice) -> NDArray[np.bool_]:
+    """Which rows (c,) are in a slice."""
+    return (rows >= some.start) & (rows < some.stop)
 
 
 def patterns(nodes: IntArray) -> list[tuple[IntArray, IntArray]]:

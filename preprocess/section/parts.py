@@ -19,6 +19,7 @@ from .cells import (
     full_basis,
     order_of_nodes,
     patterns,
+    within,
 )
 from .numbering import Numbering
 
@@ -31,8 +32,8 @@ class Part:
 
     kind: int
     rows: IntArray  # (c,) of the mesh
-    domain: Any  # DOLFINx mesh of all cells of the kind
-    own: IntArray  # (c,) of this mesh
+    domain: Any  # DOLFINx mesh of the own cells of the kind
+    own: IntArray  # (c,) rows of this mesh, -1 for other cells
     shape: Array  # (c, 6 or 9, 2) positions of the nodes of the map [m]
     nodes: IntArray  # (c, k) nodes of the functions
     degree: int | None  # of Lagrange functions, None: those of `filling`
@@ -55,10 +56,12 @@ class Part:
             return found
         return np.asarray(found[..., order_of_nodes(self.kind)] @ self.filling)
 
-    def map(self, points: Array) -> Array:
-        """Positions x2, x3 and determinant of the map at points of the cell, (c, q, 3)."""
+    def map(self, points: Array, some: IntArray) -> Array:
+        """Positions x2, x3 and determinant of the map of some cells at points, (c, q, 3)."""
         x = SpatialCoordinate(self.domain)
-        return self.evaluated(as_vector([x[0], x[1], JacobianDeterminant(self.domain)]), points)
+        return self.evaluated(
+            as_vector([x[0], x[1], JacobianDeterminant(self.domain)]), points, some
+        )
 
     def values(self, points: Array) -> Array:
         """The functions at points of the reference cell, (q, k)."""
@@ -81,28 +84,39 @@ class Part:
         return np.asarray(full_basis(self.kind, reference)[0] @ self.shape)
 
 
-def lagrange_parts(mesh: CellMesh, degree: int) -> tuple[list[Part], int, sp.csr_matrix | None]:
+def lagrange_parts(
+    mesh: CellMesh, degree: int, some: slice
+) -> tuple[list[Part], int, sp.csr_matrix | None]:
     """Lagrange functions: the parts, the number of nodes, and `Numbering.expansion`."""
     numbering = Numbering(mesh, degree)
     parts = [
-        Part(kind, rows, domain, np.arange(len(rows)), shape, nodes, degree, None)
+        Part(kind, rows, domain, _numbers(rows, some), shape, nodes, degree, None)
         for (kind, rows), domain, shape, nodes in zip(
-            mesh.of_kinds, mesh.domains, mesh.shapes, numbering.of_cells, strict=True
+            mesh.of_kinds, mesh.domains(some), mesh.shapes, numbering.of_cells, strict=True
         )
     ]
     return parts, numbering.n_node, numbering.expansion()
 
 
-def own_parts(mesh: CellMesh) -> tuple[list[Part], int]:
+def own_parts(mesh: CellMesh, some: slice) -> tuple[list[Part], int]:
     """The functions of the nodes that each cell has: the parts and the number of nodes."""
     used, compact = np.unique(mesh.nodes, return_inverse=True)
     absent = int(used[0] < 0)
     table = compact.reshape(mesh.nodes.shape) - absent
     parts = []
-    for (kind, rows), domain, shape in zip(mesh.of_kinds, mesh.domains, mesh.shapes, strict=True):
+    for (kind, rows), domain, shape in zip(
+        mesh.of_kinds, mesh.domains(some), mesh.shapes, strict=True
+    ):
+        numbers = _numbers(rows, some)
         nodes = table[rows, : FULL[kind]]
-        for pattern, some in patterns(nodes):
-            own = nodes[some][:, pattern]
+        for pattern, of in patterns(nodes):
+            own = nodes[of][:, pattern]
             fill = filling(kind, pattern)
-            parts.append(Part(kind, rows[some], domain, some, shape[some], own, None, fill))
+            parts.append(Part(kind, rows[of], domain, numbers[of], shape[of], own, None, fill))
     return parts, len(used) - absent
+
+
+def _numbers(rows: IntArray, some: slice) -> IntArray:
+    """Rows of the cells in the DOLFINx mesh of those in a slice; -1 for the others."""
+    inside = within(rows, some)
+    return np.where(inside, np.cumsum(inside) - 1, -1)

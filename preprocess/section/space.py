@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import EDGES, NODES
-from .cells import CORNERS, KINDS, CellMesh, full_basis
+from .cells import CORNERS, KINDS, CellMesh, full_basis, within
 from .parts import lagrange_parts, own_parts
 from .pattern import Pattern
 from .strains import fixed, strain_along_beam, strain_in_section
@@ -65,9 +65,9 @@ class SectionSpace:
         self.quadrature_degree = quadrature_degree or 2 * self.degree + (2 if curved else 0)
         P = None
         if degree is None:
-            parts, n_node = own_parts(mesh)
+            parts, n_node = own_parts(mesh, self.own)
         else:
-            parts, n_node, P = lagrange_parts(mesh, degree)
+            parts, n_node, P = lagrange_parts(mesh, degree, self.own)
         self.rules = [  # the parts, with points and weights of integration on the reference cell
             (
                 part,
@@ -83,28 +83,28 @@ class SectionSpace:
         c, q = mesh.n_cell, max(len(weights) for _, (_, weights) in self.rules)
         k = max(part.nodes.shape[1] for part in parts)
         self.dofs = np.empty((c, k), dtype=np.int32)
-        self.points, self.weights = np.empty((c, q, 2)), np.zeros((c, q))
         first, stop = self.own.start, self.own.stop
+        points, areas = np.empty((stop - first, q, 2)), np.zeros((stop - first, q))
         self.values: Array = np.zeros((q, k) if len(parts) == 1 else (stop - first, q, k))
         self.gradients = np.zeros((stop - first, q, 2, k))
         places = np.empty((n_node, 2))
         for part, (reference, weights) in self.rules:
             rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
-            x = part.map(reference)
-            self.points[rows, :p], self.points[rows, p:] = x[..., :2], x[:, :1, :2]
-            self.weights[rows, :p] = weights * np.abs(x[..., 2])
             self.dofs[rows, :n], self.dofs[rows, n:] = part.nodes, part.nodes[:, :1]
             places[part.nodes] = part.places()
-            mine = np.flatnonzero((rows >= first) & (rows < stop))
+            mine = np.flatnonzero(within(rows, self.own))
             if not len(mine):
                 continue
-            functions = part.functions(reference, mine)
             rows = rows[mine] - first
+            x, functions = part.map(reference, mine), part.functions(reference, mine)
+            points[rows, :p], points[rows, p:] = x[..., :2], x[:, :1, :2]
+            areas[rows, :p] = weights * np.abs(x[..., 2])
             if len(parts) == 1:
                 self.values[:] = functions[0, :, 0]
             else:
                 self.values[rows, :p, :n] = functions[:, :, 0]
             self.gradients[rows, :p, :, :n] = functions[:, :, 1:]
+        self.points, self.weights = team.stacked(points), team.stacked(areas)
         self.x2, self.x3 = places.T.copy()
         self.S_h, self.S_l = fixed(strain_in_section)[:, 3:], fixed(strain_along_beam)[:, :3]
         self.unknowns: Unknowns | None = None
