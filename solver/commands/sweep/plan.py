@@ -44,7 +44,7 @@ class Variant(Table):
 class Member(Variant):
     """One point of the design."""
 
-    values: list[float]
+    values: tuple[float, ...]
     other_runs: dict[str, Variant]  # that combined signals read
     number: Number = 0  # in the sweep
 
