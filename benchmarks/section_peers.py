@@ -25,7 +25,7 @@ from section_cases import reference, section
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.mesh import section_mesh
+from plymotion.preprocess.section.mesh.mesh import section_mesh
 
 HERE = Path(__file__).resolve().parent
 REPEATS = 5

@@ -27,13 +27,13 @@ import numpy as np
 from section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.petsc import MINIMUM_DEGREE
+from plymotion.preprocess.fenicsx.solvers.petsc import MINIMUM_DEGREE
 from plymotion.preprocess.fenicsx.stack import PETSc
-from plymotion.preprocess.section.inertia import mass_matrix
-from plymotion.preprocess.section.layers import layup
-from plymotion.preprocess.section.mesh import SectionMesh, section_mesh
-from plymotion.preprocess.section.problem import SectionProblem
-from plymotion.preprocess.section.warping import pinned_dofs
+from plymotion.preprocess.section.mesh.mesh import SectionMesh, section_mesh
+from plymotion.preprocess.section.solve.problem import SectionProblem
+from plymotion.preprocess.section.solve.warping import pinned_dofs
+from plymotion.preprocess.section.space.layers import layup
+from plymotion.preprocess.section.space.operators import mass_matrix
 
 BOX = "21_box_layup2"
 DENSITY = {6_000: 1.0, 20_000: 1.85}  # of the elements, by number of unknowns

@@ -24,7 +24,7 @@ import shell_calculix
 from shell_cantilevers import cantilever
 from shell_layups import PLATES
 
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
 
 COUNT = 3
 MESHES = ((12, 4), (24, 8), (48, 16))

@@ -23,8 +23,8 @@ import cylinder_peer
 import numpy as np
 from cylinder_samples import LAMINA, cylinder, write_cylinder
 
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 R = L = 1.0
 H = 0.01

@@ -20,7 +20,7 @@ from shell_cantilevers import box, cantilever
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.distributed import Distribution
-from plymotion.preprocess.fenicsx.petsc import sorted_csr
+from plymotion.preprocess.fenicsx.solvers.petsc import sorted_csr
 from plymotion.preprocess.fenicsx.stack import MPI, SLEPc
 
 N_MODE = 8

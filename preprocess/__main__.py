@@ -186,13 +186,13 @@ def _body(options: argparse.Namespace) -> int:
 
 
 def _section(options: argparse.Namespace) -> int:
-    from .section.run import run_sections
+    from .section.analysis.batch import run_sections
 
     return run_sections(options, pool=False)
 
 
 def _shell(options: argparse.Namespace) -> int:
-    from .shell.run import run_shells
+    from .shell.analyses.batch import run_shells
 
     if options.out and (len(options.specs) > 1 or options.specs == [Path("-")]):
         print("error: --out: expected one SPEC.json; several need --out-dir", file=sys.stderr)
@@ -208,7 +208,7 @@ def _compile(_options: argparse.Namespace) -> int:
 
 
 def _section_batch(options: argparse.Namespace) -> int:
-    from .section.run import run_sections
+    from .section.analysis.batch import run_sections
 
     return run_sections(options, pool=True)
 

@@ -42,9 +42,9 @@ def section(cell: str) -> None:
     For a field of the default degree 2 and for its estimate, which also takes it at the points of
     degree 3.
     """
-    from .section.cells import FULL, KINDS, CellMesh
-    from .section.space import SectionSpace
-    from .section.twist import TwistedStrains
+    from .section.mesh.cells import FULL, KINDS, CellMesh
+    from .section.solve.twist import TwistedStrains
+    from .section.space.space import SectionSpace
 
     kind = np.array([KINDS.index(cell)])
     nodes = np.arange(9)[None, :]
@@ -60,10 +60,10 @@ def section(cell: str) -> None:
 
 def lists_of_shells() -> list[tuple[int, str, str]]:
     """Arguments of `shell` for all elements; those that take longest come first."""
-    from .shell.drilling import DRILLINGS
-    from .shell.membranes import MEMBRANES
-    from .shell.plates import PLATES
-    from .shell.quads import QUADS
+    from .shell.elements.drilling import DRILLINGS
+    from .shell.elements.membranes import MEMBRANES
+    from .shell.elements.plates import PLATES
+    from .shell.elements.quads import QUADS
 
     lists = [(4, "quadrilateral", name) for name in QUADS]
     lists += [(3, "plate", name) for name in PLATES]
@@ -77,7 +77,7 @@ def lists_of_shells() -> list[tuple[int, str, str]]:
 
 def shell(k: int, kind: str, name: str) -> None:
     """Compile one list of a shell element."""
-    from .shell.pairs import kernel_of
+    from .shell.elements.pairs import kernel_of
 
     kernel_of(k, (kind, name))
 

@@ -12,7 +12,7 @@ from ..solver.package.common.toml_text import toml_text
 from ..solver.package.section.recovery_data import thinned
 from ..solver.package.section.schema import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
-from .beam.given import StationSection, analysed_section, given_section, is_given
+from .beam.sections import StationSection, analysed_section, given_section, is_given
 from .beam.spec import read_spec
 from .fenicsx import eigenpairs
 from .provenance import body_provenance
@@ -36,7 +36,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     Errors of the analysis (material, mesh) pass through.
     """
     if isinstance(spec, dict) and spec.get("kind") == "shell":
-        from .shell.body import build_shell_body  # imported here because beams do not need it
+        from .shell.body.body import build_shell_body  # imported here because beams do not need it
 
         return build_shell_body(spec)
     if isinstance(spec, dict) and spec.get("kind") == "solid":

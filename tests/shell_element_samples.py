@@ -6,14 +6,17 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.pairs import kernel_of, mass_kernel, stiffness_kernel
-from plymotion.preprocess.shell.plates import shear_ratio
-from plymotion.preprocess.shell.quadrilaterals import Quadrilaterals, quadrilaterals
-from plymotion.preprocess.shell.side_widths import width_ratios
-from plymotion.preprocess.shell.single_cells import cell_matrices
-from plymotion.preprocess.shell.table import cell_table, write
-from plymotion.preprocess.shell.triangles import Triangles, triangles
+from plymotion.preprocess.shell.elements.choice import Choice
+from plymotion.preprocess.shell.elements.pairs import kernel_of, mass_kernel, stiffness_kernel
+from plymotion.preprocess.shell.elements.plates import shear_ratio
+from plymotion.preprocess.shell.elements.single_cells import cell_matrices
+from plymotion.preprocess.shell.elements.table import cell_table, write
+from plymotion.preprocess.shell.mesh.quadrilaterals import (
+    Quadrilaterals,
+    quadrilaterals,
+    width_ratios,
+)
+from plymotion.preprocess.shell.mesh.triangles import Triangles, triangles
 from plymotion.solver.package.shell import elements
 
 QUADS = tuple(elements.QUADS)

@@ -12,16 +12,20 @@ from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.common.table_form import SpecError
 from ..modes import EigenSolver, Modes, reduced_modes
-from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, LineSection, on_x_axis
-from .points import point_masses
-from .reduction import held_dofs, reference_condition, static_loads
+from .reduction import (
+    coarse_mesh_warnings,
+    frequency_error,
+    held_dofs,
+    reference_condition,
+    spinning_loads,
+    static_loads,
+)
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
+from .sections import Profile
 from .spec import BeamSpec
-from .spinning import spinning_loads
-from .stations import mass_stations, nodal_mass
-from .taper import Profile
+from .stations import mass_stations, nodal_mass, point_masses
 from .theory import of_theory
 
 VTK_LINE = 3

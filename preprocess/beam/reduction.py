@@ -1,13 +1,104 @@
-"""Input of a beam to the mode computation: reference condition and static loads."""
+"""Input of a beam to the mode computation: reference, static and spinning shapes, mesh error."""
 
 import numpy as np
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.body.specification import DIRECTIONS
 from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
+from .element import BeamElement, scaled_inverse
 from .line import BeamLine
-from .spec_modes import ModeSpec
+from .spec import ModeSpec
+
+LIMIT = 0.01  # relative frequency error above which a mesh is reported as coarse
+
+
+def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: str) -> Array:
+    """Estimated relative error of the frequencies, (m,); positive where they are too high.
+
+    Parameters
+    ----------
+    line : the beam
+    values : (m,) eigenvalues [rad2/s2]
+    columns_B : (6 n, m) mass-normalised modes, body axes
+    mass_form : "consistent" or "lumped"
+    """
+    nodal_E = line.to_element(columns_B)
+    change = np.zeros(len(values))
+    for span in line.spans:
+        element, mass = span.element, span.section.mass
+        d = nodal_E[span.numbers]
+        half = BeamElement(0.5 * element.length, element.K)
+        # nodes of the halved element: first, last (12 values), middle (6)
+        P = np.vstack([np.eye(12), element.shape(np.array([half.length]))[0]])
+        first, second = np.r_[0:6, 12:18], np.r_[12:18, 6:12]
+        K_fine, M_fine = np.zeros((18, 18)), np.zeros((18, 18))
+        for dofs in (first, second):
+            K_fine[np.ix_(dofs, dofs)] += half.stiffness()
+            M_fine[np.ix_(dofs, dofs)] += half.mass_matrix(mass, mass_form)
+        gained = P.T @ M_fine @ P - element.mass_matrix(mass, mass_form)
+        change += np.einsum("eim,ij,ejm->m", d, gained, d, optimize=True)
+        r = np.einsum("ij,ejm->eim", M_fine[12:] @ P, d)
+        follow = scaled_inverse(K_fine[12:, 12:])
+        change += values * np.einsum("eim,ij,ejm->m", r, follow, r, optimize=True)
+    return 0.5 * 4.0 / 3.0 * change
+
+
+def coarse_mesh_warnings(
+    labels: tuple[str, ...], error: Array, elements: int
+) -> list[dict[str, str]]:
+    """Warning `mesh-coarse-for-modes` naming the modes beyond LIMIT; empty if there are none."""
+    coarse = [
+        f"{label} ({abs(e):.1%})" for label, e in zip(labels, error, strict=True) if abs(e) > LIMIT
+    ]
+    if not coarse:
+        return []
+    message = (
+        f"{elements} elements are too few for the modes {few(coarse)}: estimated frequency "
+        f"error above {LIMIT:.0%}; increase `elements`"
+    )
+    return [{"code": "mesh-coarse-for-modes", "message": message}]
+
+
+# Transverse displacement, and the rotation that equals its slope, with its sign.
+PLANES = {"spinning-xy": (1, 5, 1.0), "spinning-xz": (2, 4, -1.0)}
+
+
+def spinning_loads(
+    condition: Condition, line: BeamLine, requested: tuple[tuple[str, int], ...], origin: int
+) -> list[StaticLoad]:
+    """Loads of the static modes "spinning-xy" and "spinning-xz".
+
+    Parameters
+    ----------
+    condition : reference condition; not a mean axis, because a mean axis carries the first load
+    line : the beam, straight and, for the tension, uniform
+    requested : key of PLANES and number of shapes
+    origin : node on the axis of rotation
+    """
+    x = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
+    tension = 0.5 * (np.where(x < 0.0, x[0], x[-1]) ** 2 - x**2)
+    zero = np.zeros(6 * line.n_node)
+    loads = []
+    for kind, count in requested:
+        across, turning, sign = PLANES[kind]
+        pull = x
+        for k in range(count):
+            acceleration = np.zeros((line.n_node, 6))
+            acceleration[:, across] = pull / np.abs(pull).max()
+            load = acceleration.ravel()
+            loads.append(StaticLoad(f"{kind} {k + 1}", zero, load))
+            shape = condition.static(zero[:, None], load[:, None]).columns[:, 0]
+            slope = sign * shape.reshape(-1, 6)[:, turning]
+            pull = _derivative(tension * slope, line.nodes_B[:, 0])
+    return loads
+
+
+def _derivative(values: Array, x: Array) -> Array:
+    """Derivative by x of nodal values (n,), of second order in the size of the elements."""
+    return np.asarray(np.gradient(values, x, edge_order=2 if len(x) > 2 else 1))
+
 
 # Dofs of the reference nodes that are fixed in the frame. Clamped: all six of a node. Chord:
 # the x axis runs through both nodes, and there is no twist at the first.

@@ -32,8 +32,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from .element import Z, gauss
 from .line import BeamLine
-from .points import PointMasses
-from .stations import station_places
+from .stations import PointMasses, station_places
 
 POINTS = 5  # the slopes of u2 and f2 have degree 4 in x, so 5 points determine them
 E1 = np.array([1.0, 0.0, 0.0])

@@ -1,22 +1,16 @@
-"""Mass stations of a beam: positions of its mass and their motion in the modes.
-
-The inertia invariants of a body are sums over stations (solver/package/
-invariants.py). With lumped mass the stations are the ends of the elements. With consistent
-mass they are the Gauss points of int N' m N dx. There the modes move the section
-by phi = N_t X and psi = N_r X. The quadrature is exact, so the sums equal
-the consistent mass to round-off.
-"""
+"""Mass of a beam as stations and as point masses: positions and motion in the modes."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...solver.math.arrays import Array
+from ...solver.math.arrays import Array, IntArray
 from ...solver.math.rotations import skew
 from ...solver.package.body.invariants import from_stations
 from ...solver.package.body.schema import Invariants
 from .element import MASS_POINTS, gauss
 from .line import BeamLine
+from .section_mass import second_moments
 
 
 @dataclass(frozen=True)
@@ -107,3 +101,55 @@ def mass_stations(line: BeamLine, columns_B: Array, mass_form: str) -> Stations:
         )
     columns = ("m", "x_B", "phi_B", "psi_B", "J_B")
     return Stations(*(np.concatenate([getattr(p, name) for p in parts]) for name in columns))
+
+
+ABSENT = 1e-9  # of the largest second moment: smaller ones are round-off
+
+
+@dataclass(frozen=True)
+class PointMasses:
+    """Point masses that move with the slices of a beam, body axes.
+
+    Attributes
+    ----------
+    slice_of : (p,) slice of each point
+    s_B : (p, 3) from the mass centre of the slice to the point [m]
+    m : (p,) masses [kg]
+    x_B : (p, 3) rest positions [m]
+    phi_B : (p, 3, n_mode) translation per unit mode [m]
+    """
+
+    slice_of: IntArray
+    s_B: Array
+    m: Array
+    x_B: Array
+    phi_B: Array
+
+    def invariants(self, mass_form: str) -> Invariants:
+        """Sums over the points; no rotary inertia is left. Paper: Eq. (2), Eq. (15)."""
+        none = np.zeros_like(self.phi_B)
+        J = np.zeros((len(self.m), 3, 3))
+        return from_stations(self.m, self.x_B, self.phi_B, none, J, mass_form)
+
+
+def point_masses(stations: Stations) -> PointMasses:
+    """Replace the slices of a beam by point masses."""
+    E, axes = second_moments(stations.J_B)
+    kept = ABSENT * np.abs(E).max(axis=1, keepdims=True) < E
+    count = kept.sum(axis=1)
+    slice_of, axis = np.nonzero(kept)
+    share = count[slice_of]
+    length = np.sqrt(share * E[slice_of, axis] / stations.m[slice_of])
+    s = length[:, None] * axes[slice_of, :, axis]
+    half = stations.m[slice_of] / (2.0 * share)
+    bare = np.flatnonzero(count == 0)  # without rotary inertia: one point at the centre
+    slice_of = np.concatenate([slice_of, slice_of, bare])
+    s = np.concatenate([s, -s, np.zeros((len(bare), 3))])
+    m = np.concatenate([half, half, stations.m[bare]])
+    return PointMasses(
+        slice_of=slice_of,
+        s_B=s,
+        m=m,
+        x_B=stations.x_B[slice_of] + s,
+        phi_B=stations.phi_B[slice_of] + np.cross(stations.psi_B[slice_of], s[:, :, None], axis=1),
+    )

@@ -18,11 +18,10 @@ from .team import ALONE, Team, world
 
 # Module of this folder -> the names that it offers; no module has the name of a function.
 _PUBLIC = {
-    "eigen": ("eigenpairs",),
-    "factorisation": ("Cholesky", "cholesky"),
-    "gmsh_model": ("plain_from_model",),
-    "gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
-    "inertia": ("negative_pivots",),
+    "solvers.eigen": ("eigenpairs",),
+    "solvers.factorisation": ("Cholesky", "cholesky", "negative_pivots"),
+    "meshing.gmsh_model": ("plain_from_model",),
+    "meshing.gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "kernels": ("Kernel", "Rows", "Symbols", "compiled", "kernel", "matrices", "rows", "symbols"),
     "reference_cell": ("lagrange", "quadrature", "reference_nodes"),
     "spaces": ("constant", "evaluated", "scalar_argument", "separate_cells"),

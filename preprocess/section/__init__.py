@@ -6,9 +6,9 @@ from ...solver.math.late import late
 from .errors import SectionError
 
 if TYPE_CHECKING:
-    from .analysis import analyse
+    from .analysis.analysis import analyse
 
 __all__ = ["SectionError", "analyse"]
 
 # A file that is up to date needs no analysis.
-__getattr__, __dir__ = late({"analyse": "analysis"}, globals())
+__getattr__, __dir__ = late({"analyse": "analysis.analysis"}, globals())

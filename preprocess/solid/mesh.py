@@ -13,7 +13,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.specification import CAD, CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
-from ..fenicsx.gmsh_solid import CadPart, solid_from_file
+from ..fenicsx.meshing.gmsh_solid import CadPart, solid_from_file
 from ..python_script import is_refused
 from .cells import boundary, derivatives, faces, reference_nodes
 from .errors import SolidError

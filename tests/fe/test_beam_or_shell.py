@@ -10,7 +10,7 @@ from section_specs import library_spec, rectangle_spec
 from shell_specs import METAL, SCRIPTS
 
 from plymotion.preprocess import section
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.solver.fidelity.indicators.beam_theory import (
     Walls,
     local_frequency,

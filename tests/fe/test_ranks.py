@@ -56,9 +56,9 @@ import json, sys
 import numpy as np
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.distributed import Distribution
-from plymotion.preprocess.section.layers import layup
-from plymotion.preprocess.section.problem import section_problem
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.section.space.layers import layup
+from plymotion.preprocess.section.solve.problem import section_problem
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 team, found = fenicsx.world(), {}
 specs = json.load(open(sys.argv[1]))

@@ -8,13 +8,13 @@ import pytest
 
 from plymotion.preprocess.materials import isotropic
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.adaptive import worst_cells
-from plymotion.preprocess.section.cells import CellMesh
-from plymotion.preprocess.section.estimate import scaled
-from plymotion.preprocess.section.mesh import section_mesh
-from plymotion.preprocess.section.operators import SectionOperators
-from plymotion.preprocess.section.refine import refined
-from plymotion.preprocess.section.space import SectionSpace
+from plymotion.preprocess.section.mesh.cells import CellMesh
+from plymotion.preprocess.section.mesh.mesh import section_mesh
+from plymotion.preprocess.section.mesh.refine import refined
+from plymotion.preprocess.section.solve.adaptive import worst_cells
+from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.space.operators import SectionOperators
+from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.section.schema import SectionFile
 

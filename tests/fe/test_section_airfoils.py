@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from section_mesh_samples import SIZES, library, nodes_of
 
-from plymotion.preprocess.section.curves import nearest_on_curve
-from plymotion.preprocess.section.mesh import SectionError, section_mesh
+from plymotion.preprocess.section.mesh.mesh import SectionError, section_mesh
+from plymotion.preprocess.section.space.layers import nearest_on_curve
 from plymotion.solver.inputs.section.shapes.library import expand, walls
 
 AIRFOILS: dict[str, dict[str, Any]] = {

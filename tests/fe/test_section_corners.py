@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.solver.commands.section.show import judged_peaks
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.package.section.corners import reentrant_corners

@@ -11,12 +11,12 @@ from section_cases import section
 
 from plymotion.preprocess.materials import isotropic
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.estimate import error_of_edges, scaled
-from plymotion.preprocess.section.layers import layup
-from plymotion.preprocess.section.mesh import section_mesh
-from plymotion.preprocess.section.problem import SectionProblem, section_problem
-from plymotion.preprocess.section.refine import refined
-from plymotion.preprocess.section.singular import exponent
+from plymotion.preprocess.section.mesh.mesh import section_mesh
+from plymotion.preprocess.section.mesh.refine import refined
+from plymotion.preprocess.section.solve.estimate import error_of_edges, scaled
+from plymotion.preprocess.section.solve.problem import SectionProblem, section_problem
+from plymotion.preprocess.section.solve.singular import exponent
+from plymotion.preprocess.section.space.layers import layup
 from plymotion.solver.inputs.section.shapes.library import expand
 
 SMALL = 0.05  # errors below this share of the worst one are irrelevant
@@ -200,7 +200,7 @@ def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
 
 @pytest.mark.provokes("accuracy-not-met")
 def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    from plymotion.preprocess.section import analysis
+    from plymotion.preprocess.section.analysis import analysis
 
     monkeypatch.setattr(analysis, "MOST_DOFS", 5000)
     found = analyse(section("02"), accuracy=1e-9)

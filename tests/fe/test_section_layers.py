@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.section import SectionError, analyse
-from plymotion.preprocess.section.curves import nearest_on_curve
-from plymotion.preprocess.section.estimate import scaled
+from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.space.layers import nearest_on_curve
 
 CARBON = {
     "kind": "orthotropic",

@@ -11,8 +11,8 @@ import pytest
 from section_mesh_samples import CFRP, ISOTROPIC, SIZES, library, moments, nodes_of
 
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.cells import KINDS as CELL_KINDS
-from plymotion.preprocess.section.mesh import section_mesh
+from plymotion.preprocess.section.mesh.cells import KINDS as CELL_KINDS
+from plymotion.preprocess.section.mesh.mesh import section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.math.arrays import Array
 

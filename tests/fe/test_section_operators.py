@@ -11,14 +11,14 @@ from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
 from plymotion.preprocess.fenicsx.stack import dolfinx
 from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
-from plymotion.preprocess.section.cells import cells_of_plain
-from plymotion.preprocess.section.mesh import SectionMesh
-from plymotion.preprocess.section.operators import SectionOperators
-from plymotion.preprocess.section.pattern import Pattern
-from plymotion.preprocess.section.problem import SectionProblem
-from plymotion.preprocess.section.space import SectionSpace, is_curved
-from plymotion.preprocess.section.twist import TwistedStrains
-from plymotion.preprocess.section.verification import matrices
+from plymotion.preprocess.section.analysis.verification import matrices
+from plymotion.preprocess.section.mesh.cells import cells_of_plain
+from plymotion.preprocess.section.mesh.mesh import SectionMesh
+from plymotion.preprocess.section.mesh.pattern import Pattern
+from plymotion.preprocess.section.solve.problem import SectionProblem
+from plymotion.preprocess.section.solve.twist import TwistedStrains
+from plymotion.preprocess.section.space.operators import SectionOperators
+from plymotion.preprocess.section.space.space import SectionSpace, is_curved
 
 MESHES = Path(__file__).resolve().parents[2] / "meshes"
 PLY = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
@@ -104,7 +104,7 @@ def test_stiffness_comes_from_the_text_of_the_strains(monkeypatch: pytest.Monkey
     def half(w: Any, _d: Any = None) -> Any:
         return ufl.as_vector([w[0], 0, 0, 0, w[2], w[1] / 2])
 
-    monkeypatch.setattr("plymotion.preprocess.section.space.strain_along_beam", half)
+    monkeypatch.setattr("plymotion.preprocess.section.space.space.strain_along_beam", half)
     assert torsion_of_a_square() < 0.95 * 0.140577
 
 

@@ -14,7 +14,7 @@ import pytest
 from section_cases import section as described
 
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.estimate import scaled
+from plymotion.preprocess.section.solve.estimate import scaled
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 FILES = [path for path in sorted(FOLDER.glob("[0-9]*.toml")) if path.name[:3] != "30_"]

@@ -10,14 +10,14 @@ from plymotion.preprocess.laminate.stack import Lamina, Laminate
 from plymotion.preprocess.laminate.stiffness import laminate_stiffness
 from plymotion.preprocess.materials import isotropic, material_from_dict
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.cells import turned
 from plymotion.preprocess.section.errors import SectionError
-from plymotion.preprocess.section.estimate import scaled
-from plymotion.preprocess.section.guards import bulk_over_shear
-from plymotion.preprocess.section.mesh import section_mesh
-from plymotion.preprocess.section.problem import SectionProblem
-from plymotion.preprocess.section.space import SectionSpace
-from plymotion.preprocess.section.thin import differences_across
+from plymotion.preprocess.section.mesh.cells import turned
+from plymotion.preprocess.section.mesh.mesh import section_mesh
+from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.solve.guards import bulk_over_shear
+from plymotion.preprocess.section.solve.problem import SectionProblem
+from plymotion.preprocess.section.space.space import SectionSpace
+from plymotion.preprocess.section.space.thin import differences_across
 from plymotion.solver.inputs.section.shapes.library import expand
 
 NU = 0.3

@@ -9,20 +9,21 @@ from scipy.spatial.transform import Rotation
 from solid_bar import compliance
 
 from plymotion.preprocess.materials import Orthotropic, bond, isotropic, ply_rotation, rotated
-from plymotion.preprocess.section import analyse, helical
+from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.errors import SectionError
-from plymotion.preprocess.section.estimate import scaled
-from plymotion.preprocess.section.helical import (
+from plymotion.preprocess.section.mesh.mesh import section_mesh
+from plymotion.preprocess.section.solve import helical
+from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.solve.helical import (
     CentralSolutions,
     central_solutions,
     change_of_resultants,
 )
-from plymotion.preprocess.section.layers import layup
-from plymotion.preprocess.section.mesh import section_mesh
-from plymotion.preprocess.section.problem import SectionProblem, section_problem
-from plymotion.preprocess.section.recovery import unit_strains
-from plymotion.preprocess.section.solution import solve
-from plymotion.preprocess.section.space import SectionSpace
+from plymotion.preprocess.section.solve.problem import SectionProblem, section_problem
+from plymotion.preprocess.section.solve.recovery import unit_strains
+from plymotion.preprocess.section.solve.solution import solve
+from plymotion.preprocess.section.space.layers import layup
+from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.math.rotations import skew
 

@@ -15,10 +15,10 @@ from shell_specs import CFRP, METAL, box, plate
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.body_packages import BodyPackages
 from plymotion.preprocess.modes import ModeError
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.body import shell_model, shell_modes, shell_package
-from plymotion.preprocess.shell.body_spec import read_shell_body
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.body.body import shell_model, shell_modes, shell_package
 from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.mesh.body_spec import read_shell_body
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.package.body.plausibility import plausibility_findings

@@ -15,9 +15,9 @@ from shell_model import SCRIPTS, isotropic, laminate
 from shell_specs import plate
 from shell_squares import lamina
 
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.commands.shell.findings import case_findings
 
 Record = Callable[[str, Any], None]

@@ -14,8 +14,8 @@ from shell_model import isotropic, laminate
 from shell_specs import plate
 from shell_squares import lamina
 
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 # Buckling with both DOLFINx: test_shell_buckling.py.
 pytestmark = pytest.mark.one_end

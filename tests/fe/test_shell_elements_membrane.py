@@ -11,10 +11,10 @@ from shell_element_samples import (
     part_stiffness,
 )
 
-from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.membranes.opt import best_beta0
-from plymotion.preprocess.shell.resultants import element_strains
-from plymotion.preprocess.shell.triangles import triangles
+from plymotion.preprocess.shell.elements.choice import Choice
+from plymotion.preprocess.shell.elements.membranes.opt import best_beta0
+from plymotion.preprocess.shell.elements.resultants import element_strains
+from plymotion.preprocess.shell.mesh.triangles import triangles
 
 
 def bending_ratio(membrane: str, nu: float, aspect: float, beta0: float | str) -> float:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from shell_element_samples import assembled, element_stiffness, grid, isotropic, ratios, solved
 
-from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.plates.dst import SHEAR_RATIO_LIMIT
-from plymotion.preprocess.shell.triangles import triangles
+from plymotion.preprocess.shell.elements.choice import Choice
+from plymotion.preprocess.shell.elements.plates.dst import SHEAR_RATIO_LIMIT
+from plymotion.preprocess.shell.mesh.triangles import triangles
 
 NU = 0.3
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from shell_specs import plate
 
-from plymotion.preprocess.shell import modes as shell_modes
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses import modes as shell_modes
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.solver.commands.shell.show import shell_text
 from plymotion.solver.commands.shell.show_json import shell_json
 

@@ -11,9 +11,9 @@ from shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.laminate import LaminateError
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 Record = Callable[[str, Any], None]
 PRESS = {"press": {"all": {"pressure": 1.0}}}

@@ -12,10 +12,10 @@ from shell_specs import plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.stack import dolfinx
-from plymotion.preprocess.shell import pairs
-from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.problem import ShellProblem
-from plymotion.preprocess.shell.table import cell_table
+from plymotion.preprocess.shell.elements import pairs
+from plymotion.preprocess.shell.elements.choice import Choice
+from plymotion.preprocess.shell.elements.table import cell_table
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 BENDING = np.array([False, False, True, True, True, False])  # of a plate in z = 0

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from shell_specs import CFRP, METAL, SCRIPTS, box, mesh_from, plate
 
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.axes import cell_directions
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.groups import group
-from plymotion.preprocess.shell.loads import resultant
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.mesh.axes import cell_directions
+from plymotion.preprocess.shell.mesh.groups import group
+from plymotion.preprocess.shell.model.loads import resultant
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 Record = Callable[[str, Any], None]
 ORIGIN = np.zeros(3)

@@ -17,12 +17,12 @@ from shell_specs import HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.__main__ import main
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.analyses.frequencies import natural_modes
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.freedom import Freedom
-from plymotion.preprocess.shell.frequencies import natural_modes
-from plymotion.preprocess.shell.links import averaged, carried
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.model.freedom import Freedom
+from plymotion.preprocess.shell.model.links import averaged, carried
+from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.package.shell.io import read_shell
 
 Record = Callable[[str, Any], None]

@@ -1,5 +1,6 @@
 """The elements against another formulation on the same triangles: quadratic displacement, CR
-rotations (preprocess/shell/second_route.py). Both meet the references; both meet each other."""
+rotations (preprocess/shell/analyses/second_route.py). Both meet the references; both meet each
+other."""
 
 from typing import Any
 
@@ -12,10 +13,10 @@ from shell_obstacle_course import scordelis, twisted_beam
 from shell_specs import HARD, plate
 from shell_squares import cross_ply
 
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.problem import ShellProblem
-from plymotion.preprocess.shell.second_route import SecondRoute
-from plymotion.preprocess.shell.verification import fixed, right_side
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.analyses.second_route import SecondRoute
+from plymotion.preprocess.shell.analyses.verification import fixed, right_side
+from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.math.arrays import Array
 
 # The numbers of the elements are those of both DOLFINx: test_shell_benchmarks.py.

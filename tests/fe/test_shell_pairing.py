@@ -8,8 +8,8 @@ import pytest
 from shell_obstacle_course import straight_beam
 from shell_specs import plate
 
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.commands.shell.show_json import shell_json
 from plymotion.solver.package.shell.cells import corner_counts
 

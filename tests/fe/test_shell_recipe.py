@@ -9,7 +9,7 @@ from source_copy import copy_with_recipes, run_python
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 REFUSED = """
 try:
-    import plymotion.preprocess.shell.plates
+    import plymotion.preprocess.shell.elements.plates
 except ValueError as error:
     print(error)
 """

@@ -13,11 +13,11 @@ from shell_specs import METAL, SCRIPTS, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.freedom import Freedom
-from plymotion.preprocess.shell.mesh import mesh_of
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.mesh.mesh import mesh_of
+from plymotion.preprocess.shell.model.freedom import Freedom
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 QUADS = {"element": "quadrilateral"}
 

@@ -8,9 +8,9 @@ import pytest
 from section_specs import rectangle_spec
 from shell_specs import METAL, plate
 
-from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 Record = Callable[[str, Any], None]
 LENGTH, WIDTH, H = 1.0, 0.05, 0.002

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from shell_specs import METAL, plate
 
-from plymotion.preprocess.shell.analysis import analyse
-from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.model.problem import ShellProblem
 
 STRETCH = 1e-3
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from plymotion.preprocess.section import analyse as section
-from plymotion.preprocess.shell.analysis import analyse as shell
+from plymotion.preprocess.shell.analyses.analysis import analyse as shell
 from plymotion.solver.inputs.section.shapes.library import expand
 
 METAL = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}

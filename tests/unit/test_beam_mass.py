@@ -5,9 +5,8 @@ import pytest
 from beam_samples import modal_mass
 
 from plymotion.preprocess.beam.line import BeamLine, section_axes, straight_line
-from plymotion.preprocess.beam.points import point_masses
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.preprocess.beam.stations import Stations, mass_stations, nodal_mass
+from plymotion.preprocess.beam.stations import Stations, mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import skew
 from plymotion.solver.package.body.division import node_positions
 from plymotion.solver.package.body.invariants import inertia_at_rest

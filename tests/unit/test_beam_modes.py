@@ -7,8 +7,8 @@ import pytest
 import scipy.sparse as sp
 from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, reduced
 
-from plymotion.preprocess.beam.accuracy import coarse_mesh_warnings
 from plymotion.preprocess.beam.line import section_axes, straight_line
+from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes import (
     KINDS,

@@ -8,8 +8,7 @@ from body_specs import beam_body
 
 from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.spec import read_spec
-from plymotion.preprocess.beam.spec_modes import ModeSpec, Reference
+from plymotion.preprocess.beam.spec import ModeSpec, Reference, read_spec
 from plymotion.preprocess.modes import ModeRequest
 from plymotion.solver.package.common.table_form import SpecError
 from plymotion.solver.package.fingerprint import fingerprint

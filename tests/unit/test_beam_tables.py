@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, columns, write_table
 
-from plymotion.preprocess.beam.given import given_section
+from plymotion.preprocess.beam.sections import given_section
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
 from plymotion.solver.inputs.case.checks.check import in_parts

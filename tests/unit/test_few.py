@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 
-from plymotion.preprocess.beam.accuracy import coarse_mesh_warnings
+from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
 from plymotion.solver.errors import few, nearest
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case

@@ -16,9 +16,9 @@ import pytest
 import scipy.linalg
 import scipy.optimize
 
-from plymotion.preprocess.beam.accuracy import frequency_error
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine, straight_line
+from plymotion.preprocess.beam.reduction import frequency_error
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes import KINDS, HeldDofs, ModeRequest, Modes, reduced_modes
 

@@ -6,7 +6,7 @@ from beam_samples import dense
 from beam_tables import rod_frequencies, write_table
 
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
-from plymotion.preprocess.beam.given import given_section
+from plymotion.preprocess.beam.sections import given_section
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.beams import beam_spec
 from plymotion.solver.inputs.case.tables.columns import FOLDER

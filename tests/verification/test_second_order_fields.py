@@ -7,11 +7,10 @@ import pytest
 from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_stiffness, reduced
 
 from plymotion.preprocess.beam.element import Z, gauss
-from plymotion.preprocess.beam.points import point_masses
 from plymotion.preprocess.beam.reduction import held_dofs
 from plymotion.preprocess.beam.second_order import second_order_fields
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.preprocess.beam.stations import mass_stations, nodal_mass
+from plymotion.preprocess.beam.stations import mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
 from plymotion.solver.package.body.invariants import rigid_motions
 

@@ -1,0 +1,117 @@
+"""Sections along a beam: analysed or given at stations, linear between them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...solver.math.arrays import Array
+from ...solver.math.curves import lengths_along
+from ...solver.package.body.schema import SectionData
+from ...solver.package.common.table_form import SpecError
+from ...solver.package.section.schema import SectionFile, SectionRecovery
+from ...solver.package.section.stress import trapeze_strains
+from .line import BeamLine, LineSection
+from .theory import section_stiffness
+
+GIVEN = {"stiffness": (6, 6), "mass": (6, 6), "trapeze": (6,)}
+
+
+class StationSection(NamedTuple):
+    """Section of a station."""
+
+    line: LineSection  # full stiffness and mass, trapeze strains of the beam's theory
+    recovery: SectionRecovery | None  # None: given by its matrices
+    dofs: int
+    warnings: tuple[dict[str, str], ...]
+    end_compliance: Array | None = None  # (6, 6) of a uniform beam, see SectionFile
+
+
+def is_given(table: dict[str, Any]) -> bool:
+    """True for a section with matrices instead of a mesh."""
+    return not GIVEN.keys().isdisjoint(table)
+
+
+def given_section(table: dict[str, Any]) -> StationSection:
+    """Return a section from `stiffness`, `mass` and `trapeze`. Raises SpecError for other forms."""
+    K, M, trapeze = (_numbers(table, key, shape) for key, shape in GIVEN.items())
+    return StationSection(LineSection(K, M, trapeze), None, 0, ())
+
+
+def analysed_section(result: SectionFile, theory: str) -> StationSection:
+    """Return a section from its analysis."""
+    trapeze = trapeze_strains(section_stiffness(result.K, theory), result.recovery)
+    line = LineSection(result.K, result.M, trapeze)
+    dofs, warnings = result.provenance["dofs"], tuple(result.warnings)
+    return StationSection(line, result.recovery, dofs, warnings, result.end_compliance)
+
+
+def _numbers(table: dict[str, Any], key: str, shape: tuple[int, ...]) -> Array:
+    form = " x ".join(map(str, shape))
+    try:
+        found = np.array(table[key], dtype=float)
+    except (KeyError, TypeError, ValueError) as error:
+        raise SpecError(f"section.{key}: expected {form} numbers") from error
+    if found.shape != shape or not np.isfinite(found).all():
+        raise SpecError(f"section.{key}: expected {form} finite numbers")
+    return found
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Sections along a beam.
+
+    Attributes
+    ----------
+    places : (k,) fractions of the length, rising; constant sections beyond the first and last
+    sections : (k,) the sections there
+    """
+
+    places: tuple[float, ...]
+    sections: tuple[LineSection, ...]
+
+    def line(self, nodes_B: Array, A_BE: Array) -> BeamLine:
+        """A beam whose elements have the sections of their middles.
+
+        Parameters
+        ----------
+        nodes_B : (n, 3) nodes [m]
+        A_BE : (n - 1, 3, 3) section axes of the elements in body axes
+        """
+        count = len(A_BE)
+        if len(self.sections) == 1:
+            return BeamLine(nodes_B, A_BE, self.sections, np.zeros(count, dtype=np.int64))
+        along = lengths_along(nodes_B)
+        middles = 0.5 * (along[:-1] + along[1:]) / along[-1]
+        sections = tuple(self._at(fraction) for fraction in middles)
+        return BeamLine(nodes_B, A_BE, sections, np.arange(count))
+
+    def at_nodes(self, line: BeamLine, given: Sequence[SectionData]) -> tuple[SectionData, ...]:
+        """Sections for users: that of a uniform beam, or one for each node.
+
+        `given` are those of the stations, used where a station is at a node.
+        """
+        if len(given) == 1:
+            return (given[0],)
+        found = []
+        for node, fraction in enumerate(line.along / line.along[-1]):
+            nearest = int(np.argmin(np.abs(np.array(self.places) - fraction)))
+            section = self._at(float(fraction))
+            name = f"{node + 1:04d}"
+            if abs(self.places[nearest] - fraction) < 1e-9:
+                one = given[nearest]
+                name, ply_table, recovery = f"{name} {one.name}", one.ply_table, one.recovery
+                found.append(SectionData(name, section.K, section.mass, ply_table, recovery))
+            else:
+                found.append(SectionData(name, section.K, section.mass))
+        return tuple(found)
+
+    def _at(self, fraction: float) -> LineSection:
+        weights = [np.interp(fraction, self.places, row) for row in np.eye(len(self.places))]
+        used = [(w, s) for w, s in zip(weights, self.sections, strict=True) if w > 0.0]
+        return LineSection(
+            K=np.sum([w * s.K for w, s in used], axis=0),
+            mass=np.sum([w * s.mass for w, s in used], axis=0),
+            trapeze=np.sum([w * s.trapeze for w, s in used], axis=0),
+        )

@@ -1,0 +1,1 @@
+"""The analysis of a section from its description to its file."""

@@ -1,0 +1,236 @@
+"""Analysis of a cross-section: stiffness, mass and stress recovery from its description."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ....solver.package.common.plausible import described_doubts, not_allowed, section_doubts
+from ....solver.package.section.schema import SectionFile
+from ... import fenicsx
+from ..mesh.refine import refined
+from ..solve.adaptive import worst_cells
+from ..solve.estimate import error_of_edges, scaled
+from ..solve.guards import (
+    REVERSAL,
+    check_degree,
+    coarse_warnings,
+    condition_warnings,
+    curvature_of,
+    curvature_warnings,
+    density_warnings,
+    finer_mesh,
+    not_computed_warnings,
+    reversal_warnings,
+    solvability_warnings,
+    taper_error,
+)
+from ..solve.helical import CentralSolutions
+from ..solve.problem import LAST_DIGITS, SectionProblem, section_problem
+from ..solve.recovery import section_recovery, unit_strains, unit_warping
+from ..solve.solution import Solved, compared, degree_of, resolved, solve
+from ..solve.timoshenko import shear_centre, tension_centre
+from ..solve.twist import TwistedStrains
+from ..space.layers import layup
+from ..space.operators import mass_centre, mass_matrix
+from ..space.space import SectionSpace
+from .mesh_data import mesh_data, nodal_displacements
+from .spec import check_spec
+from .verification import verified
+
+MOST_STEPS = 25  # of refinement
+MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
+
+Progress = Callable[[str], None]
+
+
+def analyse(
+    spec: Mapping[str, Any],
+    where: str | None = None,
+    *,
+    estimate: bool = True,
+    accuracy: float | None = None,
+    recovery_degree: int | None = None,
+    verify: bool = False,
+    team: fenicsx.Team = fenicsx.ALONE,
+    progress: Progress | None = None,
+) -> SectionFile:
+    """Stiffness, mass, error estimate and recovery of a cross-section.
+
+    Parameters
+    ----------
+    spec : plain data, see docs/section-description.md for the meaning and
+        solver/inputs/section/expand.py for the form: name, convention, mesh, materials, regions
+    where : file and key of the description for messages, the section's name by default
+    estimate : also solve with one degree more to estimate the error of K
+    accuracy : refine the mesh until the estimate, scaled by sqrt(K_ii K_jj), is below this
+    recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
+        instead of all integration points
+    verify : compute K by a second method as well (verification.py)
+    team : processes that all call this with the same arguments and share the matrices, unless the
+        beam is twisted or curved; each gets the whole result
+    progress : called with one line at the beginning of each step
+
+    Raises
+    ------
+    SectionError, MaterialError : a wrong description (file or section, key, value, expectation).
+    MeshError : no mesh from gmsh.
+    """
+    start = time.perf_counter()
+    where = where or f"section {spec.get('name', '')}".strip()
+    check_spec(spec, where)
+    begin = progress or (lambda _line: None)
+    allow = tuple(spec.get("allow", ()))
+    steps: list[dict[str, float | None]] = []
+    if curvature_of(spec) is not None:
+        team = fenicsx.ALONE  # each process solves the whole section
+    problem = section_problem(spec["mesh"], where, degree_of(spec), team)
+    edges = 0.0
+    while True:
+        begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
+        lay = layup(spec, problem.mesh, problem.space, where)
+        if not steps and degree_of(spec) is not None:
+            # cells of another code are the section itself; others keep their edges when refined
+            modulus = np.asarray(1.0 / np.linalg.inv(lay.stiffness[:, 0])[:, 0, 0], float)
+            edges = error_of_edges(problem.mesh.cells, modulus)
+        warnings = [
+            *problem.mesh.warnings,
+            *lay.warnings,
+            *check_degree(problem.space, lay, where, allow, given=degree_of(spec) is None),
+            *not_computed_warnings(spec.get("not_computed", ())),
+            *density_warnings(lay),
+        ]
+        begin(f"warping, {problem.space.n_dof} dofs")
+        compare = estimate or accuracy is not None
+        # of a twisted section, the round-off is measured at the degree that it is raised to
+        raised = compare and curvature_of(spec) is not None and "degree" not in spec["mesh"]
+        result = solve(problem, lay, where, spec, measured=not raised)
+        solved = Solved(problem, lay, result)
+        if compare:
+            begin("error estimate")
+            solved = compared(solved, spec, where, first=not steps)
+            if raised:
+                solved = resolved(solved, spec, where)
+        problem, lay, result, error = solved.problem, solved.lay, solved.result, solved.error
+        warnings += [*solvability_warnings(result), *condition_warnings(result)]
+        warnings += curvature_warnings(result)
+        if error is not None:
+            size = np.sqrt(np.diag(result.K))
+            # of opposite sign: a coarse field is too stiff, a parabola inside its arc too soft
+            error = np.hypot(error, edges * np.outer(size, size))
+        reversal = 0.0
+        if error is not None and lay.reversing.any():
+            # refinement moves the place of the reversal only slowly
+            turned = solve(problem, lay.reversed_there(), where, spec, measured=False)
+            other = np.abs(turned.K - result.K)
+            error, reversal = error + other, float(scaled(other, result.K).max())
+            limit = REVERSAL if accuracy is None else accuracy
+            warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
+        neglected, found = taper_error(spec, problem.mesh.cells.points, result.K)
+        warnings += found
+        if error is not None and neglected is not None:
+            error = error + neglected
+        if error is not None:
+            # the rounding of sums over the unknowns, also where two solutions agree by chance
+            size = np.sqrt(np.diag(result.K))
+            floor = LAST_DIGITS * np.sqrt(problem.space.n_dof)
+            error = error + floor * np.outer(size, size)
+        if result.round_off is not None:
+            error = result.round_off if error is None else error + result.round_off
+        lap = time.perf_counter() - start
+        worst = None if error is None else float(scaled(error, result.K).max())
+        steps.append(
+            {"refine": len(steps), "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
+        )
+        if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
+            break
+        if edges > accuracy:
+            warnings.append(
+                {
+                    "code": "accuracy-not-met",
+                    "message": f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
+                    f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use "
+                    f"{finer_mesh(spec['mesh'])}",
+                }
+            )
+            break
+        assert solved.indicator is not None
+        cells = refined(problem.mesh.cells, worst_cells(solved.indicator))
+        cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
+        if cost > MOST_DOFS or len(steps) > MOST_STEPS:
+            warnings.append(
+                {
+                    "code": "accuracy-not-met",
+                    "message": f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
+                    f"{accuracy:.1e} requested; the next refinement would have {cost:.0f}",
+                }
+            )
+            break
+        degree, mesh = problem.space.degree, replace(problem.mesh, cells=cells)
+        coarser = problem
+        del problem, lay, result, solved  # their memory serves the next step
+        problem = SectionProblem(mesh, degree, team).like(coarser)
+        del coarser
+    second = None
+    if verify:
+        begin("verification")
+        second = verified(
+            result.space,
+            lay.stiffness,
+            result.K,
+            prismatic=curvature_of(spec) is None,
+            own=degree_of(spec) is None,
+        )
+        warnings += second.warnings
+    warnings += coarse_warnings(solved.error, result.K, spec["mesh"])
+    begin("recovery")
+    density = lay.density
+    if isinstance(result, CentralSolutions):
+        density = density * TwistedStrains(problem.space, result.strains.k).g
+    M = mass_matrix(problem.space, density)
+    points, lay_points = result.space, lay
+    if recovery_degree is not None:
+        points = SectionSpace(problem.mesh.cells, problem.degree, recovery_degree)
+        if result.space.over is not None:
+            points = points.expressed(result.space.over)
+        lay_points = layup(spec, problem.mesh, points, where)
+    if degree_of(spec) is not None:  # a file of another code may have other units
+        diagonal = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))
+        doubts = [*described_doubts(spec), *section_doubts(diagonal, float(M[0, 0]))]
+        warnings += [doubt.warning for doubt in not_allowed(spec, doubts)]
+    of_ends = problem.end_compliance(result, lay.stiffness)
+    seconds = time.perf_counter() - start
+    return SectionFile(
+        name=str(spec.get("name", "section")),
+        K=result.K,
+        M=M,
+        error_estimate=error,
+        shear_centre=shear_centre(result.K),
+        tension_centre=tension_centre(result.K),
+        mass_centre=mass_centre(M),
+        initial_curvature=curvature_of(spec),
+        end_compliance=of_ends,
+        mesh=mesh_data(problem.mesh, problem.space, lay),
+        warping=nodal_displacements(result.space, unit_warping(result.space, result)),
+        recovery=section_recovery(
+            points,
+            lay_points,
+            points.team.stacked(unit_strains(points, result)),
+            dict(spec["materials"]),
+        ),
+        warnings=tuple(warnings),
+        provenance={
+            "spec": dict(spec),
+            "dofs": problem.space.n_dof,
+            "degree": problem.space.degree,
+            "refinements": steps,
+            "verification": None if second is None else second.words,
+            "round_off": None
+            if result.round_off is None
+            else float(scaled(result.round_off, result.K).max()),
+            "seconds": seconds,
+            "versions": fenicsx.versions(),
+        },
+    )

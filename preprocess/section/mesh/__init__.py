@@ -1,0 +1,1 @@
+"""Meshes of sections: cells, nodes, checks, refinement."""

@@ -1,0 +1,317 @@
+"""The 6x6 stiffness of a beam with initial twist and curvature: central solutions."""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import null_space
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from ....solver.math.arrays import Array
+from ....solver.math.definite import is_positive_definite
+from ....solver.math.rotations import skew
+from ... import fenicsx
+from ..errors import IllConditioned, SectionError
+from ..mesh.pattern import Restriction
+from ..space.space import SectionSpace
+from .twist import TwistedStrains
+from .warping import LARGEST_GROWTH, unknowns_at_nodes
+
+Residual = tuple[Array, Array]  # loads (n_dof, 6), resultants (6, 6); or warping and beam strains
+
+
+class AlongAxis:
+    """T = 0: one factorisation, good for small |k| h."""
+
+    def __init__(
+        self,
+        strains: TwistedStrains,
+        C: Array,
+        kept: Restriction,
+        largest_growth: float,
+    ) -> None:
+        E = strains.E(C)
+        self._factor = fenicsx.cholesky(kept.matrix(E.data), largest_growth=largest_growth)
+        self.free, self.n = kept.free, strains.space.n_dof
+        stress = C @ strains.strain_along_beam(strains.Z)
+        self.HZ, self.LZ = strains.load_in_section(stress), strains.load_along_beam(stress)
+        self.ZLZ = strains.Z.T @ self.LZ
+        self._V = np.zeros((self.n, 6))
+        self._V[self.free] = self._factor.solve(self.HZ[self.free])
+        schur = self.ZLZ - self.HZ.T @ self._V
+        self._schur = 0.5 * (schur + schur.T)
+        # energies of warping and beam strains in the same units
+        self._root = np.sqrt(np.abs(E.diagonal()[self.free]))[:, None]
+        self._unit = np.sqrt(np.abs(np.diag(self.ZLZ)))[:, None]
+
+    @property
+    def growth(self) -> float:
+        """Growth of a random load by the solution."""
+        return self._factor.growth
+
+    def solve(self, load: Array, resultants: Array) -> Residual:
+        """Warping and beam strains, with any number of columns."""
+        W = np.zeros_like(load)
+        W[self.free] = self._factor.solve(load[self.free])
+        S_e: Array = np.array(
+            np.linalg.solve(self._schur, resultants - self.HZ.T @ W), dtype=np.float64
+        )
+        return W - self._V @ S_e, S_e
+
+    def packed(self, W: Array, S_e: Array) -> Array:
+        """Both unknowns as one vector."""
+        parts = (W[self.free] * self._root).ravel(), (S_e * self._unit).ravel()
+        return np.concatenate(parts)
+
+    def unpacked(self, z: Array) -> Residual:
+        """The unknowns of a vector."""
+        W = np.zeros((self.n, 6))
+        W[self.free] = z[:-36].reshape(-1, 6) / self._root
+        return W, z[-36:].reshape(6, 6) / self._unit
+
+
+class Waves:
+    """T without its nilpotent part, whose eigenvalues are 0 and +-i |k|: two factorisations.
+
+    Along the eigenvectors of i |k| the equations are complex and Hermitian; they are solved as real
+    ones of twice the size. The nilpotent part is found in a few iterations.
+    """
+
+    def __init__(
+        self,
+        strains: TwistedStrains,
+        C: Array,
+        kept: Restriction,
+        T: Array,
+        simple: AlongAxis,
+    ) -> None:
+        self._simple = simple
+        kappa = float(np.linalg.norm(strains.k))
+        self._basis, self._inverse = _eigenvectors(T, kappa)
+        real, imaginary = (kept.matrix(part.data) for part in strains.wave(C, kappa))
+        doubled = sp.bmat([[real, -imaginary], [imaginary, real]], format="csr")
+        doubled.sort_indices()
+        self._factor = fenicsx.cholesky(doubled, largest_growth=np.inf)
+        self._B = simple.HZ - 1j * kappa * simple.LZ  # (n, 6)
+        self._V = self._back(self._B)
+        self._schur = simple.ZLZ - self._B.conj().T @ self._V
+
+    def _back(self, load: Array) -> Array:
+        """Complex solution (n_dof, m) of complex loads."""
+        free = self._simple.free
+        both = self._factor.solve(np.concatenate([load[free].real, load[free].imag]))
+        half = len(both) // 2
+        out = np.zeros(load.shape, dtype=complex)
+        out[free] = both[:half] + 1j * both[half:]
+        return out
+
+    def solve(self, load: Array, resultants: Array) -> Residual:
+        """Warping (n_dof, 6) and beam strains (6, 6)."""
+        loads, forces = load @ self._basis, resultants @ self._basis
+        W_0, S_0 = self._simple.solve(loads[:, :2].real, forces[:, :2].real)
+        W_1 = self._back(loads[:, 2:4])
+        S_1 = np.linalg.solve(self._schur, forces[:, 2:4] - self._B.conj().T @ W_1)
+        W_1 = W_1 - self._V @ S_1
+        W = np.concatenate([W_0, W_1, W_1.conj()], axis=1) @ self._inverse
+        S_e = np.concatenate([S_0, S_1, S_1.conj()], axis=1) @ self._inverse
+        return W.real, S_e.real
+
+
+def _eigenvectors(T: Array, kappa: float) -> tuple[Array, Array]:
+    """Vectors of the eigenvalues 0, i kappa and -i kappa of the semisimple part of T, two each.
+
+    (6, 6) as columns, and their inverse. T is scaled, because its rows have different units.
+    """
+    unit = np.array([1.0] * 3 + [1.0 / kappa] * 3)
+    scaled = T * unit[None, :] / unit[:, None] / kappa  # eigenvalues 0, i, -i
+    square = scaled @ scaled + np.eye(6)
+    at_zero, others = (
+        null_space(scaled @ scaled, rcond=1e-9),
+        null_space(square @ square, rcond=1e-9),
+    )
+    part = np.linalg.lstsq(others, scaled @ others, rcond=None)[0]
+    semisimple = part @ (3.0 * np.eye(4) + part @ part) / 2.0
+    values, vectors = np.linalg.eig(semisimple)
+    waves = others @ vectors[:, values.imag > 0.0]
+    basis = unit[:, None] * np.concatenate([at_zero, waves, waves.conj()], axis=1)
+    return basis, np.linalg.inv(basis)
+
+
+TOLERANCE = 1e-15  # of the residual of the preconditioned equations
+ENOUGH = 1e-7  # residual that round-off leaves at most; K is wrong by its square
+SLOW = 0.05  # reduction of the residual by a round that suggests the other solver
+STEPS, ROUNDS = 24, 6  # of GMRES in a round, rounds
+
+
+@dataclass(frozen=True)
+class CentralSolutions:
+    """Stiffness of a section of a helical beam, with warping and beam strains per resultant."""
+
+    K: Array  # (6, 6)
+    W: Array  # (n_dof, 6) warping
+    Q: Array  # (n_dof, 6) change of the displacement along the beam
+    S_e: Array  # (6, 6) beam strains of the pinned warping
+    work_of_warping: Array  # (6, 6) N = -P' W
+    residual: float  # of the equilibrium at all nodes, relative
+    strains: TwistedStrains  # operators of the space of W and Q
+    growth: float  # of a random load by the factorised matrix
+    by_waves: bool  # with the second solver
+    solvability: float = 0.0  # the equations have a solution for every k
+    round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
+    doubtful: bool = False  # its condition would be refused without `allow`
+
+    @property
+    def space(self) -> SectionSpace:
+        """The space of W and Q."""
+        return self.strains.space
+
+
+def change_of_resultants(k: Array) -> Array:
+    """T (6, 6) of F' = T F for k (3,): equilibrium of an unloaded bar."""
+    T = np.zeros((6, 6))
+    T[:3, :3] = T[3:, 3:] = -skew(k)
+    T[3:, :3] = -skew(np.array([1.0, 0.0, 0.0]))
+    return T
+
+
+def six_pins(space: SectionSpace) -> NDArray[np.int64]:
+    """Six unknowns that prevent every rigid motion of the section.
+
+    A node, the motion of a second one across their line, and u1 at both and at a third node.
+    """
+    whole, x = unknowns_at_nodes(space)
+    i = int(np.argmin(x.sum(axis=1)))
+    away = x - x[i]
+    j = int(np.argmax(np.hypot(*away.T)))
+    across = 2 if abs(away[j, 0]) >= abs(away[j, 1]) else 1
+    third = int(np.argmax(np.abs(away[:, 0] * away[j, 1] - away[:, 1] * away[j, 0])))
+    a, b, c = 3 * whole[[i, j, third]]
+    return np.array([a, a + 1, a + 2, b + across, b, c])
+
+
+def central_solutions(
+    space: SectionSpace,
+    k: Array,
+    C: Array,
+    largest_growth: float = LARGEST_GROWTH,
+    is_enough: Callable[[float], bool] | None = None,
+    *,
+    by_waves: bool = False,
+) -> CentralSolutions:
+    """Solve for warping and beam strains of unit resultants.
+
+    Parameters
+    ----------
+    space : of the section's mesh
+    k : (3,) initial twist and curvature [rad/m], not all zero
+    C : (c, 1 or q, 6, 6) stiffness of the points, section axes [Pa]
+    is_enough : whether the growth of a random load by the factorised matrix allows to go on
+    by_waves : the first solver is known to be too slow
+
+    Raises
+    ------
+    IllConditioned : it does not.
+    SectionError : a point beyond the centre of curvature, no convergence, K is not definite.
+    FactorisationError : the section is not one part.
+    """
+    strains, T = TwistedStrains(space, k), change_of_resultants(k)
+    kept = space.pattern.without(six_pins(space))
+    simple = AlongAxis(strains, C, kept, largest_growth)
+    if is_enough is not None and not is_enough(simple.growth):
+        raise IllConditioned
+    equations = Equations(strains, C, T)
+    unknowns, left = None, np.inf
+    if not by_waves:
+        unknowns, left = _iterated(equations, simple, simple, None)
+        by_waves = left > ENOUGH**2 and left > TOLERANCE * simple.growth
+    if by_waves:
+        # thin walls and large |k| h: few steps, but a factorisation of twice the size
+        waves = Waves(strains, C, kept, T, simple)
+        unknowns, left = _iterated(equations, simple, waves, unknowns)
+    if not left < ENOUGH:
+        raise SectionError(
+            f"initial_curvature: the iteration for the warping does not converge (residual "
+            f"{left:.1e}): the product of curvature and size of the section is too large, or cells "
+            "of a very thin wall are much narrower than others"
+        )
+    assert unknowns is not None
+    return _solution(equations, *unknowns, simple.growth, by_waves)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equilibrium of the section, and the resultants of the central solutions."""
+
+    strains: TwistedStrains
+    C: Array
+    T: Array
+
+    def stresses(self, W: Array, S_e: Array) -> tuple[Array, Array, Array]:
+        """Stresses and strains at the points, and Q."""
+        Q = W @ self.T + self.strains.Z @ S_e
+        strain = self.strains.strain_in_section(W) + self.strains.strain_along_beam(Q)
+        return self.C @ strain, strain, Q
+
+    def product(self, W: Array, S_e: Array) -> Residual:
+        """Load that warping and beam strains balance, (n_dof, 6), and their resultants (6, 6)."""
+        stress = self.stresses(W, S_e)[0]
+        P = self.strains.load_along_beam(stress)
+        return self.strains.load_in_section(stress) - P @ self.T, self.strains.Z.T @ P
+
+
+def _iterated(
+    equations: Equations, simple: AlongAxis, solver: Any, start: Residual | None
+) -> tuple[Residual, float]:
+    """GMRES with corrections by the residual: warping and beam strains, and what is left."""
+    n = equations.strains.space.n_dof
+    zero: Residual = np.zeros((n, 6)), np.zeros((6, 6))
+    right = simple.packed(*simple.solve(zero[0], np.eye(6)))
+    goal = float(np.linalg.norm(right))
+
+    def preconditioned(z: Array) -> Array:
+        return simple.packed(*solver.solve(*equations.product(*simple.unpacked(z))))
+
+    operator = LinearOperator((right.size, right.size), matvec=preconditioned, dtype=float)
+    W, S_e = start or zero
+    best, left = (W, S_e), np.inf
+    for _ in range(ROUNDS):
+        load, resultants = equations.product(W, S_e)
+        residual = simple.packed(*solver.solve(-load, np.eye(6) - resultants))
+        now = float(np.linalg.norm(residual)) / goal
+        if not now < 0.5 * left:
+            break
+        slow = solver is simple and now > max(SLOW * left, ENOUGH)
+        best, left = (W, S_e), now
+        if left < TOLERANCE or slow:
+            break
+        dW, dS = simple.unpacked(_solved(operator, residual, max(TOLERANCE / left, 1e-10)))
+        W, S_e = W + dW, S_e + dS
+    return best, left
+
+
+def _solution(
+    equations: Equations, W: Array, S_e: Array, growth: float, by_waves: bool
+) -> CentralSolutions:
+    strains = equations.strains
+    stress, strain, Q = equations.stresses(W, S_e)
+    P = strains.load_along_beam(stress)
+    balance = strains.load_in_section(stress) - P @ equations.T
+    S = strains.work(stress, strain)
+    K = np.linalg.inv(0.5 * (S + S.T))
+    K = 0.5 * (K + K.T)
+    if not is_positive_definite(K):
+        raise SectionError("the stiffness of the section is not positive definite")
+    norm = np.abs(strains.load_in_section(np.abs(stress))).max()
+    left = float(np.abs(balance).max() / norm)
+    return CentralSolutions(K, W, Q, S_e, -P.T @ W, left, strains, growth, by_waves)
+
+
+def _solved(operator: LinearOperator, right: Array, tolerance: float) -> Array:
+    """GMRES; its result is corrected by the residual afterwards, so that it may stop early."""
+    key = "rtol" if "rtol" in inspect.signature(gmres).parameters else "tol"
+    x, _ = gmres(operator, right, restart=STEPS, maxiter=1, atol=0.0, **{key: tolerance})
+    return np.asarray(x)

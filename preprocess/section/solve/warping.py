@@ -1,0 +1,271 @@
+"""Warping of the cross-section under the strains of the beam.
+
+Displacement of a section = rigid motion + V0 e + V1 e' with the classical strains
+e = [gamma11, kappa1, kappa2, kappa3] of the beam. The columns of V0 and V1 are nodal
+values of the warping.
+
+Paper: Eq. (37), Eq. (38).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from ....solver.math.arrays import Array
+from ... import fenicsx
+from ...fenicsx.solvers.factorisation import LARGEST_GROWTH
+from ..errors import SectionError
+from ..space.space import SectionSpace
+
+# A load must do no work on rigid motions. Round-off gives relative work of 1e-12 and, in very thin
+# open sections, more. Above the second value the equations themselves are wrong.
+SOLVABILITY = 1e-10
+NO_SOLUTION = 1e-6
+WELL = 1e8  # growth of a random load up to which no correction is needed
+ENOUGH = 1e-12  # square root of the relative energy of a correction that needs no further one
+MOST_CORRECTIONS = 8
+# Parts of its diagonal that are added to E where rounding leaves no positive pivots; the factor
+# then is only the preconditioner of conjugate gradients.
+SHIFTS = (1e-14, 1e-13, 1e-12)
+MOST_STEPS = 300  # of conjugate gradients
+GRADIENTS = 1e-10  # square root of the relative energy of a step that needs no further one
+
+
+def beam_strain_fields(space: SectionSpace) -> Array:
+    """Psi (n_dof, 4): the strain of point (x2, x3) without warping is G_l Psi e.
+
+    Columns e1, (0, -x3, x2), x3 e1, -x2 e1 for e = [gamma11, kappa1, kappa2, kappa3]: the
+    derivative along the beam of the rigid motion of its sections.
+    """
+    x2, x3 = space.x2, space.x3
+    return space.displacements((1, 0, 0), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0))
+
+
+def rigid_fields(space: SectionSpace) -> Array:
+    """(n_dof, 4) motions without strain within the section: the null space of E."""
+    return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
+
+
+def motions_of_beam(space: SectionSpace) -> Array:
+    """Rigid motions (n_dof, 6) whose change along the beam is a unit beam strain."""
+    x2, x3 = space.x2, space.x3
+    return space.displacements(
+        (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0)
+    )
+
+
+def unknowns_at_nodes(space: SectionSpace) -> tuple[NDArray[np.int64], Array]:
+    """Unknowns that are displacements of nodes, (w,), and their positions (w, 2) [m]."""
+    x = np.stack([space.x2, space.x3], axis=1)
+    if space.unknowns is None:
+        return np.arange(space.n_unknown), x
+    return space.unknowns.whole, x[space.unknowns.at]
+
+
+def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
+    """Four unknowns that prevent the rigid motions: a node, and one component of a distant node."""
+    whole, x = unknowns_at_nodes(space)
+    x2, x3 = x.T
+    i = int(np.argmin(x2 + x3))
+    lever_2, lever_3 = x2 - x2[i], x3 - x3[i]
+    j = int(np.argmax(np.hypot(lever_2, lever_3)))
+    across = 2 if abs(lever_2[j]) >= abs(lever_3[j]) else 1
+    a, b = whole[[i, j]]
+    return np.array([3 * a, 3 * a + 1, 3 * a + 2, 3 * b + across])
+
+
+class WarpingSolver:
+    """Solves E W = load for warping without rigid motion; one solver for all materials of a mesh.
+
+    With four unknowns pinned the matrix is positive definite, so a Cholesky factorisation is used.
+    Loads that do no work on rigid motions give no force at the pins, so the choice of the pins
+    has no effect. The rigid part is removed afterwards. The pattern without the pins
+    and the symbolic factorisation are kept for the next material.
+    """
+
+    def __init__(
+        self,
+        space: SectionSpace,
+        pins: NDArray[np.int64] | None = None,
+        largest_growth: float = LARGEST_GROWTH,
+    ) -> None:
+        self.largest_growth = largest_growth
+        self.shift = 0.0
+        self.rigid = rigid_fields(space)
+        self._rigid_size = np.linalg.norm(self.rigid, axis=0)
+        self._rigid_load = space.load(space.at_points(self.rigid))
+        self._rigid_gram = self.rigid.T @ self._rigid_load
+        self._kept = space.pattern.without(pinned_dofs(space) if pins is None else pins)
+        self._team = space.team
+        self._factor: fenicsx.Cholesky | None = None
+        self.solvability = (
+            0.0  # largest relative work of a load on a rigid motion, for this material
+        )
+
+    def factorise(self, E: sp.csr_matrix) -> None:
+        """Factorise the stiffness of a material.
+
+        Raises FactorisationError if E has more zero modes than the rigid motions.
+        """
+        self.solvability = 0.0
+        pinned = self._kept.matrix(E.data)
+        if self.shift:
+            pinned = (pinned + self.shift * sp.diags(pinned.diagonal())).tocsr()
+        if self._factor is None:
+            self._factor = fenicsx.cholesky(pinned, self._team, self.largest_growth)
+        else:
+            self._factor.largest_growth = self.largest_growth
+            self._factor.update(pinned)
+
+    @property
+    def growth(self) -> float:
+        """Growth of a random load by the solution, which measures the condition of E."""
+        return 0.0 if self._factor is None else self._factor.growth
+
+    def measured_growth(self) -> float:
+        """The growth of the matrix factorised last, although nothing was solved with it yet."""
+        assert self._factor is not None, "call factorise() first"
+        self._factor.check()
+        return self._factor.growth
+
+    def solve(
+        self, load: Array, size: float, product: Callable[[Array], Array] | None = None
+    ) -> Array:
+        """Warping (n_dof, m) under loads (n_dof, m).
+
+        `size` is the norm of the terms of the load. The relative work of the loads
+        on rigid motions is stored in `solvability`; raises SectionError if it exceeds round-off.
+        `product` computes E W from the strains of W, which is more accurate than E itself; if the
+        condition of E requires it, the solution is corrected by its residual.
+        """
+        assert self._factor is not None, "call factorise() first"
+        work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size
+        self.solvability = max(self.solvability, float(np.max(work)) / size if size else 0.0)
+        if not self.solvability <= NO_SOLUTION and self.largest_growth < np.inf:
+            raise SectionError(
+                f"the warping has no solution: its load does work of {self.solvability:.1e} "
+                f"(relative) on a rigid motion; round-off is at most {SOLVABILITY:g}"
+            )
+        free = self._kept.free
+        W = np.zeros_like(load)
+        W[free] = self._factor.solve(load[free])
+        if self.shift:
+            assert product is not None, "a shifted factor needs the residual"
+            W = self._by_gradients(W, load, product)
+        elif product is not None and self.growth > WELL:
+            W = self._corrected(W, load, product)
+        return W - self.rigid @ np.linalg.solve(self._rigid_gram, self._rigid_load.T @ W)
+
+    def _corrected(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
+        """Iterative refinement, until a correction does not reduce the next one."""
+        assert self._factor is not None
+        free, last = self._kept.free, np.inf
+        for _ in range(MOST_CORRECTIONS):
+            residual = load - product(W)
+            step = self._factor.solve(residual[free])
+            # energy of the correction over that of the solution
+            energy = np.sum(step * residual[free], axis=0) / np.sum(W * load, axis=0)
+            size = float(np.sqrt(np.abs(energy).max()))
+            if not size < 0.5 * last:
+                break
+            W[free] += step
+            last = size
+            if size < ENOUGH:
+                break
+        return W
+
+    def _by_gradients(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
+        """Conjugate gradients from W, each column on its own; the shifted factor is the
+        preconditioner.
+
+        All but the few softest motions of the section are solved at once. Raises SectionError if
+        the others do not converge, as those of a singular matrix.
+        """
+        assert self._factor is not None
+        free = self._kept.free
+        residual = (load - product(W))[free]
+        step = self._factor.solve(residual)
+        along, sizes = step.copy(), np.sum(step * residual, axis=0)
+        whole = np.zeros_like(load)
+        for _ in range(MOST_STEPS):
+            # energy of the next step over that of the solution
+            energy = np.abs(np.sum(W * load, axis=0))
+            if np.all(sizes <= GRADIENTS**2 * energy):
+                return W
+            whole[free] = along
+            force = product(whole)[free]
+            work = np.sum(along * force, axis=0)
+            active = (sizes > GRADIENTS**2 * energy) & (work > 0.0)
+            length = np.where(active, sizes / np.where(active, work, 1.0), 0.0)
+            W[free] += length * along
+            residual -= length * force
+            step = self._factor.solve(residual)
+            new = np.sum(step * residual, axis=0)
+            along = step + np.where(active, new / np.where(active, sizes, 1.0), 0.0) * along
+            sizes = np.where(active, new, sizes)
+            if not np.all(np.isfinite(sizes)):
+                break
+        raise SectionError(
+            "the equations of the warping appear to be singular: conjugate gradients do not "
+            "converge; is every part connected by elements that are not much softer?"
+        )
+
+
+@dataclass(frozen=True)
+class ClassicalState:
+    """Strains and stresses of the points under unit classical strains, each (c, q, 6, 4).
+
+    The beam strain e gives the strain (G_h V0 + G_l Psi) e of a point, and a change e' adds
+    G_l V0 e'.
+    """
+
+    V0: Array  # (n_dof, 4)
+    strain: Array  # G_h V0 + G_l Psi
+    stress: Array  # C strain
+    change_strain: Array  # G_l V0
+    change_stress: Array  # C G_l V0
+    C: Array  # (c, 1 or q, 6, 6)
+
+
+def _product(space: SectionSpace, C: Array) -> Callable[[Array], Array]:
+    return lambda W: space.load_in_section(C @ space.strain_in_section(W))
+
+
+def classical_warping(
+    space: SectionSpace, solver: WarpingSolver, C: Array, Psi: Array
+) -> ClassicalState:
+    """V0 (n_dof, 4): warping per unit classical strain, from E V0 = -H Psi.
+
+    Paper: Eq. (39), corrected: "D" is the identity, and the projection onto the rigid
+    fields is zero because H Psi does no work on them.
+    """
+    rigid = space.strain_along_beam(Psi)
+    load = -space.load_in_section(C @ rigid)
+    V0 = solver.solve(load, float(np.linalg.norm(load)), _product(space, C))
+    strain = space.strain_in_section(V0) + rigid
+    change = space.strain_along_beam(V0)
+    return ClassicalState(V0, strain, C @ strain, change, C @ change, C)
+
+
+def shear_warping(
+    space: SectionSpace, solver: WarpingSolver, state: ClassicalState, T: Array
+) -> tuple[Array, Array, Array]:
+    """V1 (n_dof, 2): warping per unit shear force [F2, F3], and the two parts of its load.
+
+    E V1 = (H' V0 + L Psi - H V0) T: the stresses of the classical state change along the beam by
+    e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e'.
+    With the e' that satisfies equilibrium, the load does no work on rigid motions, so
+    the projection is not needed.
+
+    Returns
+    -------
+    V1, the load, and its part H V0 T, each (n_dof, 2).
+    """
+    along = space.load_along_beam(state.stress @ T)
+    within = space.load_in_section(state.change_stress @ T)
+    size = float(np.linalg.norm(along) + np.linalg.norm(within))
+    V1 = solver.solve(along - within, size, _product(space, state.C))
+    return V1, along - within, within

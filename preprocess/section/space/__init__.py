@@ -1,0 +1,1 @@
+"""Unknowns of the warping of a section, plies and strains at its points."""

@@ -1,0 +1,350 @@
+"""Warping of a section on its mesh: nodes, other unknowns, integration points, strain operators."""
+
+import copy
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ....solver.math.arrays import Array
+from ... import fenicsx
+from ...fenicsx import EDGES, NODES
+from ..mesh.cells import CORNERS, KINDS, CellMesh, IntArray, full_basis, within
+from ..mesh.parts import lagrange_parts, own_parts
+from ..mesh.pattern import Pattern
+from .strains import fixed, strain_along_beam, strain_in_section
+
+
+class Unknowns:
+    """Values of the nodes = P z, with unknowns z.
+
+    Parameters
+    ----------
+    P : (n_node, n_unknown)
+    R : (n_unknown, n_node) with R P = 1: the unknowns of values that the unknowns can take
+    whole : (w,) unknowns that are the values of nodes `at` (w,)
+    """
+
+    def __init__(self, P: sp.csr_matrix, R: sp.csr_matrix, whole: IntArray, at: IntArray) -> None:
+        self.P, self.R, self.whole, self.at = P.tocsr(), R.tocsr(), whole, at
+
+    def of_nodes(self, nodal: Array) -> Array:
+        """Unknowns (n_unknown, ...) of nodal values (n_node, ...)."""
+        return np.asarray(self.R @ nodal.reshape(len(nodal), -1)).reshape(-1, *nodal.shape[1:])
+
+    def at_nodes(self, z: Array) -> Array:
+        """Nodal values (n_node, ...) of unknowns (n_unknown, ...)."""
+        return np.asarray(self.P @ z.reshape(len(z), -1)).reshape(-1, *z.shape[1:])
+
+    def then(self, others: "Unknowns") -> "Unknowns":
+        """These unknowns as given by others."""
+        return Unknowns(self.P @ others.P, others.R @ self.R, others.whole, self.at[others.at])
+
+    def of_cells(self, dofs: IntArray) -> tuple[IntArray, Array]:
+        """Unknowns of cells with nodes (c, k), as (c, m), and the part of P of each, (c, k, m).
+
+        Cells with fewer unknowns repeat their first one with zeros.
+        """
+        c, k = dofs.shape
+        picked = self.P[dofs.ravel()].tocoo()
+        cell = picked.row // k
+        key = cell.astype(np.int64) * self.P.shape[1] + picked.col
+        unique, place = np.unique(key, return_inverse=True)
+        owner = unique // self.P.shape[1]
+        first = np.searchsorted(owner, np.arange(c))
+        local = np.arange(len(unique)) - first[owner]
+        m = int(local.max()) + 1
+        table = np.repeat((unique[first] % self.P.shape[1])[:, None], m, axis=1)
+        table[owner, local] = unique % self.P.shape[1]
+        parts = np.zeros((c, k, m))
+        parts[cell, picked.row % k, local[place.ravel()]] = picked.data
+        return table, parts
+
+
+def hanging_unknowns(P: sp.csr_matrix) -> Unknowns:
+    """The unknowns of a mesh with hanging nodes: the values of all other nodes."""
+    single = np.flatnonzero(np.diff(P.indptr) == 1)
+    single = single[np.abs(P.data[P.indptr[single]] - 1.0) < 1e-12]
+    columns, first = np.unique(P.indices[P.indptr[single]], return_index=True)
+    n = P.shape[1]
+    assert len(columns) == n, "an unknown without a node"
+    at = single[first]
+    R = sp.csr_matrix((np.ones(n), (np.arange(n), at)), shape=(n, P.shape[0]))
+    return Unknowns(P, R, np.arange(n), at)
+
+
+class SectionSpace:
+    """Continuous functions on a mesh, and the integration points.
+
+    These data do not depend on the material. By default, `quadrature_degree` is chosen so that E is
+    sufficiently accurate. Displacements of the section are flat arrays (n_dof,): unknown by
+    unknown the three components (w1, w2, w3). `c` counts cells, `q` the points of a cell, `k` its
+    unknowns. In a mesh of triangles and quadrilaterals, or with hanging nodes, cells with fewer
+    points or unknowns are filled up with points of zero area and functions that are zero.
+
+    Parameters
+    ----------
+    mesh : the cells
+    degree : of Lagrange functions; None: the functions of the nodes that each cell has
+    team : processes that share strains and matrices; each has those of its `own` cells. Loads and
+        work are sums over the team
+
+    Attributes
+    ----------
+    x2, x3 : (n_node,) positions of the nodes [m]
+    unknowns : how the values of nodes follow from the unknowns, None if they are the unknowns
+    dofs : (c, k) unknowns of each cell
+    own : the cells whose functions, strains and matrices this process has; c counts them below
+    points : (c, q, 2) positions of the integration points [m]
+    weights : (c, q) their areas [m2]
+    values : (q, k) or (c, q, k) functions at the points
+    gradients : (c, q, 2, k) their derivatives in the section [1/m]
+    S_h, S_l : (6, 6) and (6, 3) strains G_h w of the slopes of w and G_l w of its values
+    """
+
+    def __init__(
+        self,
+        mesh: CellMesh,
+        degree: int | None = 2,
+        quadrature_degree: int | None = None,
+        team: fenicsx.Team = fenicsx.ALONE,
+    ) -> None:
+        self.mesh, self.team, self.own = mesh, team, team.share(mesh.n_cell)
+        self.degree = mesh.degree if degree is None else degree
+        # curved cells need two degrees more than straight ones; with the functions of the nodes,
+        # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
+        curved = degree is not None and mesh.degree > 1 and is_curved(mesh)
+        self.quadrature_degree = quadrature_degree or 2 * self.degree + (2 if curved else 0)
+        P = None
+        if degree is None:
+            parts, n_node = own_parts(mesh, self.own)
+        else:
+            parts, n_node, P = lagrange_parts(mesh, degree, self.own)
+        self.rules = [  # the parts, with points and weights of integration on the reference cell
+            (
+                part,
+                fenicsx.quadrature(
+                    KINDS[part.kind],
+                    2
+                    if degree is None and quadrature_degree is None and part.is_linear
+                    else self.quadrature_degree,
+                ),
+            )
+            for part in parts
+        ]
+        c, q = mesh.n_cell, max(len(weights) for _, (_, weights) in self.rules)
+        k = max(part.nodes.shape[1] for part in parts)
+        self.dofs = np.empty((c, k), dtype=np.int32)
+        first, stop = self.own.start, self.own.stop
+        points, areas = np.empty((stop - first, q, 2)), np.zeros((stop - first, q))
+        self.values: Array = np.zeros((q, k) if len(parts) == 1 else (stop - first, q, k))
+        self.gradients = np.zeros((stop - first, q, 2, k))
+        places = np.empty((n_node, 2))
+        for part, (reference, weights) in self.rules:
+            rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
+            self.dofs[rows, :n], self.dofs[rows, n:] = part.nodes, part.nodes[:, :1]
+            places[part.nodes] = part.places()
+            mine = np.flatnonzero(within(rows, self.own))
+            if not len(mine):
+                continue
+            rows = rows[mine] - first
+            x, functions = part.map(reference, mine), part.functions(reference, mine)
+            points[rows, :p], points[rows, p:] = x[..., :2], x[:, :1, :2]
+            areas[rows, :p] = weights * np.abs(x[..., 2])
+            if len(parts) == 1:
+                self.values[:] = functions[0, :, 0]
+            else:
+                self.values[rows, :p, :n] = functions[:, :, 0]
+            self.gradients[rows, :p, :, :n] = functions[:, :, 1:]
+        self.points, self.weights = team.stacked(points), team.stacked(areas)
+        self.x2, self.x3 = places.T.copy()
+        self.S_h, self.S_l = fixed(strain_in_section)[:, 3:], fixed(strain_along_beam)[:, :3]
+        self.unknowns: Unknowns | None = None
+        self.over: Unknowns | None = None  # the last change of `expressed`
+        self._finish()
+        if P is not None:
+            self._express(hanging_unknowns(P))
+
+    def _finish(self) -> None:
+        own = self.dofs[self.own]
+        self.n_unknown = len(self.x2) if self.unknowns is None else self.unknowns.P.shape[1]
+        # (n_unknown, c k): sums the contributions of the cells to each unknown
+        self._to_nodes = sp.csr_matrix(
+            (np.ones(own.size), (own.ravel(), np.arange(own.size))),
+            shape=(self.n_unknown, own.size),
+        )
+
+    def _express(self, unknowns: Unknowns) -> None:
+        """Change to unknowns that give the present ones."""
+        dofs, parts = unknowns.of_cells(self.dofs.astype(np.int64))
+        self.dofs = dofs.astype(np.int32)
+        parts = parts[self.own]
+        self.gradients = self.gradients @ parts[:, None]
+        values = self.values if self.values.ndim == 3 else self.values[None]
+        self.values = values @ parts
+        self.unknowns = unknowns if self.unknowns is None else self.unknowns.then(unknowns)
+        self._finish()
+
+    def expressed(self, unknowns: Unknowns) -> "SectionSpace":
+        """The same functions with other unknowns, which give the present ones."""
+        other = copy.copy(self)
+        for name in ("pattern", "weighted_gradients"):
+            other.__dict__.pop(name, None)
+        other._express(unknowns)
+        other.over = unknowns
+        return other
+
+    @property
+    def n_cell(self) -> int:
+        """Number of cells."""
+        return self.mesh.n_cell
+
+    @property
+    def n_dof(self) -> int:
+        """Number of unknowns of the warping, three each."""
+        return 3 * self.n_unknown
+
+    @property
+    def area(self) -> float:
+        """Area of the section [m2]."""
+        return float(self.weights.sum())
+
+    @property
+    def _areas(self) -> Array:
+        """Areas of the points of the own cells, (c, q) [m2]."""
+        return self.weights[self.own]
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Sparsity pattern of every matrix of the own cells."""
+        return Pattern(self.dofs[self.own], self.n_unknown)
+
+    @cached_property
+    def weighted_gradients(self) -> Array:
+        """Derivatives times the areas of their points, (c, k, 2 q), columns (q, alpha)."""
+        c, q, _, k = self.gradients.shape
+        weighted = self._areas[..., None, None] * self.gradients
+        return np.ascontiguousarray(np.swapaxes(weighted.reshape(c, 2 * q, k), 1, 2))
+
+    def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
+        """Unknowns of fields (w1, w2, w3), each a number or (n_node,), as columns."""
+        out = np.zeros((self.x2.size, 3, len(fields)))
+        for column, components in enumerate(fields):
+            for i, component in enumerate(components):
+                out[:, i, column] = component
+        if self.unknowns is not None:
+            out = self.unknowns.of_nodes(out)
+        return out.reshape(self.n_dof, len(fields))
+
+    def layer_angles(self) -> Array:
+        """Angle of the layer direction of the mesh at the points, (c, q) [deg]."""
+        angles = self.mesh.layer_angle
+        assert angles is not None
+        out = np.zeros(self.weights.shape)
+        out[:] = angles[:, :1]
+        if angles.shape[1] > 1:
+            for part, (reference, _) in self.rules:
+                values = full_basis(part.kind, reference)[0]
+                out[part.rows, : len(values)] = angles[part.rows, : values.shape[1]] @ values.T
+        return out
+
+    def at_points(self, W: Array) -> Array:
+        """Values of displacement columns (n_dof, m) at the points, (c, q, 3, m)."""
+        nodal = self._of_cells(W)
+        return (self.values @ nodal).reshape(*self._areas.shape, 3, -1)
+
+    def strain_in_section(self, W: Array) -> Array:
+        """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
+        return _product(self.S_h, self.slopes(W))
+
+    def strain_along_beam(self, W: Array) -> Array:
+        """G_l W at the points, (c, q, 6, m): the strain due to a change W per x1."""
+        return _product(self.S_l, self.at_points(W))
+
+    def slopes(self, W: Array) -> Array:
+        """Derivatives d w_a / d x_alpha at the points, (c, q, 6, m), rows 3 alpha + a."""
+        c, q = self._areas.shape
+        slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
+        return slope.reshape(c, q, 6, -1)
+
+    def load_of_slopes(self, partner: Array) -> Array:
+        """Integral of partner . slopes of w for each unknown of w, (n_dof, m)."""
+        c, q, m = *self._areas.shape, partner.shape[-1]
+        return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
+
+    def load_in_section(self, stress: Array) -> Array:
+        """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
+        return self.load_of_slopes(_product(self.S_h.T, stress))
+
+    def load_along_beam(self, stress: Array) -> Array:
+        """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
+        return self.load(_product(self.S_l.T, stress))
+
+    def load(self, traction: Array) -> Array:
+        """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
+        weighted = self._areas[..., None, None] * traction
+        values = np.swapaxes(self.values, -1, -2)
+        return self._sum(values @ weighted.reshape(*self._areas.shape, -1))
+
+    def work(self, stress: Array, strain: Array) -> Array:
+        """Integral of stress' strain over the section, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
+        weighted = self._areas[..., None, None] * stress
+        return self.team.total(
+            weighted.reshape(-1, stress.shape[3]).T @ strain.reshape(-1, strain.shape[3])
+        )
+
+    def _of_cells(self, W: Array) -> Array:
+        """Unknowns cell by cell, (c, k, 3 m)."""
+        return W.reshape(self.n_unknown, -1)[self.dofs[self.own]]
+
+    def _sum(self, of_cells: Array) -> Array:
+        """Loads (n_dof, m) from the contributions of the cells (c, k, 3 m)."""
+        columns = of_cells.shape[-1]
+        found = self._to_nodes @ of_cells.reshape(-1, columns)
+        return self.team.total(found).reshape(self.n_dof, -1)
+
+    def at_corners_and_middles(self, W: Array) -> list[Array]:
+        """Values of displacement columns (n_dof, m) at the 6 or 9 nodes of the map of each cell.
+
+        One array (c, 6 or 9, 3, m) for each kind in mesh.of_kinds.
+        """
+        m = W.shape[1]
+        nodal = W.reshape(self.n_unknown, 3 * m)
+        if self.unknowns is not None:
+            nodal = self.unknowns.at_nodes(nodal)
+        out = []
+        for kind, rows in self.mesh.of_kinds:
+            reference = NODES[KINDS[kind]] / 2.0
+            values = np.empty((self.n_cell, len(reference), 3 * m))
+            for part, _ in self.rules:
+                if part.kind == kind:
+                    values[part.rows] = part.values(reference) @ nodal[part.nodes]
+            out.append(values[rows].reshape(len(rows), len(reference), 3, m))
+        return out
+
+
+def _product(S: Array, fields: Array) -> Array:
+    """S fields at the points, (c, q, rows, m), for S (rows, columns) with few entries."""
+    first = np.abs(S).argmax(axis=1)  # the largest entry of each row; most rows have no other one
+    out = np.take(fields, first, axis=2)
+    left = S.copy()
+    for row, column in enumerate(first):
+        if S[row, column] != 1.0:
+            out[:, :, row] *= S[row, column]
+        left[row, column] = 0.0
+    for row, column in np.argwhere(left):
+        out[:, :, row] += left[row, column] * fields[:, :, column]
+    return out
+
+
+def is_curved(mesh: CellMesh) -> bool:
+    """True unless the middle nodes lie half way between corners."""
+    for (kind, _), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
+        size = np.abs(shape.max(axis=1) - shape.min(axis=1)).max(axis=1)
+        corners = CORNERS[kind]
+        for side, (a, b) in enumerate(EDGES[KINDS[kind]]):
+            off = shape[:, corners + side] - 0.5 * (shape[:, a] + shape[:, b])
+            if np.any(np.abs(off).max(axis=1) > 1e-9 * size):
+                return True
+    return False

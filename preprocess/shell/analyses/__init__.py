@@ -1,0 +1,1 @@
+"""Load cases, frequencies, buckling and their errors."""

@@ -1,0 +1,210 @@
+"""Analysis of a shell: load cases, modes and all other results from its specification."""
+
+import dataclasses
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ....solver.math.arrays import Array
+from ....solver.package.common.plausible import described_doubts, not_allowed, shell_doubts
+from ....solver.package.shell.schema import (
+    ShellCases,
+    ShellFile,
+    ShellLaminate,
+    ShellLinks,
+    ShellMeshData,
+    ShellPlaces,
+    ShellProbes,
+)
+from ... import fenicsx
+from ...laminate import computed, report, stress_operators
+from ..mesh.mesh import ShellMesh
+from ..model.guards import check_supported
+from ..model.link_distortion import link_warnings
+from ..model.loads import resultant
+from ..model.problem import ShellProblem
+from ..model.warped import warped_warnings
+from .discretisation import FinerMesh
+from .modes import by_node, shell_buckling, shell_modes
+from .prestress import Stressed
+from .probes import probe_values, read_probes
+from .statics import solve_cases
+
+Progress = Callable[[str], None]
+Warnings = list[dict[str, str]]
+
+
+def analyse(
+    spec: Mapping[str, Any],
+    where: str | None = None,
+    *,
+    mesh: ShellMesh | None = None,
+    verify: bool = False,
+    team: fenicsx.Team = fenicsx.ALONE,
+    progress: Progress | None = None,
+) -> ShellFile:
+    """Displacements, resultants, reactions and natural modes of a shell.
+
+    Parameters
+    ----------
+    spec : plain data, see spec.py
+    where : file and key of the specification for messages, the shell's name by default
+    mesh : replaces the mesh that the specification names
+    verify : compute strain energies and frequencies by a second method as well (verification.py)
+    team : processes that all call this with the same arguments and share the matrices, unless the
+        description asks for buckling; each gets the whole result
+    progress : called with one line at the beginning of each step
+
+    Raises
+    ------
+    ShellError, LaminateError, MaterialError : the description is wrong (key, value, expectation),
+    or
+        the shell cannot be solved.
+    """
+    start = time.perf_counter()
+    where = where or f"shell {spec.get('name', '')}".strip()
+    begin = progress or (lambda _line: None)
+    ranks = team.size
+    if "buckling" in spec:
+        team = fenicsx.ALONE  # each process solves the whole shell
+    begin("mesh")
+    problem = ShellProblem(spec, where, team, mesh)
+    laminates, warnings = _laminates(problem)
+    mass = sum(float(r.geometry.area.sum()) * r.stiffness.mass[0] for r in problem.regions)
+    doubts = [*described_doubts(spec), *shell_doubts(spec, problem.mesh.points_G, mass)]
+    units = [doubt.warning for doubt in not_allowed(spec, doubts)]
+    warnings = [*problem.warnings, *warnings, *units]
+    cases, probes, u = _cases(problem, warnings, begin)
+    stressed = Stressed(problem, cases.names, u)
+    finer = FinerMesh(problem, begin)
+    modes, left_out = shell_modes(stressed, finer, warnings, begin)
+    buckling = shell_buckling(stressed, finer, warnings, begin)
+    second = None
+    if verify:
+        from .verification import verified  # here: its forms are loaded only where they are needed
+
+        begin("verification")
+        second = verified(problem, finer, cases, modes)
+        warnings += second.warnings
+    return ShellFile(
+        name=str(spec.get("name", "shell")),
+        mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
+        laminates=tuple(laminates),
+        materials={name: dict(table) for name, table in spec["materials"].items()},
+        supports=ShellPlaces(
+            tuple(support.name for support in problem.supports),
+            np.array([support.point_G for support in problem.supports]).reshape(-1, 3),
+        ),
+        links=ShellLinks(
+            tuple(link.name for link in problem.links),
+            np.array([link.point_G for link in problem.links]).reshape(-1, 3),
+            tuple(link.kind for link in problem.links),
+        ),
+        cases=cases,
+        probes=probes,
+        modes=modes,
+        buckling=buckling,
+        warnings=tuple(warnings),
+        provenance={
+            "spec": dict(spec),
+            "elements": {**problem.choice._asdict(), "mass_form": problem.mass_form},
+            "dofs": problem.freedom.n_dof,
+            "frequency_errors": left_out or None,
+            "verification": None if second is None else second.words,
+            "ranks": ranks,
+            "seconds": time.perf_counter() - start,
+            "versions": fenicsx.versions(),
+        },
+    )
+
+
+def _cases(
+    problem: ShellProblem, warnings: Warnings, begin: Progress
+) -> tuple[ShellCases, ShellProbes, Array]:
+    spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
+    probes = read_probes(problem)
+    names = tuple(spec.get("loads", {}))
+    forces, given = problem.loads.columns(spec.get("loads", {}), problem.where)
+    u, energy, residual = np.zeros_like(forces), np.zeros(len(names)), np.zeros(len(names))
+    reactions = np.zeros((len(names), len(problem.supports), 6))
+    if names:
+        check_supported(freedom, *problem.free_motions(freedom))
+        begin(f"load cases, {freedom.n_free} unknowns")
+        solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
+        u, energy, residual = solved.displacements, solved.energy, solved.residual
+        warnings += solved.warnings
+        warnings += warped_warnings(problem, u, [f"load case {name}" for name in names])
+        warnings += link_warnings(problem, u, forces, energy, names)
+        taken = np.zeros(freedom.n_dof, dtype=bool)
+        for row, support in enumerate(problem.supports):
+            own = np.zeros_like(forces)
+            dofs = support.dofs[
+                ~taken[support.dofs]
+            ]  # a node held by two supports is reported with the first
+            own[dofs] = solved.reactions[dofs]
+            taken[dofs] = True
+            reactions[:, row] = resultant(mesh, freedom, own, support.point_G).T
+    resultants = problem.resultants(u)
+    cases = ShellCases(
+        names=names,
+        displacements_G=by_node(mesh, u),
+        resultants_E=resultants,
+        link_motions_G=np.moveaxis(u.reshape(len(u) // 6, 6, len(names))[mesh.n_node :], 2, 0),
+        loads_G=resultant(mesh, freedom, forces, np.zeros(3)).T,
+        reactions_G=reactions,
+        energy=energy,
+        residual=residual,
+    )
+    told = ShellProbes(
+        tuple(probe.name for probe in probes),
+        tuple(probe.quantity for probe in probes),
+        probe_values(probes, u, resultants),
+    )
+    return cases, told, u
+
+
+def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
+    """Each laminate that a region uses, once, with its warnings."""
+    found: dict[str, ShellLaminate] = {}
+    warnings: Warnings = []
+    for region in problem.regions:
+        name = region.laminate_name
+        if name in found:
+            continue
+        laminate, stiffness = region.laminate.laminate, region.stiffness
+        with computed(f"{problem.where}.laminates.{name}"):
+            known, operators = report(laminate, name), stress_operators(laminate)
+        warnings += known.findings
+        table = dataclasses.asdict(known)
+        del table["findings"]
+        found[name] = ShellLaminate(
+            name,
+            region.laminate.plies,
+            stiffness.ABD,
+            stiffness.Ds,
+            stiffness.mass,
+            operators,
+            {**table, "offset": laminate.offset},
+        )
+    return list(found.values()), warnings
+
+
+def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
+    mesh = problem.mesh
+    of_region = {region.name: region.laminate_name for region in problem.regions}
+    A_GE, area = np.empty((len(mesh.cells), 3, 3)), np.empty(len(mesh.cells))
+    for region in problem.regions:
+        A_GE[region.cells] = region.geometry.A_GE
+        area[region.cells] = region.geometry.area
+    return ShellMeshData(
+        nodes_G=mesh.points_G,
+        node_ids=mesh.node_tags,
+        cells=mesh.cells,
+        region=mesh.region,
+        regions=mesh.regions,
+        laminate=np.array([laminates.index(of_region[name]) for name in mesh.regions]),
+        A_GE=A_GE,
+        area=area,
+    )

@@ -1,0 +1,168 @@
+"""Linear buckling: load factors at which a prestressed shell has no stiffness left.
+
+With the geometric stiffness Kg of the resultants of a load case, (K + lambda Kg) x = 0. K is
+definite and Kg is not, so the problem solved is -Kg x = mu K x, mu = 1/lambda, from its largest mu:
+all load factors are found, however small. The number of negative pivots of K + s Kg, with s
+above the last factor, is the correct number of factors.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
+
+from ....solver.math.arrays import Array
+from ... import fenicsx
+from ..errors import ShellError
+from ..model.freedom import Freedom
+from .frequencies import GAP, signs
+
+TOLERANCE = 1e-10
+NONE = 1e-4  # of the largest |mu|: a smaller one is a local effect or round-off
+REVERSED = 1e-2  # the same, of the reversed load
+FEW, MANY = 14, 40  # least number of Krylov vectors: for the size of mu, for the factors
+MOST = 100  # restarts of the iteration
+TRIES = 4  # with more factors each time, if some were missed
+DENSE = 400  # unknowns, below which all factors are computed
+
+
+class LoadFactors(NamedTuple):
+    """Load factors of one load case, ascending, with their shapes."""
+
+    values: Array  # (m,) above 0
+    shapes: Array  # (n_dof, m) largest displacement 1
+    reversed: float  # the smallest factor, below 0, of the reversed load; 0 if there is none
+
+
+class Buckling:
+    """Load factors of a shell under several load cases, with one factorisation of its stiffness.
+
+    Parameters
+    ----------
+    K : stiffness, with that of constant loads, of all degrees of freedom
+    where : the table, for messages
+
+    Raises
+    ------
+    ShellError : K is not definite.
+    """
+
+    def __init__(
+        self, K: sp.csr_matrix, freedom: Freedom, where: str, team: fenicsx.Team = fenicsx.ALONE
+    ) -> None:
+        self._K, self._freedom, self._team = freedom.reduced(K), freedom, team
+        try:
+            self._factor = fenicsx.cholesky(self._K, team)
+        except fenicsx.FactorisationError as error:
+            raise ShellError(
+                f"{where}: {error} Buckling needs supports that prevent rigid motions, and "
+                "constant loads below their own load factor"
+            ) from error
+
+    def close(self) -> None:
+        """Free the memory of the factors."""
+        self._factor.close()
+
+    def load_factors(self, Kg: sp.csr_matrix, count: int, where: str) -> LoadFactors:
+        """The smallest load factors of a load case.
+
+        Parameters
+        ----------
+        Kg : geometric stiffness of the load case that is multiplied, of all degrees of freedom
+        count : requested factors; fewer are returned if there are not as many
+        where : the load case, for messages
+
+        Raises
+        ------
+        ShellError : the iteration does not converge, or misses factors.
+        """
+        freedom = self._freedom
+        G = freedom.reduced(-Kg)
+        if not G.nnz:
+            return LoadFactors(np.zeros(0), np.zeros((freedom.n_dof, 0)), 0.0)
+        try:
+            wanted = count
+            for _ in range(TRIES):
+                mu, X, back = self._both_ends(G, wanted)
+                values = 1.0 / mu
+                last = _level(values, count)
+                found = self._negative(last * G) if len(values) else 0
+                below = int(np.count_nonzero(values < last))
+                if found == below:
+                    break
+                # the iteration may miss one of two equal factors, as of a full cylinder
+                wanted = max(2 * wanted, found + 2)
+        except (
+            ArpackError,
+            ArpackNoConvergence,
+            fenicsx.FactorisationError,
+            fenicsx.InertiaError,
+        ) as error:
+            raise ShellError(f"{where}: buckling: {error}") from error
+        if found != below:
+            raise ShellError(
+                f"{where}: {found} load factors are below {last:.6g}, the iteration found {below}; "
+                "ask for more of them (buckling.count)"
+            )
+        shapes = freedom.expanded(X[:, :count])
+        if not len(values):
+            return LoadFactors(values, shapes, back)
+        size = np.abs(shapes.reshape(-1, 6, shapes.shape[1])[:, :3]).max(axis=(0, 1), initial=0.0)
+        shapes = shapes * signs(shapes, freedom) / np.where(size > 0.0, size, 1.0)
+        return LoadFactors(values[:count], shapes, back)
+
+    def _both_ends(self, G: sp.csr_matrix, count: int) -> tuple[Array, Array, float]:
+        """The largest mu > 0 of G x = mu K x, descending, one more than requested; their x (n, m)
+        with x'K x = 1; the smallest factor of the reversed load, 0 if none is of interest."""
+        n = G.shape[0]
+        if n <= max(DENSE, 3 * count):
+            mu, X = scipy.linalg.eigh(G.toarray(), self._K.toarray())
+            size = np.abs(mu).max(initial=0.0)
+            order = np.flatnonzero(mu > NONE * size)[::-1][: count + 1]
+            back = 1.0 / mu[0] if mu[0] < -REVERSED * size else 0.0
+            return mu[order], X[:, order], float(back)
+        size = abs(float(self._iterated(G, 1, "LM", 1e-3, FEW)[0][0]))
+        mu, X = np.zeros(0), np.zeros((n, 0))
+        if self._negative(G / (NONE * size)):
+            mu, X = self._iterated(G, count + 1, "LA", TOLERANCE)
+            order = np.argsort(-mu)
+            order = order[mu[order] > NONE * size]
+            mu, X = mu[order], X[:, order]
+        return mu, X, self._reversed(G, size)
+
+    def _reversed(self, G: sp.csr_matrix, size: float) -> float:
+        """The smallest factor of the reversed load, below 0; 0 if none is of a size of interest."""
+        if not self._negative(-G / (REVERSED * size)):
+            return 0.0
+        try:
+            mu = -float(self._iterated(-G, 1, "LA", TOLERANCE)[0][0])
+        except ArpackNoConvergence:
+            return 0.0
+        return 1.0 / mu if mu < -REVERSED * size else 0.0
+
+    def _negative(self, scaled: sp.csr_matrix) -> int:
+        return fenicsx.negative_pivots(self._K - scaled, self._team)
+
+    def _iterated(
+        self, G: sp.csr_matrix, count: int, which: str, tolerance: float, least: int = MANY
+    ) -> tuple[Array, Array]:
+        n = G.shape[0]
+        inverse = LinearOperator((n, n), matvec=self._factor.solve, dtype=float)
+        start = np.random.default_rng(0).standard_normal(n)
+        mu, X = eigsh(
+            G, count, which=which, tol=tolerance, M=self._K, Minv=inverse, v0=start,
+            ncv=max(3 * count, least), maxiter=MOST,
+        )  # fmt: skip
+        return mu, X
+
+
+def _level(values: Array, count: int) -> float:
+    """A level above the requested factors, in a gap behind them if there is one."""
+    if not len(values):
+        return 0.0
+    last = min(count, len(values)) - 1
+    if last + 1 < len(values) and values[last + 1] - values[last] > GAP * values[last + 1]:
+        return 0.5 * float(values[last] + values[last + 1])
+    return float(values[-1]) * (1.0 + GAP)

@@ -1,0 +1,205 @@
+"""Estimated discretisation errors of load factors and frequencies, from a mesh of half the cells.
+
+The elements are of second order: of the difference of two meshes, a third is left in the finer one.
+On the finer mesh the known shapes are improved by a block Krylov space of few vectors, which costs
+one factorisation and a few solutions; the prestress is computed there as well.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+
+from ....solver.math.arrays import Array
+from ... import fenicsx
+from ..errors import ShellError
+from ..mesh.finer_surface import Refined, refined
+from ..model.assembly import DOFS
+from ..model.freedom import Freedom
+from ..model.problem import ShellProblem
+from .buckling import LoadFactors
+from .prestress import Stressed
+from .statics import solve_cases
+
+STEPS = 3  # of the Krylov space
+REST = 4.0 / 3.0  # error of the coarser mesh over the difference, second order
+MOST = 300_000  # unknowns of the finer mesh, above which there is no estimate
+DEPENDENT = 1e-13  # of the largest eigenvalue of a Gram matrix of unit vectors
+
+
+class FinerMesh:
+    """The same shell on a mesh of half the cell size, made when it is needed.
+
+    Parameters
+    ----------
+    coarse : the shell on its own mesh
+    begin : called with one line when it is made
+    """
+
+    def __init__(self, coarse: ShellProblem, begin: Callable[[str], None]) -> None:
+        self._coarse, self._begin = coarse, begin
+
+    @cached_property
+    def _refined(self) -> Refined:
+        return refined(self._coarse.mesh)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of degrees of freedom of its nodes."""
+        return DOFS * self._refined.mesh.n_node
+
+    @cached_property
+    def problem(self) -> ShellProblem:
+        """Its model."""
+        coarse = self._coarse
+        self._begin(f"errors, from a mesh of half the cell size: {self.unknowns} unknowns")
+        return ShellProblem(coarse.spec, coarse.where, mesh=self._refined.mesh)
+
+    @cached_property
+    def stressed(self) -> Stressed:
+        """The shell with its load cases."""
+        problem, freedom = self.problem, self.problem.freedom
+        cases = problem.spec.get("loads", {})
+        forces, given = problem.loads.columns(cases, problem.where)
+        names = tuple(cases)
+        if not names:
+            return Stressed(problem, names, forces)
+        solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
+        return Stressed(problem, names, solved.displacements)
+
+    def shapes(self, coarse: Array) -> Array:
+        """Displacements (n_dof, m) of nodes and reference points from those of the coarse mesh."""
+        nodes = self._refined.from_coarse
+        n = nodes.shape[1]
+        table = coarse.reshape(-1, DOFS, coarse.shape[1])
+        fine = (nodes @ table[:n].reshape(n, -1)).reshape(-1, DOFS, coarse.shape[1])
+        return np.concatenate([fine, table[n:]]).reshape(-1, coarse.shape[1])
+
+
+def load_factor_errors(
+    finer: FinerMesh, table: Mapping[str, Any], found: Mapping[str, LoadFactors]
+) -> dict[str, Array] | None:
+    """Relative errors (m,) of load factors, above 0 if a factor is too high, by load case.
+
+    None if the finer mesh is too large, or has no stiffness left under the constant load.
+
+    Parameters
+    ----------
+    table : of `buckling`, see prestress.py
+    found : load factors and shapes of each case on the coarse mesh
+    """
+    if finer.unknowns > MOST:
+        return None
+    in_plane, freedom = table.get("in_plane", True), finer.problem.modes_freedom
+    where, errors = f"{finer.problem.where}.buckling", {}
+    try:
+        equations = _Equations(finer, table.get("constant"), f"{where}.constant", in_plane)
+    except (ShellError, fenicsx.FactorisationError):
+        return None
+    for name, factors in found.items():
+        errors[name] = np.zeros(0)
+        if len(factors.values) == 0:  # the case does not buckle the shell
+            continue
+        Kg = finer.stressed.geometric(name, f"{where}.cases", in_plane)
+        mu = equations.largest(freedom.reduced(-Kg), factors.shapes)
+        errors[name] = _error(factors.values, 1.0 / mu)
+    equations.factor.close()
+    return errors
+
+
+def frequency_errors(
+    finer: FinerMesh,
+    case: str | None,
+    values: Array,
+    shapes: Array,
+    n_zero: int = 0,
+    free: bool = False,
+) -> Array | None:
+    """Relative errors (m,) of frequencies of a shell under a load case.
+
+    None if the finer mesh is too large, has buckled, or is not possible.
+
+    Parameters
+    ----------
+    values, shapes : (m,) [rad/s], (n_dof, m)
+    n_zero : number of modes without strain energy, which come first; their error is 0
+    free : without the supports
+    """
+    if finer.unknowns > MOST or len(values) == n_zero:
+        return None
+    shift = float(values[n_zero] ** 2) if n_zero else 0.0  # K alone is singular
+    try:
+        problem = finer.problem
+        freedom = problem.modes_freedom
+        if free:
+            freedom = Freedom(problem.mesh, problem.links, flat=problem.flat)
+        where = f"{problem.where}.frequencies.prestress"
+        equations = _Equations(finer, case, where, freedom=freedom, shift=shift)
+    except (ShellError, fenicsx.FactorisationError):
+        return None
+    mu = equations.largest(freedom.reduced(problem.M), shapes)
+    equations.factor.close()
+    errors = np.zeros(len(values))
+    fine = np.sqrt((1.0 / mu - shift)[n_zero:].clip(min=0.0))
+    errors[n_zero:] = _error(values[n_zero:], fine)
+    return errors
+
+
+class _Equations:
+    """G x = mu K x on the finer mesh, K the stiffness under a load case plus shift times M.
+
+    Raises ShellError, FactorisationError : K is not definite.
+    """
+
+    def __init__(
+        self,
+        finer: FinerMesh,
+        case: str | None,
+        where: str,
+        in_plane: bool = True,
+        freedom: Freedom | None = None,
+        shift: float = 0.0,
+    ) -> None:
+        problem = finer.problem
+        self._finer, self._freedom = finer, freedom or problem.modes_freedom
+        # without a prestress the load cases need no solution on the finer mesh
+        K = problem.K if case is None else finer.stressed.stiffness(case, where, in_plane)
+        K = self._freedom.reduced(K)
+        if shift:
+            K = K + shift * self._freedom.reduced(problem.M)
+        self.factor = fenicsx.cholesky(K, finer.problem.team)
+
+    def largest(self, G: sp.csr_matrix, coarse: Array) -> Array:
+        """The largest mu, (m,) descending, in the Krylov space of m coarse shapes (n_dof, m)."""
+        X = self._finer.shapes(coarse)[self._freedom.free]
+        count = X.shape[1]
+        if not count:
+            return np.zeros(0)
+        blocks, loads = [], []
+        for _ in range(STEPS):
+            load = np.asarray(G @ X)
+            X = self.factor.solve(load)
+            # x'Kx by the load K x: K times a nearly rigid motion of a thin shell is rounding
+            size = np.sqrt(np.einsum("nm,nm->m", X, load))
+            X = X / size
+            blocks.append(X)
+            loads.append(load / size)
+        S, L = np.concatenate(blocks, axis=1), np.concatenate(loads, axis=1)
+        products, axes = scipy.linalg.eigh(_symmetric(S.T @ L))
+        kept = products > DEPENDENT * products[-1]
+        T = axes[:, kept] / np.sqrt(products[kept])
+        S, L = S @ T, L @ T
+        mu = scipy.linalg.eigvalsh(_symmetric(S.T @ (G @ S)), _symmetric(S.T @ L))
+        return np.asarray(mu[::-1][:count])
+
+
+def _symmetric(A: Array) -> Array:
+    return np.asarray(0.5 * (A + A.T))
+
+
+def _error(coarse: Array, fine: Array) -> Array:
+    difference = REST * (coarse - fine)
+    return np.asarray(difference / (coarse - difference))

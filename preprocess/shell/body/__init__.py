@@ -1,0 +1,1 @@
+"""The modal package of a shell."""

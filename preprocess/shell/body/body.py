@@ -1,0 +1,147 @@
+"""Modal package of a body from a laminated shell."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from ....solver.math.arrays import Array
+from ....solver.package.body.schema import ModalPackage, SecondOrder
+from ....solver.package.body.second_order import MOST_MODES, second_order_from_stations
+from ....solver.package.body.selection import ALONG
+from ....solver.package.shell.cells import vtk_cells
+from ...beam.stations import Stations
+from ...modes import Modes, reduced_modes
+from ...provenance import body_provenance
+from ..mesh.body_spec import ShellBodySpec, read_shell_body
+from ..model.link_distortion import interface_warnings
+from ..model.problem import ShellProblem
+from ..model.warped import warped_warnings
+from .interfaces import interfaces, node_shapes, places
+from .recovery import cell_resultants, laminates
+from .reduction import ShellModel, eigen_solver
+from .second_order import second_order_fields
+from .stations import mass_stations
+
+SPARE = 1  # additional modes: a shell has other modes between those of one kind
+
+
+def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
+    """Assemble the shell, solve its modes and collect the package of one body.
+
+    Parameters
+    ----------
+    spec : plain JSON, see solver/package/body/specification.py
+
+    Raises
+    ------
+    SpecError : an unknown or missing key, or a value of another type
+    ModeError : fewer modes of a kind than requested
+    ShellError, LaminateError, MaterialError : errors in the description of the shell
+    """
+    body = read_shell_body(spec)
+    start = time.perf_counter()
+    model = shell_model(body)
+    model.condition  # noqa: B018  matrices
+    assembled = time.perf_counter()
+    modes = shell_modes(model)
+    u = model.problem.freedom.expanded(modes.columns_B)
+    found = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
+    found += interface_warnings(model.problem, u, modes.values, body.modes.attachments)
+    solved = time.perf_counter()
+    provenance = body_provenance(
+        spec,
+        {"body": model.problem.freedom.n_dof},
+        {"shell": assembled - start, "modes": solved - assembled},
+        [*model.problem.warnings, *(() if spec.get("candidates") else (*found, *modes.warnings))],
+    )
+    return shell_package(model, modes, provenance)
+
+
+def shell_model(body: ShellBodySpec) -> ShellModel:
+    """Mesh, lay-ups and interfaces of a body."""
+    return ShellModel(body, ShellProblem(body.shell, "shell"))
+
+
+def shell_modes(model: ShellModel) -> Modes:
+    """Modes of the shell in its reference condition, in its independent degrees of freedom.
+
+    Raises ModeError for modes or a mean axis that the shell does not have.
+    """
+    modes = model.spec.modes
+    lowest = all(request.kind == "lowest" for request in modes.eigenmodes)
+    return reduced_modes(
+        model.condition,
+        modes.eigenmodes,
+        model.static_loads(),
+        model.participation,
+        model.far_to_near(),
+        eigen_solver,
+        SPARE if lowest else 4 * SPARE,
+    )
+
+
+def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -> ModalPackage:
+    """Collect mesh, modes, inertia and laminates of a shell in a modal package.
+
+    The nodal masses are always lumped. The invariants use the mass form
+    of the specification, which is also that of the eigenproblem.
+    """
+    problem, spec = model.problem, model.spec
+    mesh, links = problem.mesh, problem.links
+    u = problem.freedom.expanded(modes.columns_B)
+    m = u.shape[1]
+    found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
+    connectivity, offsets, types = vtk_cells(mesh.cells)
+    nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
+    stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
+    h = None
+    if spec.second_order and 0 < m <= MOST_MODES:
+        h = second_order_fields(problem, model.condition, u)
+    node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
+    for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
+        whole[: mesh.n_node] = of_mesh
+    frequencies = np.sqrt(modes.values)
+    return ModalPackage(
+        body=spec.body,
+        nodes_B=found.nodes_B,
+        node_ids=found.ids,
+        connectivity=connectivity,
+        offsets=offsets,
+        cell_types=types,
+        shapes_B=node_shapes(mesh, links, found, u),
+        mode_kinds=modes.kinds,
+        frequencies=frequencies,
+        mass=np.eye(m),
+        stiffness=np.diag(modes.values),
+        damping=np.diag(2.0 * spec.damping_ratio * frequencies),
+        node_mass=node_mass,
+        node_inertia_B=node_inertia,
+        invariants=stations.invariants(spec.mass_form),
+        interfaces=interfaces(spec.interfaces, mesh, links, found, u, h),
+        reference_condition=spec.reference.kind,
+        laminates=laminates(problem),
+        cell_resultants=cell_resultants(problem, u),
+        mode_labels=tuple(map(_label, modes.labels)),
+        provenance=provenance,
+        second_order=None if h is None else _second_order(model, stations, h),
+    )
+
+
+def _second_order(model: ShellModel, stations: Stations, h: Array) -> SecondOrder:
+    """Sums over the stations of their second-order motion.
+
+    A station at an arm from the mesh, with offset plies, moves with the rotation of its node too.
+    """
+    problem, pairs = model.problem, h.reshape(len(h) // 6, 6, -1)[: model.problem.mesh.n_node]
+    moved = mass_stations(
+        problem.mesh, problem.regions, problem.stiffeners, pairs, model.spec.mass_form
+    )
+    h_B = moved.phi_B.reshape(*moved.phi_B.shape[:2], *h.shape[1:])
+    return second_order_from_stations(stations.m, stations.x_B, stations.phi_B, h_B)
+
+
+def _label(label: str) -> str:
+    """Label of a shell mode by its main direction: "bending-xz 2" becomes "along z 2"."""
+    kind, _, number = label.rpartition(" ")
+    return f"{ALONG[kind]} {number}" if kind in ALONG else label

@@ -1,0 +1,126 @@
+"""Second-order displacements of the modes of a shell, from its geometric stiffness.
+
+With Kg(v) the geometric stiffness of the resultants of displacements v, the second-order strains of
+two modes X_i, X_j do the work X_i' Kg(v) X_j = g_ij . v on the stresses of v. The second-order
+displacement h_ij cancels them as far as the shell can,
+
+    K h_ij = -g_ij     in the reference condition of the modes.
+
+For any load f then f . h_ij = -X_i' Kg(K^-1 f) X_j (docs/stiffening.md). The nodes of a rigid
+interface turn with it: to second order they also move by
+(a_i x (a_j x d) + a_j x (a_i x d))/2 with the rotations a of the interface and the arms d. The
+strains that h cannot cancel, where edges are held in the plane or the shell bends in two
+directions, would add an energy of fourth order, which is neglected.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ....solver.math.arrays import Array, IntArray
+from ...modes import Condition
+from ...modes.second_order import pairs, square, turned
+from ..elements.choice import Choice
+from ..elements.pairs import geometric_kernel, stiffness_kernel
+from ..elements.single_cells import cell_rows
+from ..elements.table import cell_table, write
+from ..model.assembly import DOFS
+from ..model.freedom import Freedom
+from ..model.problem import ShellProblem
+from ..model.regions import Region
+from ..model.stiffeners import Stiffener
+
+AT_A_TIME = 512  # cells
+
+
+def second_order_fields(problem: ShellProblem, condition: Condition, u: Array) -> Array:
+    """Second-order motion of all degrees of freedom, (n_dof, m, m) [m, rad].
+
+    Parameters
+    ----------
+    condition : reference condition of the modes, in the independent degrees of freedom
+    u : (n_dof, m) motion of all degrees of freedom in the modes
+    """
+    m = u.shape[1]
+    first, second = pairs(m)
+    g = np.zeros((problem.freedom.n_dof, len(first)))
+    for region in problem.regions:
+        _add_region(g, region, problem.choice, u, first, second)
+    for stiffener in problem.stiffeners:
+        _add_stiffener(g, stiffener, u, first, second)
+    moved = _turned_interfaces(problem.freedom, u)
+    loads = -problem.freedom.gathered(g + problem.K @ moved)
+    columns = condition.static(loads, np.zeros_like(loads)).columns
+    h = problem.freedom.expanded(columns) + moved
+    return square(h, m)
+
+
+def work_on_second_order_strains(problem: ShellProblem, v: Array, u: Array) -> Array:
+    """X_i' Kg(v) X_j of displacements v (n_dof,) and modes u (n_dof, m), (m, m)."""
+    return np.asarray(u.T @ (problem.geometric_stiffness(v) @ u))
+
+
+def _add_region(
+    g: Array, region: Region, choice: Choice, u: Array, first: IntArray, second: IntArray
+) -> None:
+    """Add R' c_ij of its cells: N = R v, and c_ij the second-order strains over the area."""
+    rows = u.reshape(-1, DOFS, u.shape[1])
+    k = region.nodes.shape[1]
+    stiffness, geometric = stiffness_kernel(k, choice, drilling=False), geometric_kernel(k)
+    A, B = region.stiffness.A, region.stiffness.B
+    table = cell_table(region.geometry, region.stiffness, choice)
+    # the work of this tension is that of w,x^2 + w,y^2 + 2 r^2
+    write(table, N=np.array([1.0, 1.0, 0.0]), in_plane=1.0)
+    for some in _slices(len(region.cells)):
+        part, nodes = region.geometry[some], region.nodes[some]
+        means = [mean for _, _, mean in cell_rows(part, stiffness, table[some])]
+        strain = np.concatenate(means, axis=1)
+        R = A @ strain[:, :3] + B @ strain[:, 3:6]
+        ((stress, slope, _),) = cell_rows(part, geometric, table[some])
+        own = rows[nodes].reshape(len(nodes), DOFS * k, -1)
+        # (c, points, 3, m): w,x w,y r, the first times the area of their points
+        by_area, plain = ((a @ own).reshape(len(nodes), -1, 3, u.shape[1]) for a in (stress, slope))
+        by_area[:, :, 2] *= 0.5
+        one, other = by_area[..., first], plain[..., second]
+        spun = one[:, :, 2] * other[:, :, 2]
+        c = np.stack(
+            [
+                one[:, :, 0] * other[:, :, 0] + spun,
+                one[:, :, 1] * other[:, :, 1] + spun,
+                one[:, :, 0] * other[:, :, 1] + one[:, :, 1] * other[:, :, 0],
+            ],
+            axis=2,
+        )
+        strains = c.sum(axis=1)  # (c, 3, pairs)
+        forces = np.swapaxes(R, 1, 2) @ strains
+        dofs = (DOFS * nodes[:, :, None] + np.arange(DOFS)).ravel()
+        np.add.at(g, dofs, forces.reshape(-1, len(first)))
+
+
+def _add_stiffener(
+    g: Array, stiffener: Stiffener, u: Array, first: IntArray, second: IntArray
+) -> None:
+    dofs = (DOFS * stiffener.ends[:, :, None] + np.arange(DOFS)).reshape(-1, 2 * DOFS)
+    own = u[dofs]  # (l, 12, m)
+    force, rotation = stiffener.axial_force(), stiffener.chord_rotation() @ own
+    products = np.einsum(
+        "lap,lap->lp", rotation[..., first], rotation[..., second]
+    ) * stiffener.length[:, None]  # fmt: skip
+    np.add.at(g, dofs.ravel(), (force[:, :, None] * products[:, None]).reshape(-1, len(first)))
+
+
+def _turned_interfaces(freedom: Freedom, u: Array) -> Array:
+    """Second-order motion of the nodes of rigid interfaces with respect to them, (n_dof, pairs)."""
+    out = np.zeros((len(u) // DOFS, DOFS, len(pairs(u.shape[1])[0])))
+    rows = u.reshape(-1, DOFS, u.shape[1])
+    n_node = freedom.mesh.n_node
+    for number, link in enumerate(freedom.links):
+        if link.kind != "rigid":
+            continue
+        arms = freedom.mesh.points_G[link.group.nodes] - link.point_G
+        out[link.group.nodes, :3] = turned(rows[n_node + number, 3:], arms)
+    return out.reshape(len(u), -1)
+
+
+def _slices(count: int) -> Iterator[slice]:
+    return (slice(begin, begin + AT_A_TIME) for begin in range(0, count, AT_A_TIME))

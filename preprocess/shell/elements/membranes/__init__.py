@@ -1,0 +1,14 @@
+"""Membrane of a flat triangle: one file for each element; see contract.py."""
+
+from .....solver.math.catalogue import catalogue, listed
+from .....solver.package.shell import elements
+from .contract import Membrane
+from .strains import MembraneStrains
+
+MEMBRANES = listed(
+    [(membrane.name, membrane) for membrane in catalogue(__name__, __path__, Membrane)],
+    elements.MEMBRANES,
+    "membranes",
+)
+
+__all__ = ["MEMBRANES", "Membrane", "MembraneStrains"]

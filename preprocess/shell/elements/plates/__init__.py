@@ -1,0 +1,14 @@
+"""Bending of a flat triangle: one file for each element; see contract.py."""
+
+from .....solver.math.catalogue import catalogue, listed
+from .....solver.package.shell import elements
+from .contract import Plate
+from .strains import PlateStrains, shear_ratio
+
+PLATES = listed(
+    [(plate.name, plate) for plate in catalogue(__name__, __path__, Plate)],
+    elements.PLATES,
+    "plates",
+)
+
+__all__ = ["PLATES", "Plate", "PlateStrains", "shear_ratio"]

@@ -1,0 +1,262 @@
+"""Checks of a shell: coded warnings and errors for problems that the analysis would not show."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from ....solver.errors import few
+from ....solver.math.arrays import Array
+from ....solver.package.shell import elements
+from ....solver.package.shell.cells import NONE, corner_counts, sides
+from ...coincident import coincident
+from ..elements.choice import Choice
+from ..elements.drilling import DRILLINGS
+from ..elements.membranes import MEMBRANES
+from ..elements.plates import PLATES, shear_ratio
+from ..errors import ShellError
+from ..mesh.mesh import ShellMesh
+from ..mesh.triangles import Triangles
+from .assembly import DOFS
+from .freedom import Freedom
+from .links import Link
+from .regions import Region
+
+Warnings = list[dict[str, str]]
+
+SLIVER = 0.05  # area over the sum of squared sides; 1 where they are equal
+COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position
+FLAT = 1e-6  # sine of the angle between normals of a flat part
+KINK = 0.9  # cosine between neighbouring normals below which a wall ends
+UNPAIRED = 0.25  # share of triangles that stay, against the request; of gmsh's below a fifth
+ACROSS = 4  # cells across a wall that constant-strain triangles need for bending in its plane
+
+
+def _warning(code: str, message: str) -> dict[str, str]:
+    return {"code": code, "message": message}
+
+
+def _at(place: Array) -> str:
+    return "({:.4g}, {:.4g}, {:.4g})".format(*place)
+
+
+def model_warnings(
+    mesh: ShellMesh, regions: Sequence[Region], links: Sequence[Link], choice: Choice
+) -> Warnings:
+    """All warnings about mesh and elements."""
+    shared = Sides(mesh, regions)
+    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared), *_unpaired(mesh)]
+    if MEMBRANES[choice.membrane].stiff_in_plane:
+        found += _narrow_walls(mesh, shared, choice.membrane)
+    limit = PLATES[choice.plate].shear_ratio_limit
+    if limit is not None:
+        found += _sides_too_short(mesh, regions, choice.plate, limit)
+    return found
+
+
+class Sides:
+    """Sides shared by exactly two cells: `cells` (s, 2), their `ends` (s, 2), and whether the side
+    has the same direction in both cells, which means that their normals disagree."""
+
+    def __init__(self, mesh: ShellMesh, regions: Sequence[Region]) -> None:
+        reversed_ = np.zeros(len(mesh.cells), dtype=bool)
+        self.normals_G = np.empty((len(mesh.cells), 3))
+        area = mesh.area_vectors_G
+        for region in regions:
+            e3 = region.geometry.A_GE[:, :, 2]
+            self.normals_G[region.cells] = e3
+            reversed_[region.cells] = np.einsum("ci,ci->c", e3, area[region.cells]) < 0.0
+        ends, owner = sides(mesh.cells)
+        forward = (ends[:, 0] < ends[:, 1]) ^ reversed_[owner]
+        key = ends.min(axis=1) * mesh.n_node + ends.max(axis=1)
+        order = np.argsort(key, kind="stable")
+        first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
+        count = np.diff(np.concatenate([first, [len(key)]]))
+        pair = first[count == 2]
+        a, b = order[pair], order[pair + 1]
+        self.cells = np.stack([owner[a], owner[b]], axis=1)
+        self.ends = ends[a]
+        self.same = forward[a] == forward[b]
+        self.boundary = ends[order[first[count != 2]]]  # of one cell, or of three and more
+
+
+def _slivers(mesh: ShellMesh) -> Warnings:
+    ends, owner = sides(mesh.cells)
+    squares = ((mesh.points_G[ends[:, 1]] - mesh.points_G[ends[:, 0]]) ** 2).sum(axis=1)
+    area = np.linalg.norm(mesh.area_vectors_G, axis=1)
+    best = np.where(corner_counts(mesh.cells) == 3, 4.0 * np.sqrt(3.0), 4.0)
+    quality = best * area / np.bincount(owner, weights=squares)
+    bad = np.flatnonzero(quality < SLIVER)
+    if not bad.size:
+        return []
+    worst = bad[np.argmin(quality[bad])]
+    text = (
+        f"{bad.size} of {len(area)} cells are slivers, the worst at "
+        f"{_at(mesh.centres_G[worst])} has a shape of {quality[worst]:.2g} (equal sides: 1): "
+        "results near them are inaccurate; use a more uniform mesh there"
+    )
+    return [_warning("sliver", text)]
+
+
+def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
+    pairs = coincident(mesh.points_G, COINCIDENT * mesh.size)
+    if len(pairs):
+        text = (
+            f"{len(pairs)} pairs of nodes have the same position, one at "
+            f"{_at(mesh.points_G[pairs[0, 0]])}: parts that touch there are not connected. "
+            "In gmsh, use BooleanFragments, or Coherence"
+        )
+        return [_warning("nodes-not-merged", text)]
+    n_part = Freedom(mesh, links).parts().max() + 1
+    if n_part > 1:
+        text = f"the shell is in {n_part} parts that are not connected"
+        return [_warning("several-parts", text)]
+    return []
+
+
+def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
+    wrong = np.flatnonzero(shared.same)
+    if not wrong.size:
+        return []
+    place = mesh.points_G[shared.ends[wrong[0]]].mean(axis=0)
+    text = (
+        f"the normals e3 of neighbours disagree along {wrong.size} sides, one at {_at(place)}: "
+        "bottom and top of the lay-up, and the direction of pressures, are reversed there. Reverse "
+        "the surface in gmsh, or set flip = true for its region"
+    )
+    return [_warning("normals-disagree", text)]
+
+
+def _unpaired(mesh: ShellMesh) -> Warnings:
+    left, of, reason = mesh.unpaired
+    if left <= UNPAIRED * of:
+        return []
+    text = (
+        f'element = "quadrilateral": {left} of {of} triangles stay triangles, because {reason}; '
+        "make the quadrilaterals in gmsh (Recombine Surface), or a mesh with angles of 37 to 143 "
+        "deg between its lines"
+    )
+    return [_warning("triangles-not-paired", text)]
+
+
+def _narrow_walls(mesh: ShellMesh, shared: Sides, membrane: str) -> Warnings:
+    """Walls between folds or free edges with few constant-strain triangles across."""
+    n_cell = len(mesh.cells)
+    a, b = shared.cells.T
+    smooth = np.abs(np.einsum("si,si->s", shared.normals_G[a], shared.normals_G[b])) > KINK
+    graph = sp.csr_matrix((np.ones(smooth.sum()), (a[smooth], b[smooth])), shape=(n_cell, n_cell))
+    n_wall, wall = connected_components(graph, directed=False)
+    edge = np.zeros(mesh.n_node, dtype=bool)
+    edge[shared.boundary] = True
+    edge[shared.ends[~smooth]] = True
+    # one cell across: all its corners on the edge; then one more node for every two cells
+    depth = np.where(edge, 0, np.iinfo(np.int64).max)
+    there = mesh.cells != NONE
+    for layer in range(ACROSS // 2):
+        near = ((depth[mesh.cells] == layer) & there).any(axis=1)
+        nodes = mesh.cells[near]
+        nodes = nodes[nodes != NONE]
+        depth[nodes] = np.minimum(depth[nodes], layer + 1)
+    deepest = np.zeros(n_wall, dtype=np.int64)
+    np.maximum.at(deepest, wall, np.where(there, depth[mesh.cells], 0).max(axis=1))
+    narrow = np.flatnonzero(deepest < ACROSS // 2)
+    if not narrow.size:
+        return []
+    cell = int(np.flatnonzero(wall == narrow[0])[0])
+    text = (
+        f"membrane = {membrane} with fewer than {ACROSS} cells across {narrow.size} walls, one at "
+        f"{_at(mesh.centres_G[cell])}: constant-strain triangles are far "
+        "too stiff in bending of a wall in its own plane (4.5 times and more at one cell); use "
+        f"membrane = {elements.MEMBRANE}"
+    )
+    return [_warning("cst-in-plane-bending", text)]
+
+
+def _sides_too_short(
+    mesh: ShellMesh, regions: Sequence[Region], plate: str, limit: float
+) -> Warnings:
+    """Sides with a `shear_ratio` above the limit of the plate."""
+    worst, place = 0.0, ""
+    for region in regions:
+        if not isinstance(region.geometry, Triangles):
+            continue
+        t, laminate = region.geometry, region.stiffness
+        ratio = shear_ratio(laminate.D, laminate.Ds, np.moveaxis(t.tangent, 2, 0), t.length)
+        cell = int(np.argmax(ratio.max(axis=1)))
+        if ratio[cell].max() > worst:
+            worst = float(ratio[cell].max())
+            place = _at(mesh.centres_G[region.cells[cell]])
+    if worst <= limit:
+        return []
+    text = (
+        f"plate = {plate} with sides short for the thickness (12 D / (Ds L^2) = {worst:.2g} at "
+        f"{place}, at most {limit:g} is safe): it does not converge there, and "
+        f"refinement makes it worse; use plate = {elements.PLATE}"
+    )
+    return [_warning("dst-thick", text)]
+
+
+def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice) -> list[Array]:
+    """Zero-energy motions (n_dof,) of the drilling stiffness of the paper: in a flat part, all
+    nodes rotate about the normal by the same angle without displacement.
+    """
+    drilling = DRILLINGS.get(choice.drilling_form())
+    if MEMBRANES[choice.membrane].rotations or drilling is None or not drilling.free_rotation:
+        return []
+    mesh = freedom.mesh
+    normals = Sides(mesh, regions).normals_G
+    parts = freedom.parts()
+    of_cell = parts[mesh.cells[:, 0]]
+    found = []
+    for part in np.unique(of_cell):
+        inside = of_cell == part
+        normal = normals[inside][0]
+        flat = bool(np.linalg.norm(np.cross(normals[inside], normal), axis=1).max() < FLAT)
+        nodes = np.flatnonzero(parts == part)
+        held = freedom.fixed[np.isin(freedom.fixed // DOFS, nodes)]
+        turned = held[held % DOFS >= 3]
+        stopped = bool(np.any(np.abs(normal[turned % DOFS - 3]) > FLAT))
+        linked = any(
+            link.kind == "rigid" and parts[link.group.nodes[0]] == part for link in freedom.links
+        )
+        if flat and not stopped and not linked:
+            motion = np.zeros((freedom.n_dof // DOFS, DOFS))
+            motion[nodes, 3:] = normal
+            found.append(motion.ravel())
+    return found
+
+
+def drilling_warning(count: int) -> dict[str, str]:
+    """Warning about motions that `drilling_motions` found."""
+    return _warning(
+        "drilling-fictitious-flat",
+        f"{count} flat part{'s keep' if count > 1 else ' keeps'} a zero-energy motion, rotation of "
+        'all nodes about the normal, with drilling = "fictitious": a spurious frequency of 0 '
+        'Hz. Use "tie", membrane = "opt", or fix the rotation at one node',
+    )
+
+
+def check_supported(freedom: Freedom, motions: Sequence[Array], drilling: Sequence[Array]) -> None:
+    """Raise ShellError for load cases of a shell with free rigid motions; the message lists
+    them."""
+    if motions:
+        listed = few((freedom.describe(motion) for motion in motions), "; ")
+        part = " of its parts" if freedom.parts().max() > 0 else ""
+        raise ShellError(
+            f"supports: {len(motions)} rigid motions{part} are free: {listed}. Load cases need "
+            "supports that prevent all of them"
+        )
+    if drilling:
+        raise ShellError(f"supports: {drilling_warning(len(drilling))['message']}")
+
+
+def zero_energy_warnings(n_zero: int, n_rigid: int) -> Warnings:
+    """Warning if there are more modes without strain energy than free rigid motions."""
+    if n_zero == n_rigid:
+        return []
+    text = (
+        f"{n_zero} modes have no strain energy, {n_rigid} rigid motions are free: the others are "
+        "mechanisms of the elements, not vibrations"
+    )
+    return [_warning("zero-energy-modes", text)]

@@ -1,0 +1,170 @@
+"""Lay-up and axes of every region of a shell.
+
+A region has the cells of one physical surface that are of one kind: a surface of triangles and
+quadrilaterals gives two regions of one name.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ....solver.errors import did_you_mean, few
+from ....solver.math.arrays import IntArray
+from ....solver.package.shell.cells import NONE, corner_counts
+from ... import fenicsx
+from ...laminate import (
+    LaminateSpec,
+    LaminateStiffness,
+    computed,
+    laminate_from_dict,
+    laminate_stiffness,
+)
+from ...materials import Orthotropic, material_from_dict
+from ..errors import CellError, ShellError
+from ..mesh.axes import KEYS as AXES
+from ..mesh.axes import cell_directions
+from ..mesh.mesh import ShellMesh
+from ..mesh.quadrilaterals import Quadrilaterals, quadrilaterals, width_ratios
+from ..mesh.triangles import NORMAL, Triangles, triangles
+
+ALL = "all"
+Geometry = Triangles | Quadrilaterals
+
+
+@dataclass(frozen=True)
+class Region:
+    """Cells of one kind in one physical surface, their geometry and their laminate.
+
+    `cells` (m,) are rows of the mesh's cells, `nodes` (m, 3|4) their corners and `geometry` their
+    geometry in that order; the axes E of a cell are those of its laminate.
+    """
+
+    name: str
+    cells: IntArray
+    nodes: IntArray
+    geometry: Geometry
+    laminate_name: str
+    laminate: LaminateSpec
+    stiffness: LaminateStiffness
+
+
+def read_materials(table: Mapping[str, Any], where: str) -> dict[str, Orthotropic]:
+    """Materials by name. Raises MaterialError."""
+    return {name: material_from_dict(entry, f"{where}.{name}") for name, entry in table.items()}
+
+
+def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Region]:
+    """Every region of the mesh with the laminate that the specification gives it.
+
+    Raises
+    ------
+    ShellError : a region of the mesh without laminate, a region that the mesh does not have, an
+        unknown laminate, wrong axes.
+        LaminateError, MaterialError : their descriptions are wrong.
+    """
+    materials = read_materials(spec["materials"], f"{where}.materials")
+    laminates = {
+        name: laminate_from_dict(table, materials, f"{where}.laminates.{name}")
+        for name, table in spec.get("laminates", {}).items()
+    }
+    given = spec["regions"]
+    for name in given:
+        if name != ALL and name not in mesh.regions:
+            raise ShellError(
+                f"{where}.regions.{name}: the mesh has no physical surface of that name, it has "
+                + few(mesh.regions)
+                + did_you_mean(name, (*mesh.regions, ALL))
+            )
+    found = []
+    counts, ratios = corner_counts(mesh.cells), width_ratios(mesh.points_G, mesh.cells)
+    for row, name in enumerate(mesh.regions):
+        key = name if name in given else ALL
+        if key not in given:
+            raise ShellError(
+                f"{where}.regions: physical surface {name!r} of the mesh has no laminate; "
+                f"expected a table regions.{name}, or regions.{ALL} for all that are not named"
+            )
+        place = f"{where}.regions.{key}"
+        laminate_name, laminate = _laminate(given[key], key, laminates, materials, place)
+        flip = given[key].get("flip", False)
+        if not isinstance(flip, bool):
+            raise ShellError(f"{place}.flip = {flip!r}: expected true or false")
+        with computed(f"{where}.laminates.{laminate_name}"):
+            stiffness = laminate_stiffness(laminate.laminate, laminate.shear)
+        for count in (3, 4):
+            cells = np.flatnonzero((mesh.region == row) & (counts == count))
+            if not cells.size:
+                continue
+            direction = cell_directions(mesh, given[key], cells, place)
+            nodes = np.ascontiguousarray(mesh.cells[cells, :count])
+            try:
+                geometry: Geometry
+                if count == 3:
+                    geometry = triangles(mesh.points_G, nodes, direction, flip)
+                else:
+                    geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, ratios[cells])
+            except CellError as error:
+                axes = [name for name in AXES if given[key].get(name) is not None]
+                at = f"{place}.{axes[0]}" if axes and error.fault == NORMAL else place
+                raise ShellError(f"{at}: {_where_in_file(mesh, cells, error)}") from error
+            found.append(Region(name, cells, nodes, geometry, laminate_name, laminate, stiffness))
+    return found
+
+
+def _where_in_file(mesh: ShellMesh, cells: IntArray, error: CellError) -> str:
+    """The fault of some of the cells, with number and place of the first as the mesh file has
+    them."""
+    first = cells[error.rows[0]]
+    nodes = mesh.cells[first][mesh.cells[first] != NONE]
+    x, y, z = mesh.points_G[nodes].mean(axis=0)
+    tags = ", ".join(str(tag) for tag in mesh.node_tags[nodes])
+    return (
+        f"{len(error.rows)} of {len(cells)} {error.kind}: each {error.fault}; the first has the "
+        f"nodes {tags}, at ({x:.4g}, {y:.4g}, {z:.4g}) m"
+    )
+
+
+def _laminate(
+    table: Mapping[str, Any],
+    region: str,
+    laminates: Mapping[str, LaminateSpec],
+    materials: Mapping[str, Orthotropic],
+    where: str,
+) -> tuple[str, LaminateSpec]:
+    if "laminate" in table:
+        name = table["laminate"]
+        if name not in laminates:
+            raise ShellError(
+                f"{where}.laminate = {name!r}: no such laminate; expected one of "
+                + (few(laminates) or "those of a table laminates")
+                + did_you_mean(str(name), laminates)
+            )
+        return str(name), laminates[name]
+    if "material" not in table or "thickness" not in table:
+        raise ShellError(f"{where}: expected laminate = ..., or material = ... and thickness = ...")
+    plain: dict[str, Any] = {
+        "plies": [{"material": table["material"], "thickness": table["thickness"]}]
+    }
+    for key in ("offset", "shear_correction"):
+        if key in table:
+            plain[key] = table[key]
+    name = f"{region}: {table['material']}"
+    return name, laminate_from_dict(plain, materials, where)
+
+
+def own_cells(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) -> list[Region]:
+    """The cells of this process of a team: a slice of the mesh across its longest direction."""
+    if team.size == 1:
+        return list(regions)
+    centres = mesh.centres_G
+    along = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
+    own = np.zeros(len(centres), dtype=bool)
+    own[along[team.share(len(centres))]] = True
+    parts = [(region, np.flatnonzero(own[region.cells])) for region in regions]
+    return [
+        replace(r, cells=r.cells[some], nodes=r.nodes[some], geometry=r.geometry[some])
+        for r, some in parts
+        if len(some)
+    ]
