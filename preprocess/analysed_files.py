@@ -2,11 +2,13 @@
 
 import dataclasses
 import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
+from ..solver.errors import InputError
 from ..solver.package.fingerprint import has_fingerprint
 from ..solver.package.section.schema import SectionFile
 from ..solver.package.shell.schema import ShellFile
@@ -52,7 +54,14 @@ def launched_ranks() -> Ranks:
         return Alone()
     from .fenicsx import parallel
 
-    return parallel.Ranks()
+    ranks = parallel.Ranks()
+    expected = os.environ.get("PLYMOTION_RANKS", "")
+    if expected.isdecimal() and int(expected) != ranks.team.size:
+        raise InputError(
+            f"mpirun started {expected} processes, the MPI of this FEniCSx sees {ranks.team.size}: "
+            f"expected the mpiexec of {sys.executable}"
+        )
+    return ranks
 
 
 class AnalysedFiles(Generic[Result]):

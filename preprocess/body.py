@@ -27,7 +27,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
 
     Parameters
     ----------
-    spec : plain JSON, see solver/package/body/specification.py
+    spec : plain JSON, see solver/package/specification.py
 
     Raises
     ------
@@ -54,7 +54,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
 
     Parameters
     ----------
-    spec : plain JSON, see solver/package/body/specification.py
+    spec : plain JSON, see solver/package/specification.py
 
     Raises
     ------

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from plymotion.solver.package.body.specification import DIRECTIONS
+from plymotion.solver.package.specification import DIRECTIONS
 
 SHELL_PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")
 CLAMPED = {"kind": "clamped", "at": "root"}

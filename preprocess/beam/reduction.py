@@ -5,7 +5,7 @@ import numpy as np
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
-from ...solver.package.body.specification import DIRECTIONS
+from ...solver.package.specification import DIRECTIONS
 from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine

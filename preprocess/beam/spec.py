@@ -8,8 +8,8 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
-from ...solver.package.body.specification import BeamSpecification, LineTable, ReferenceTable
 from ...solver.package.common.table_form import SpecError, check_form, expected
+from ...solver.package.specification import BeamSpecification, LineTable, ReferenceTable
 from ..modes import ModeRequest
 from .line import section_axes
 
@@ -128,7 +128,7 @@ class BeamSpec:
 
 
 def read_spec(spec: dict[str, Any]) -> BeamSpec:
-    """Read a specification (solver/package/body/specification.py).
+    """Read a specification (solver/package/specification.py).
 
     Raises
     ------

@@ -1,56 +1,16 @@
 """A free body as another code describes it: nodes, cells, stiffness and mass."""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
-
-if TYPE_CHECKING:
-    from .layups import Layups
+from .layups import Cells, Layups
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
-
-
-@dataclass(frozen=True)
-class Cells:
-    """Cells of a mesh, as in a modal package.
-
-    Attributes
-    ----------
-    connectivity : (i,) rows of nodes, in the order of VTK
-    offsets : (c + 1,)
-    types : (c,) VTK cell types
-    """
-
-    connectivity: IntArray
-    offsets: IntArray
-    types: IntArray
-
-    @staticmethod
-    def of(cells: list[list[int]], types: list[int]) -> "Cells":
-        """From lists of rows of nodes."""
-        sizes = [0, *map(len, cells)]
-        flat = [row for cell in cells for row in cell]
-        return Cells(
-            np.array(flat, dtype=np.int64),
-            np.cumsum(sizes, dtype=np.int64),
-            np.array(types, dtype=np.int64),
-        )
-
-    @staticmethod
-    def points(count: int) -> "Cells":
-        """One vertex per node, for a body without a mesh."""
-        rows = np.arange(count, dtype=np.int64)
-        return Cells(rows, np.arange(count + 1, dtype=np.int64), np.ones(count, dtype=np.int64))
-
-    def each(self) -> list[tuple[int, IntArray]]:
-        """Type and rows of nodes of every cell."""
-        parts = np.split(self.connectivity, self.offsets[1:-1])
-        return list(zip(self.types.tolist(), parts, strict=True))
 
 
 @dataclass(frozen=True)
@@ -81,7 +41,7 @@ class FreeBody:
     dof_direction: IntArray
     groups: dict[str, IntArray] = field(default_factory=dict)
     notes: dict[str, Any] = field(default_factory=dict)
-    layups: "Layups | None" = None
+    layups: Layups | None = None
 
     def rigid_motions(self) -> Array:
         """Rigid motions in the dofs, (N, 6): along and about the axes through the origin."""

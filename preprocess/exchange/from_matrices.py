@@ -10,7 +10,8 @@ from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
-from .free_body import Cells, FreeBody
+from .free_body import FreeBody
+from .layups import Cells
 from .reduce import Tell, reduce_body, rows_of
 from .spec import SI, Reduction, UnitsTable
 

@@ -13,12 +13,12 @@ from scipy.sparse.linalg import ArpackError
 from ...solver.errors import InputError, PackageError, did_you_mean, printable
 from ...solver.math.digests import file_sha256
 from ...solver.package import ModalPackage
-from ...solver.package.body.specification import ImportedSpecification
 from ...solver.package.common.table_form import SpecError, check_form
 from ...solver.package.fingerprint import fingerprint
+from ...solver.package.specification import ImportedSpecification
 from .formats.files import Files
+from .formats.modal import write_tables
 from .free_body import FreeBody
-from .modal import write_tables
 from .reduce import Tell, reduce_body
 from .spec import ImportFile, Reduction, Source
 

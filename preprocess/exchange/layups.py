@@ -21,9 +21,46 @@ from ..laminate import (
     laminate_stiffness,
 )
 from ..materials import material_from_dict
-from .free_body import Cells
 
 DENSITY, STRESS = ("rho",), ("E1", "E2", "E3", "G12", "G13", "G23", "E")
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells of a mesh, as in a modal package.
+
+    Attributes
+    ----------
+    connectivity : (i,) rows of nodes, in the order of VTK
+    offsets : (c + 1,)
+    types : (c,) VTK cell types
+    """
+
+    connectivity: IntArray
+    offsets: IntArray
+    types: IntArray
+
+    @staticmethod
+    def of(cells: list[list[int]], types: list[int]) -> "Cells":
+        """From lists of rows of nodes."""
+        sizes = [0, *map(len, cells)]
+        flat = [row for cell in cells for row in cell]
+        return Cells(
+            np.array(flat, dtype=np.int64),
+            np.cumsum(sizes, dtype=np.int64),
+            np.array(types, dtype=np.int64),
+        )
+
+    @staticmethod
+    def points(count: int) -> "Cells":
+        """One vertex per node, for a body without a mesh."""
+        rows = np.arange(count, dtype=np.int64)
+        return Cells(rows, np.arange(count + 1, dtype=np.int64), np.ones(count, dtype=np.int64))
+
+    def each(self) -> list[tuple[int, IntArray]]:
+        """Type and rows of nodes of every cell."""
+        parts = np.split(self.connectivity, self.offsets[1:-1])
+        return list(zip(self.types.tolist(), parts, strict=True))
 
 
 class Recovered(NamedTuple):

@@ -2,7 +2,7 @@
 
 from typing import Any, Literal, NotRequired, TypedDict
 
-from ...solver.package.body.specification import Attachment, LinkKind, ReferenceTable
+from ...solver.package.specification import Attachment, LinkKind, ReferenceTable
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 MASSES = {

@@ -21,7 +21,7 @@ import scipy.optimize
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.specification import DIRECTIONS
+from ...solver.package.specification import DIRECTIONS
 from .eigenmodes import Eigenmodes
 from .kinds import TIE, Participation, separating_rotation
 from .reference import Condition

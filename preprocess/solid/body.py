@@ -9,9 +9,9 @@ import numpy as np
 
 from ...solver.errors import InputError
 from ...solver.package import ModalPackage
-from ...solver.package.body.specification import SolidSpecification
 from ...solver.package.common.table_form import SpecError, check_form
 from ...solver.package.shell.cells import vtk_cells
+from ...solver.package.specification import SolidSpecification
 from ..exchange.reduce import reduce_body
 from ..exchange.spec import SI, Reduction
 from ..provenance import body_provenance
@@ -26,7 +26,7 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
 
     Parameters
     ----------
-    spec : plain JSON, see solver/package/body/specification.py
+    spec : plain JSON, see solver/package/specification.py
 
     Raises
     ------

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.specification import CAD, CAD_WITH_UNIT
+from ...solver.package.specification import CAD, CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..fenicsx.meshing.gmsh_solid import CadPart, solid_from_file

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from .. import fenicsx
-from ..exchange.free_body import Cells, FreeBody
+from ..exchange.free_body import FreeBody
+from ..exchange.layups import Cells
 from ..fenicsx.solids import SolidSpace
 from .cells import VTK
 from .forms import mass, stiffness

@@ -3,21 +3,22 @@
 import argparse
 import json
 import sys
+import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, PackageError
 from ..interrupts import INTERRUPTED
 from ..package.common.replaceable import refuse_foreign
 from ..package.common.shares import by_mesh, mesh_key
 from ..package.common.temporary import temporary_sibling
 from .arguments import FOLDERS
-from .executors import Executor, executor_of
-from .fenicsx_side.launch import Line, make_all, start_of
+from .executors import Executor, Local, executor_of
+from .fenicsx_side.launch import Line, make_all, mpi_job, start_of
 
 # Which descriptions a command is given.
 
@@ -109,6 +110,7 @@ def make_files(
     executor: Callable[[], Executor],
     done: Callable[[Made], None],
     progress: Callable[[str], None],
+    ranks: int = 1,
 ) -> None:
     """Make the results files.
 
@@ -118,6 +120,7 @@ def make_files(
     executor : where; asked for if there is anything to do
     done : called with each file when it is complete
     progress : called with what a worker begins
+    ranks : processes of an MPI job that all call this and share each analysis
 
     Raises
     ------
@@ -133,7 +136,7 @@ def make_files(
         done(Made(entry, spec.with_suffix(".vtkhdf"), line["status"], error, line["defect"]))
 
     groups = by_mesh((request.spec, request.mesh) for request in requests)
-    start = start_of(command, options, place := executor())
+    start = start_of(command, options, place := executor(), ranks)
     make_all(groups, start, executor=place, done=made, progress=progress)
 
 
@@ -228,9 +231,37 @@ def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> 
         return []
 
 
+# Entries of a provenance that are shown, and their types: other programs write these files, too.
+SHOWN: dict[str, tuple[type, ...]] = {
+    "dofs": (int,),
+    "seconds": (int, float),
+    "refinements": (list,),
+    "verification": (str, type(None)),
+}
+STEP = ("dofs", "error", "seconds")  # numbers of each of `refinements`
+
+
+def check_provenance(file: Path, provenance: Mapping[str, Any]) -> None:
+    """Raise PackageError if an entry that is shown is of another type."""
+    for key, types in SHOWN.items():
+        if key in provenance and not isinstance(provenance[key], types):
+            names = " or ".join("none" if t is type(None) else t.__name__ for t in types)
+            raise PackageError(
+                f"{file}: provenance.{key}: expected {names}, found {provenance[key]!r:.40}"
+            )
+    steps = provenance.get("refinements", [])
+    for row, step in enumerate(steps if len(steps) > 1 else []):  # one is not shown
+        for key in STEP:
+            if not isinstance(step, dict) or not isinstance(step.get(key), int | float):
+                raise PackageError(
+                    f"{file}: provenance.refinements[{row}].{key}: expected a number"
+                )
+
+
 # From descriptions to results files, with progress on the screen.
 
 Shown = Callable[[list[Made], list[Request]], int]
+SHARED = ("section", "shell")  # commands whose analyses the ranks of an MPI job share
 
 
 def run_described(
@@ -254,6 +285,11 @@ def run_described(
     show : what to do with the results, in the order of the entries; returns the exit code
     list_each : a line for each on standard error where there is no progress bar
     """
+    rank, ranks = mpi_job() if command in SHARED and not _elsewhere(options) else (0, 1)
+    if ranks > 1 and options.jobs:
+        raise InputError(f"--jobs {options.jobs}: expected without mpirun, whose ranks share each")
+    if rank:
+        return _join(command, entries, words, spec_of, ranks)
     options.out = options.out or FOLDERS[command]
     made: dict[str, Made] = {}
     try:
@@ -270,6 +306,7 @@ def run_described(
                     executor=lambda: executor_of(options, threads=True),
                     done=bar.done,
                     progress=bar.progress,
+                    ranks=ranks,
                 )
         code = show([made[entry.name] for entry in entries if entry.name in made], requests)
     except KeyboardInterrupt:
@@ -282,6 +319,39 @@ def run_described(
         return INTERRUPTED
     if options.check and not options.json:
         print(f"{len(requests)} of {len(entries)} descriptions are right, see {options.out}")
+    return code
+
+
+def _elsewhere(options: argparse.Namespace) -> bool:
+    return bool(options.executor or options.scheduler or options.check)
+
+
+def _join(
+    command: str, entries: Sequence[Entry], words: Sequence[str], spec_of: SpecOf, ranks: int
+) -> int:
+    """Share the analyses of the first rank of an MPI job, which writes and shows the results."""
+    code = 0
+
+    def done(made: Made) -> None:
+        nonlocal code
+        code = USER_ERROR if made.status == "failed" else code
+
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
+        described = [entry for entry in entries if not _is_result(entry)]
+        try:
+            requests, _ = write_specs(described, Path(folder), spec_of)
+            place = Local(1, threads=True)
+            make_files(
+                requests,
+                command,
+                words,
+                executor=lambda: place,
+                done=done,
+                progress=lambda _: None,
+                ranks=ranks,
+            )
+        except InputError:  # the first rank says so
+            return USER_ERROR
     return code
 
 

@@ -32,6 +32,7 @@ from ..interrupts import asked, ignore, shielded
 
 LOOK_S = 1.0  # time after which new workers get tasks even if none is done
 FRUITLESS = 3  # lost tasks without a result in between, after which nothing more is tried
+LOST = "lost the connection to the workers"
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ def _run(executor: Executor, source: Source) -> None:
         try:
             result = future.result()
         except CancelledError:
-            raise InputError(f"{executor.name}: lost the connection to the workers") from None
+            raise InputError(f"{executor.name}: {LOST}") from None
         except executor.lost:
             deaths += 1
             if deaths == FRUITLESS:
@@ -296,7 +297,10 @@ class Dask:
     def width(self) -> int:
         """Return two tasks for each thread of the workers that are there now."""
         if time.monotonic() - self._looked > LOOK_S or not self._workers:
-            threads = self._client.nthreads()
+            try:
+                threads = self._client.nthreads()
+            except OSError:  # of dask, when the scheduler has gone and it tries again
+                raise InputError(f"{self.name}: {LOST}") from None
             self._workers = [worker for worker, count in threads.items() for _ in range(count)]
             self._looked = time.monotonic()
         return max(1, QUEUED * len(self._workers))

@@ -43,3 +43,21 @@ def _names(*places: str) -> Iterator[str]:
             inner[:] = [name for name in inner if name != "__pycache__"]
             room = os.path.relpath(folder, _ROOT).replace(os.sep, "/")
             yield from (f"{room}/{name}" for name in files if name[0] != ".")
+
+
+def state_of(file: Path) -> list[int]:
+    """Return size and time of a file, as make compares them; nothing of one that is not there."""
+    try:
+        found = os.stat(file)
+    except OSError:
+        return []
+    return [found.st_size, found.st_mtime_ns]
+
+
+def state_since(file: Path, begin: int) -> list[int]:
+    """Return `state_of` a file that was read after `begin` [ns]; one that no file has if it may
+    have changed since, so that the record does not tell what was read."""
+    try:
+        return state_of(file) if os.stat(file).st_ctime_ns < begin else [-1]
+    except OSError:
+        return [-1]

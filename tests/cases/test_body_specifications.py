@@ -6,8 +6,8 @@ import pytest
 
 from plymotion.solver.inputs.case import Case, load_case
 from plymotion.solver.package import read_package
-from plymotion.solver.package.body.specification import BeamSpecification, ShellSpecification
 from plymotion.solver.package.common.table_form import check_form
+from plymotion.solver.package.specification import BeamSpecification, ShellSpecification
 
 FORMS = {"beam": BeamSpecification, "shell": ShellSpecification}
 CASES = ("double-pendulum", "double-pendulum-shell", "rotating-blade", "actuated-beam", "spin-up")

@@ -1,81 +1,67 @@
-"""Rooms of solver/ and the direction of their imports, computed from the source.
+"""Rooms of solver/ and folders of both halves: the direction of their imports, and their size.
 
-The rooms are described in docs/architecture.md.
+The rooms are described in docs/architecture.md; tools/structure.py reads the imports.
 """
 
-import ast
 import tomllib
-from collections import defaultdict
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
+from types import ModuleType
+
+import pytest
 
 MOST_ROOMS, MOST_LEVELS = 20, 10
+MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it has contract.py)
+# Folders above that limit, and what they have: no number here may grow.
+LARGE = {
+    "preprocess": 14,
+    "preprocess/exchange/formats": 13,
+    "preprocess/shell/model": 13,
+    "solver/inputs/case/tables": 20,
+    "solver/integrators/generic": 15,
+    "solver/math": 15,
+    "solver/math/compiled": 19,
+    "solver/package/common": 21,
+}
+LONGEST_CHAIN = {"solver": 54, "preprocess": 29}  # of imports, file by file; may not grow either
 Graph = dict[str, set[str]]
 
 
-@cache
-def imports(solver: Path) -> Graph:
-    """File -> files of solver/ that it imports, wherever the import statement stands."""
-    files = {path.relative_to(solver).as_posix(): path for path in solver.rglob("*.py")}
-    modules = {}
-    for name in files:
-        module = name.removesuffix(".py").removesuffix("__init__").rstrip("/").replace("/", ".")
-        modules[module] = name
-    graph: Graph = {name: set() for name in files}
-    for name, path in files.items():
-        package = Path(name).parent.parts
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if not isinstance(node, ast.ImportFrom):
-                continue
-            if node.level:
-                if node.level > len(package) + 1:
-                    continue  # plymotion itself
-                base = package[: len(package) - node.level + 1]
-                module = ".".join((*base, *([node.module] if node.module else [])))
-            elif node.module and node.module.startswith("plymotion.solver"):
-                module = node.module.removeprefix("plymotion.solver").lstrip(".")
-            else:
-                continue
-            for alias in node.names:
-                inner = f"{module}.{alias.name}".lstrip(".")
-                target = modules.get(inner, modules.get(module))
-                if target and target != name:
-                    graph[name].add(target)
-    return graph
+@pytest.fixture(scope="module")
+def structure(tools: Path) -> ModuleType:
+    import structure
+
+    return structure
 
 
-def rooms_of(graph: Graph) -> Graph:
-    """The same between folders and files directly under solver/."""
-    rooms: Graph = defaultdict(set)
-    for name, targets in graph.items():
-        room = name.split("/")[0]
-        rooms[room] |= {target.split("/")[0] for target in targets} - {room}
-    return dict(rooms)
+@pytest.fixture(scope="module")
+def graphs(structure: ModuleType, repository: Path) -> dict[str, Graph]:
+    texts = structure.sources(repository)
+    return {part: structure.imports(texts, part) for part in ("solver", "preprocess")}
 
 
-def levels(graph: Graph) -> tuple[dict[str, int], list[str]]:
-    """Longest chain of imports below each node, and a circle (empty if there is none)."""
-    found: dict[str, int] = {}
+def circle_of(graph: Graph) -> list[str]:
+    """A circle of imports, empty if there is none."""
+    done: set[str] = set()
     path: list[str] = []
 
     def visit(node: str) -> list[str]:
         if node in path:
             return [*path[path.index(node) :], node]
-        if node in found:
+        if node in done:
             return []
         path.append(node)
         for target in sorted(graph.get(node, ())):
             if circle := visit(target):
                 return circle
         path.pop()
-        found[node] = 1 + max((found[t] for t in graph.get(node, ())), default=0)
+        done.add(node)
         return []
 
     for node in sorted(graph):
         if circle := visit(node):
-            return found, circle
-    return found, []
+            return circle
+    return []
 
 
 def declared_layers(repository: Path) -> list[set[str]]:
@@ -87,21 +73,43 @@ def declared_layers(repository: Path) -> list[set[str]]:
     return [{n.strip(" ()") for n in layer.split(":")} for layer in contract["layers"]]
 
 
-def test_rooms_levels_and_circles(repository: Path) -> None:
-    graph = imports(repository / "solver")
-    _, circle = levels(graph)
-    assert not circle, "files import each other: " + " -> ".join(circle)
-    rooms = rooms_of(graph)
-    level, circle = levels(rooms)
-    assert not circle, "rooms import each other: " + " -> ".join(circle)
+def test_rooms_and_levels(structure: ModuleType, graphs: dict[str, Graph]) -> None:
+    rooms = structure.rooms(graphs["solver"], "solver")
+    assert not circle_of(rooms)
     assert len(rooms) <= MOST_ROOMS, sorted(rooms)
-    assert max(level.values()) <= MOST_LEVELS, level
+    assert structure.longest_chain(rooms) <= MOST_LEVELS
 
 
-def test_no_arrow_runs_up(repository: Path) -> None:
+@pytest.mark.parametrize("part", ["solver", "preprocess"])
+def test_no_circle_in_any_folder(
+    part: str, structure: ModuleType, graphs: dict[str, Graph]
+) -> None:
+    assert not circle_of(graphs[part])
+    for folder in structure.folders(graphs[part]):
+        rooms = structure.rooms(graphs[part], folder)
+        rooms.pop("__init__.py", None)  # what a folder offers
+        circle = circle_of({room: targets - {"__init__.py"} for room, targets in rooms.items()})
+        assert not circle, f"{folder}: " + " -> ".join(circle)
+
+
+@pytest.mark.parametrize("part", ["solver", "preprocess"])
+def test_folders_and_chains_do_not_grow(
+    part: str, repository: Path, structure: ModuleType, graphs: dict[str, Graph]
+) -> None:
+    graph = graphs[part]
+    kinds = {f for f in structure.folders(graph) if (repository / f / "contract.py").is_file()}
+    sizes = {f: structure.modules_in(graph, f) for f in structure.folders(graph)}
+    large = {f: n for f, n in sizes.items() if n > MOST_MODULES and f not in kinds}
+    assert large == {f: n for f, n in LARGE.items() if f.split("/")[0] == part}
+    assert structure.longest_chain(graph) <= LONGEST_CHAIN[part]
+
+
+def test_no_arrow_runs_up(
+    repository: Path, structure: ModuleType, graphs: dict[str, Graph]
+) -> None:
     layers = declared_layers(repository)
     height = {name: -k for k, layer in enumerate(layers) for name in layer}
-    for room, targets in rooms_of(imports(repository / "solver")).items():
+    for room, targets in structure.rooms(graphs["solver"], "solver").items():
         for target in targets - {"__init__.py"}:
             above, below = room.removesuffix(".py"), target.removesuffix(".py")
             assert height[above] >= height[below], f"{room} imports {target}"
@@ -115,37 +123,40 @@ def test_architecture_names_every_room(repository: Path) -> None:
 
 
 def _graph(*arrows: str) -> Graph:
-    graph: Graph = defaultdict(set)
+    graph: Graph = {name: set() for arrow in arrows for name in arrow.split(">")}
     for arrow in arrows:
         a, b = arrow.split(">")
         graph[a].add(b)
-        graph[b] |= set()
-    return dict(graph)
+    return graph
 
 
-def test_circles_and_levels_are_found() -> None:
-    level, circle = levels(_graph("a>b", "b>c", "a>c"))
-    assert level == {"a": 3, "b": 2, "c": 1}
-    assert circle == []
-    assert levels(_graph("a>b", "b>c", "c>a"))[1] == ["a", "b", "c", "a"]
+def test_circles_and_levels_are_found(structure: ModuleType) -> None:
+    straight = _graph("a>b", "b>c", "a>c")
+    assert structure.longest_chain(straight) == 3
+    assert circle_of(straight) == []
+    assert circle_of(_graph("a>b", "b>c", "c>a")) == ["a", "b", "c", "a"]
 
 
-def _write(folder: Path, files: Iterable[tuple[str, str]]) -> Path:
+def _written(folder: Path, files: Iterable[tuple[str, str]]) -> Path:
     for name, text in files:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
     return folder
 
 
-def test_imports_are_read(tmp_path: Path) -> None:
-    files = [
-        ("a/__init__.py", ""),
-        ("a/x.py", "from ..b import y\ndef f():\n    from ..b.y import Z\n"),
-        ("b/__init__.py", ""),
-        ("b/y.py", "from . import z\nimport math\nfrom ...preprocess import beam\n"),
-        ("b/z.py", ""),
-    ]
-    graph = imports(_write(tmp_path, files))
-    assert graph["a/x.py"] == {"b/y.py"}
-    assert graph["b/y.py"] == {"b/z.py"}
-    assert rooms_of(graph) == {"a": {"b"}, "b": set()}
+FILES = [
+    ("solver/a/__init__.py", ""),
+    ("solver/a/x.py", "from ..b import y\ndef f():\n    from ..b.y import Z\n"),
+    ("solver/b/__init__.py", ""),
+    ("solver/b/y.py", "from . import z\nimport math\nfrom ...preprocess import beam\n"),
+    ("solver/b/z.py", '"""Text."""\n\n# why\nN = [\n    1,\n]\n'),
+]
+
+
+def test_imports_are_read(tmp_path: Path, structure: ModuleType) -> None:
+    texts = structure.sources(_written(tmp_path, FILES))
+    graph = structure.imports(texts, "solver")
+    assert graph["solver/a/x.py"] == {"solver/b/y.py"}
+    assert graph["solver/b/y.py"] == {"solver/b/z.py"}
+    assert structure.rooms(graph, "solver") == {"a": {"b"}, "b": set()}
+    assert structure.code_lines(texts["solver/b/z.py"]) == 3

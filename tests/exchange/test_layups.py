@@ -21,9 +21,8 @@ from exchange_decks import (
 from exchange_routes import import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_layups
-from plymotion.preprocess.exchange.free_body import Cells
 from plymotion.preprocess.exchange.import_file import package_of, read_table
-from plymotion.preprocess.exchange.layups import Layups, centre_strains, recovered
+from plymotion.preprocess.exchange.layups import Cells, Layups, centre_strains, recovered
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.math.arrays import Array

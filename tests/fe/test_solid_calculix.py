@@ -33,12 +33,17 @@ def test_free_frequencies_are_those_of_calculix(
     program = ccx()
     step_file(tmp_path / "part.step", draw)
     model = model_of(tmp_path / "part.step", size)
-    calculix_deck(tmp_path / "part.inp", model, ALUMINIUM, COUNT + 14)  # so that these converge
-    run_program(program, ["part"], tmp_path, tmp_path / "part.dat")
-    expected = frequencies(tmp_path / "part.dat")[6 : 6 + COUNT] / (2.0 * np.pi)
+    found = []
+    for more in (14, 24):  # so that the first ones converge
+        calculix_deck(tmp_path / "part.inp", model, ALUMINIUM, COUNT + more)
+        run_program(program, ["part"], tmp_path, tmp_path / "part.dat")
+        found.append(frequencies(tmp_path / "part.dat")[6 : 6 + COUNT] / (2.0 * np.pi))
+    # The matrix of a free body is singular: CalculiX differs from itself by up to 4e-6.
+    expected, own_error = found[0], np.abs(found[1] - found[0])
+    assert (own_error < 1e-5 * expected).all()
     exact = free_hertz(model, COUNT)
     M = model.space.matrix(mass(model.space.space, model.space.of_cells(model.materials.rho), 2))
     model.__dict__["body"] = replace(model.body, M=0.5 * (M + M.T))
-    np.testing.assert_allclose(free_hertz(model, COUNT), expected, rtol=rtol)
+    assert (np.abs(free_hertz(model, COUNT) - expected) <= rtol * expected + own_error).all()
     finer = free_hertz(model_of(tmp_path / "part.step", size / 2.0), COUNT)
     assert (np.abs(exact - finer) < np.abs(expected - finer)).all()

@@ -19,7 +19,7 @@ from plymotion.preprocess.modes import (
     Modes,
     reduced_modes,
 )
-from plymotion.solver.package.body.specification import DIRECTIONS
+from plymotion.solver.package.specification import DIRECTIONS
 
 STIFFNESS = np.diag([7e7, 2e7, 2e7, 3e3, 6e3, 1.5e3])
 MASS = 2.7 * np.diag([1, 1, 1, 1.1e-4, 9e-5, 2e-5])

@@ -8,8 +8,8 @@ import pytest
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.solid.expand import solid_spec, solid_table
 from plymotion.solver.inputs.solid.reference import solid_page
-from plymotion.solver.package.body.specification import SolidSpecification
 from plymotion.solver.package.common.table_form import check_form
+from plymotion.solver.package.specification import SolidSpecification
 
 PLY = {
     **{"kind": "orthotropic", "E1": 120e9, "E2": 9e9, "E3": 9e9, "G12": 5e9, "G13": 5e9},

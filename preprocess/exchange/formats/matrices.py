@@ -9,8 +9,9 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import Cells, FreeBody
+from ..free_body import FreeBody
 from ..from_matrices import free_body
+from ..layups import Cells
 from ..reduce import rows_of
 from .files import Files, text_lines
 

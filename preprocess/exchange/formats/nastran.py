@@ -13,9 +13,9 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import DIRECTIONS, Cells, FreeBody
+from ..free_body import DIRECTIONS, FreeBody
 from ..from_matrices import free_body
-from ..layups import Layups
+from ..layups import Cells, Layups
 from ..reduce import rows_of
 from .files import Files, text_lines
 

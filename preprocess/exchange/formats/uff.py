@@ -9,10 +9,10 @@ from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.common.temporary import write_text
-from ..free_body import Cells
-from ..modal import ModalBody, write_masses
+from ..layups import Cells
 from ..reduce import rows_of
 from .files import Files, text_lines
+from .modal import ModalBody, write_masses
 
 NORMAL_MODE, DISPLACEMENT, REAL = 2, 8, 2
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....solver.errors import few
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.body.specification import CAD, CAD_WITH_UNIT
+from ....solver.package.specification import CAD, CAD_WITH_UNIT
 from ..errors import MeshError
 from ..plain import PlainMesh
 from ..stack import gmsh

@@ -138,7 +138,8 @@ def run_sections(options: argparse.Namespace, *, pool: bool) -> int:
     pool : distribute the sections over the ranks of an MPI job; else all ranks share each section
     """
     ranks = None if pool else launched_ranks()
-    first = ranks is None or ranks.rank == 0
+    # With names from standard input, each rank reports to the process that started it.
+    first = ranks is None or ranks.rank == 0 or options.specs == [Path("-")]
     with reporter(options.json, first) as (report, progress):
         product = SectionFiles(
             estimate=not options.no_estimate,

@@ -52,7 +52,9 @@ def run_shells(options: argparse.Namespace) -> int:
     """Make the requested shell files; returns the exit code."""
     ranks = launched_ranks()
     out: Path | None = options.out
-    with reporter(options.json, ranks.rank == 0) as (report, progress):
+    # With names from standard input, each rank reports to the process that started it.
+    first = ranks.rank == 0 or options.specs == [Path("-")]
+    with reporter(options.json, first) as (report, progress):
         product = ShellFiles(ranks, progress, verify=options.verify)
 
         def target_of(spec: Path) -> Path:

@@ -31,7 +31,7 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
 
     Parameters
     ----------
-    spec : plain JSON, see solver/package/body/specification.py
+    spec : plain JSON, see solver/package/specification.py
 
     Raises
     ------

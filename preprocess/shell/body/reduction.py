@@ -11,8 +11,8 @@ import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.body.invariants import rigid_motions
-from ....solver.package.body.specification import DIRECTIONS
 from ....solver.package.common.table_form import SpecError, expected
+from ....solver.package.specification import DIRECTIONS
 from ... import fenicsx
 from ...modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
 from ..analyses.frequencies import TOLERANCE

@@ -7,8 +7,8 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ....solver.math.rotations import vector_to_matrix
-from ....solver.package.body.specification import ShellInterfaceTable, ShellSpecification
 from ....solver.package.common.table_form import check_form
+from ....solver.package.specification import ShellInterfaceTable, ShellSpecification
 from ...beam.spec import ModeSpec, Reference, read_modes, read_reference
 
 
@@ -59,7 +59,7 @@ class ShellBodySpec:
 
 
 def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
-    """Read a specification (solver/package/body/specification.py).
+    """Read a specification (solver/package/specification.py).
 
     Raises
     ------

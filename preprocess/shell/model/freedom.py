@@ -8,8 +8,8 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.body.specification import SHELL_LINK_KINDS
 from ....solver.package.shell.cells import sides
+from ....solver.package.specification import SHELL_LINK_KINDS
 from ..errors import ShellError
 from ..mesh.mesh import ShellMesh
 from .assembly import DOFS

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....solver.math.arrays import Array
-from ....solver.package.body.specification import DIRECTIONS
+from ....solver.package.specification import DIRECTIONS
 from ..errors import ShellError
 from .assembly import DOFS
 from .links import Link, averaged

@@ -19,7 +19,7 @@ import numpy as np
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array
-from ....solver.package.body.specification import SHELL_LINK_KINDS
+from ....solver.package.specification import SHELL_LINK_KINDS
 from ..errors import ShellError
 from ..mesh.axes import vector
 from ..mesh.groups import Group, united

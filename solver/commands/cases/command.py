@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...errors import InputError, few, nearest
 from ...inputs.case.file import case_file, case_name
 from ...math.cores import cores
+from ...math.digests import state_of, state_since
 from ...package.common.replaceable import RECORD as FILES
 from ...package.common.replaceable import refuse_link
 from ..ending import INCOMPLETE, INPUT, INTERRUPTED, worst
@@ -20,8 +21,6 @@ from .finished import (
     note_finished,
     refuse_foreign_record,
     request_of,
-    state_of,
-    state_since,
 )
 
 if TYPE_CHECKING:

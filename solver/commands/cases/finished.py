@@ -5,13 +5,12 @@ either only leads to the comparison by content that every stage does for itself.
 """
 
 import json
-import os
 import sys
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ...math.digests import sources_sha256
+from ...math.digests import sources_sha256, state_of
 
 RECORD = "finished.json"
 MOST = 32  # commands that are remembered for a folder
@@ -98,21 +97,3 @@ def _same(folder: Path, states: dict[str, Any]) -> bool:
         else any(state_of(folder / name)[:1])  # there, and not empty
         for name, state in states.items()
     )
-
-
-def state_of(file: Path) -> list[int]:
-    """Return size and time of a file, as make compares them; nothing of one that is not there."""
-    try:
-        found = os.stat(file)
-    except OSError:
-        return []
-    return [found.st_size, found.st_mtime_ns]
-
-
-def state_since(file: Path, begin: int) -> list[int]:
-    """Return `state_of` a file that was read after `begin` [ns]; one that no file has if it may
-    have changed since, so that the record does not tell what was read."""
-    try:
-        return state_of(file) if os.stat(file).st_ctime_ns < begin else [-1]
-    except OSError:
-        return [-1]

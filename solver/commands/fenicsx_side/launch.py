@@ -29,11 +29,23 @@ from .interpreter import find_interpreter
 # Start the preprocessor in the Python with FEniCSx and exchange lines of text with it.
 
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
-# Variables of this process's MPI job, if any; a worker must not join it.
+# Variables of this process's MPI job, if any; a worker must not join it, unless the ranks share
+# each analysis.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
 # A worker is one process and starts no other ranks. Open MPI then needs neither its daemon nor
 # networks; to start the one and look for the others takes it 0.4 s. Others ignore the variables.
 ONE_RANK = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
+
+JOB = (("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_SIZE"))
+EXPECTED_RANKS = "PLYMOTION_RANKS"  # read by preprocess/analysed_files.py
+
+
+def mpi_job() -> tuple[int, int]:
+    """Return rank and number of the processes that `mpirun` started; (0, 1) without it."""
+    for rank, size in JOB:
+        if os.environ.get(rank, "").isdecimal() and os.environ.get(size, "").isdecimal():
+            return int(os.environ[rank]), int(os.environ[size])
+    return 0, 1
 
 
 @contextmanager
@@ -56,16 +68,22 @@ def importable() -> Iterator[Path]:
         yield Path(folder)
 
 
-def environment(folder: Path) -> dict[str, str]:
-    """Environment for the other Python, without variables that refer to modules of this one."""
+def environment(folder: Path, ranks: int = 1) -> dict[str, str]:
+    """Return the environment for the other Python, without variables for modules of this one.
+
+    Parameters
+    ----------
+    ranks : above 1: processes of this MPI job, each of which starts one that joins it
+    """
+    left_out = LAUNCHER if ranks == 1 else ()
     variables = {
         key: value
         for key, value in os.environ.items()
-        if key not in ("PYTHONHOME", "VIRTUAL_ENV") and not key.startswith(LAUNCHER)
+        if key not in ("PYTHONHOME", "VIRTUAL_ENV") and not key.startswith(left_out)
     }
     paths = [str(folder), *filter(None, [variables.get("PYTHONPATH")])]
     variables["PYTHONPATH"] = os.pathsep.join(paths)
-    variables |= ONE_RANK
+    variables |= ONE_RANK if ranks == 1 else {EXPECTED_RANKS: str(ranks)}
     variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads do not help with small matrices
     return variables
 
@@ -95,20 +113,22 @@ class Preprocessor:
     ----------
     python : the interpreter
     folder : folder that contains `plymotion`
-    command : of the preprocessor that reads names from standard input: body, section, shell
-    options : of the command
+    start : command of the preprocessor that reads names from standard input: body, section, ...
     """
 
-    def __init__(self, python: str, folder: Path, command: str, options: Sequence[str]) -> None:
+    def __init__(self, python: str, folder: Path, start: "Start") -> None:
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  as long as the process
         # -P: modules of the current folder must not shadow installed ones. A new session:
         # Ctrl-C reaches only this process, which then ends the other.
         self._process = subprocess.Popen(
-            [python, "-P", "-m", "plymotion.preprocess", command, "-", "--json", *options],
+            [
+                *(python, "-P", "-m", "plymotion.preprocess"),
+                *(start.command, "-", "--json", *start.options),
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
-            env=environment(folder),
+            env=environment(folder, start.ranks),
             text=True,
             encoding="utf-8",
             start_new_session=True,
@@ -185,6 +205,7 @@ class Start:
     python: str  # empty: what each worker finds on its machine
     command: str
     options: tuple[str, ...]
+    ranks: int = 1  # that share each analysis, one process of each
 
 
 @dataclass(eq=False)
@@ -258,7 +279,7 @@ def _taken(start: Start) -> _Started:
                 own.timer.cancel()
                 return own
     python = start.python or _found()
-    process = Preprocessor(python, _home(), start.command, start.options)
+    process = Preprocessor(python, _home(), start)
     own = _Started(start, python, folder, process, os.getpid())
     with _lock:
         _busy.append(own)
@@ -419,7 +440,7 @@ def _changed_mesh(spec: Path) -> str:
     return ""
 
 
-def start_of(command: str, options: Sequence[str], executor: Executor) -> Start:
+def start_of(command: str, options: Sequence[str], executor: Executor, ranks: int = 1) -> Start:
     """Return how an executor starts the preprocessor; workers elsewhere find their own Python.
 
     Raises
@@ -429,7 +450,7 @@ def start_of(command: str, options: Sequence[str], executor: Executor) -> Start:
     """
     python = find_interpreter() if isinstance(executor, Local) else ""
     refused = ["--no-scripts"] if are_refused() else []  # a specification may name one itself
-    return Start(python, command, (*options, *refused))
+    return Start(python, command, (*options, *refused), ranks)
 
 
 def make_all(

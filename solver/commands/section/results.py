@@ -12,6 +12,7 @@ from ...package.common.identity import checksum_findings, identity_notes
 from ...package.common.remark import raise_first
 from ...package.section.io import SECTION_FILE
 from ...package.section.schema import SectionProperties
+from ..described import check_provenance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,4 +58,6 @@ def read_results(file: Path) -> SectionResults:
     with open_file(file, PackageError) as hdf:
         identity_notes(file, hdf, SECTION_FILE)
         raise_first(file, SECTION_FILE.layout_findings(hdf) + checksum_findings(hdf, SECTION_FILE))
-        return SECTION_FILE.load(hdf, SectionResults)
+        results = SECTION_FILE.load(hdf, SectionResults)
+    check_provenance(file, results.provenance)
+    return results

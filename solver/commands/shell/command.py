@@ -12,18 +12,33 @@ from ...inputs.shell.expand import load_shell
 from ...package.common.materials import MaterialError
 from ...package.shell.io import read_shell
 from ...package.shell.schema import ShellFile
-from ..described import Made, Request, drawn, entries_of, file_lines, run_described, show_each
+from ..described import (
+    Made,
+    Request,
+    check_provenance,
+    drawn,
+    entries_of,
+    file_lines,
+    run_described,
+    show_each,
+)
 from .show import shell_text
 from .show_json import shell_json
 
 MOST_MODES = 6  # with a figure of their own
 
 
+def _read(file: Path) -> ShellFile:
+    shell = read_shell(file)
+    check_provenance(file, shell.provenance)
+    return shell
+
+
 def run_shell(options: argparse.Namespace) -> int:
     """Make and show the requested results; returns the exit code."""
 
     def table_of(one: Made) -> dict[str, Any]:
-        shell = read_shell(one.file)
+        shell = _read(one.file)
         if options.figures:
             figures_of(shell, one.file)
         try:
@@ -32,7 +47,7 @@ def run_shell(options: argparse.Namespace) -> int:
             raise InputError(f"{one.file}: {error}") from error
 
     def text_of(one: Made) -> str:
-        shell = read_shell(one.file)
+        shell = _read(one.file)
         try:
             text = shell_text(shell)
         except MaterialError as error:

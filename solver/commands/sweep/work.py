@@ -16,10 +16,10 @@ from ...errors import InputError
 from ...inputs.case.sources import solver_sha256
 from ...interrupts import held
 from ...math.compiled import COMPILED
+from ...math.digests import state_of
 from ...package.common.plain_data import data_sha256
 from ...results import ResultError
 from ...results.codes import WORKER_LOST
-from ..cases.finished import state_of
 from ..executors import Executor, Local, Task, distribute
 from .file import believed_rows, result_of, write_sweep
 from .member import FAILED, Packages, Row, compute

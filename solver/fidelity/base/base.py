@@ -17,8 +17,8 @@ from ...package.body.selection import (
     vibrations,
     with_statics,
 )
-from ...package.body.specification import DIRECTIONS
 from ...package.body.transform import rigid
+from ...package.specification import DIRECTIONS
 from ...run.integration import complete
 from ...run.outcome import RunSpec
 from ...run.preparation import prepare

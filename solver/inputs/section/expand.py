@@ -22,7 +22,7 @@ from .codes.other_codes import is_of_another_code, spec_of_another_code
 from .description import Region, SectionDescription, checked
 from .mesh_file import file_mesh
 from .mesh_table import ShapeMesh
-from .shapes.mesh import shape_mesh
+from .shape_mesh import shape_mesh
 
 BUILD = Path("build/sections")  # default folder of arrays
 

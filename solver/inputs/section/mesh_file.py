@@ -11,7 +11,7 @@ from .description import Region, SectionDescription
 from .foreign import read_foreign
 from .mesh_arrays import assign_regions, write_arrays
 from .mesh_table import FileMesh
-from .shapes.mesh import ALL, Stacks
+from .shape_mesh import ALL, Stacks
 
 Regions = dict[str, Region]
 Names = dict[str, str]  # region of the mesh -> its description

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ...package.body.specification import ShellLinkKind
+from ...package.specification import ShellLinkKind
 from ..common.table import Table, Vector, unit
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, ValidationError, model_validator
 
 from ...errors import InputError
-from ...package.body.specification import LinkKind
+from ...package.specification import LinkKind
 from ..common import lines
 from ..common.material import Material
 from ..common.table import Around, Axis, FilePath, Name, Table, Vector, unit

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, nearest
-from ...package.body.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
+from ...package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh
 from ..common.material import check_materials, plain

@@ -18,7 +18,7 @@ from ...math.arrays import Array, IntArray
 from ..common.dataset import Attribute, Data, Named, Part, Rows
 from ..section.schema import SectionRecovery
 from ..shell.schema import ShellPly
-from .specification import MassForm, ReferenceKind
+from ..specification import MassForm, ReferenceKind
 
 FORMAT = "plymotion modal package"
 FORMAT_VERSION = (1, 3)

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
+from ..specification import DIRECTIONS
 from .schema import ModalPackage
-from .specification import DIRECTIONS
 from .transform import changed_basis
 
 DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape

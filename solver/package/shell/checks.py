@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..body.specification import SHELL_LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.dataset import field_values
 from ..common.remark import Remark
+from ..specification import SHELL_LINK_KINDS
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
 
 

@@ -14,7 +14,7 @@ from ....math.arrays import Array
 from ....math.curves import lengths_along
 from ....math.rotations import shortest_rotations, vector_to_matrix
 from ....package.body.division import node_positions
-from ....package.body.specification import LineTable
+from ....package.specification import LineTable
 from ..tables.beam_schema import BeamBody
 from ..tables.beam_table import Spline
 

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from ....errors import InputError, under
-from ....package.body.specification import BeamSpecification
+from ....package.specification import BeamSpecification
 from ...common.material import plain
 from ...common.table import plain_table
 from ...section.description import Region
 from ...section.expand import section_spec as described_section
 from ...section.expand import source_files
+from ...section.shape_mesh import ALL, shape_mesh
 from ...section.shapes.library import walls
-from ...section.shapes.mesh import ALL, shape_mesh
 from ..tables.beam_schema import BeamBody, BeamStation
 from ..tables.modes import check_modes
 from ..tables.schema import Mechanism

@@ -9,8 +9,8 @@ from pydantic import BaseModel
 
 from ....errors import InputError, nearest, under
 from ....math.digests import file_sha256
-from ....package.body.specification import ImportedSpecification, Specification
 from ....package.common.plain_data import inputs_sha256
+from ....package.specification import ImportedSpecification, Specification
 from ...common import read_toml
 from ..tables.beam_schema import BeamBody
 from ..tables.body_schema import ImportedBody, Placed, Reducible

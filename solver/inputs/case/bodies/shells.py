@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ....errors import InputError, few, under
-from ....package.body.specification import ShellSpecification
+from ....package.specification import ShellSpecification
 from ...common.gmsh_file import physical_groups
 from ...common.table import plain_table
 from ...shell.expand import shell_spec

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ....errors import InputError, under
-from ....package.body.specification import SolidSpecification
+from ....package.specification import SolidSpecification
 from ...common import read_toml
 from ...common.table import plain_table
 from ...solid.expand import solid_table

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from ....math.definite import is_positive_definite
-from ....package.body.specification import MassForm, Theory
+from ....package.specification import MassForm, Theory
 from ...common.table import FilePath, Name, Pair, Table, Vector, unit, usable_path
 from .beam_table import with_beam_table
 from .body_schema import DAMPING, Deformed, Reducible

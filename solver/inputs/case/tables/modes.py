@@ -5,13 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ....errors import nearest
-from ....package.body.specification import (
-    DIRECTIONS,
-    Direction,
-    ModeKind,
-    ReferenceKind,
-    SpinningKind,
-)
+from ....package.specification import DIRECTIONS, Direction, ModeKind, ReferenceKind, SpinningKind
 from ...common.table import Name, Table
 
 DEFAULT_PLACE = "root"  # of a clamped frame

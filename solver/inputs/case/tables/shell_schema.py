@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from ....package.body.specification import MassForm, ShellLinkKind
+from ....package.specification import MassForm, ShellLinkKind
 from ...common.table import FilePath, Name, Table, Vector, unit
 from ...shell.description import MOST_REFINED, REFINE
 from .body_schema import DAMPING, Deformed, Reducible

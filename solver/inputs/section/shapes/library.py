@@ -14,7 +14,7 @@ __all__ = ["SHAPES", "Parameter", "Shape", "Wall", "expand", "shape", "walls"]
 
 Layers = Mapping[str, Sequence[float]]
 
-_found = catalogue(_package, _path, Shape, besides=("library", "mesh"))
+_found = catalogue(_package, _path, Shape, besides=("library",))
 SHAPES = by_name(
     [(s.name, s) for s in sorted(_found, key=lambda shape: (shape.order, shape.name))], "shape"
 )

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ....errors import InputError, nearest
-from ..description import Region
-from ..mesh_table import ShapeMesh
-from .library import Wall, expand, shape, walls
-from .solid import few_across
+from ...errors import InputError, nearest
+from .description import Region
+from .mesh_table import ShapeMesh
+from .shapes.library import Wall, expand, shape, walls
+from .shapes.solid import few_across
 
 ALL = "all"  # every wall or region without its own table
 ADD_UP = 1e-6  # relative difference of plies and wall due to rounding

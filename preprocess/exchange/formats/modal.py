@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.errors import InputError
-from ...solver.math.arrays import Array, IntArray
-from ...solver.package import ModalPackage
-from ...solver.package.common.temporary import write_text
-from ...solver.package.common.toml_text import toml_text
-from .formats.files import Files
-from .formats.matrices import table_rows
-from .free_body import Cells
-from .links import interface_rows
-from .reduce import rows_of
-from .spec import Reduction, sizes
+from ....solver.errors import InputError
+from ....solver.math.arrays import Array, IntArray
+from ....solver.package import ModalPackage
+from ....solver.package.common.temporary import write_text
+from ....solver.package.common.toml_text import toml_text
+from ..layups import Cells
+from ..links import interface_rows
+from ..reduce import rows_of
+from ..spec import Reduction, sizes
+from .files import Files
+from .matrices import table_rows
 
 LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}
 LINES |= {22: LINES[5], 23: LINES[9]}

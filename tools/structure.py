@@ -1,0 +1,151 @@
+"""Measure the structure of solver/, preprocess/ and plymotion/; write the table of a page.
+
+Usage: structure.py docs/architecture.md
+"""
+
+import ast
+import io
+import sys
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+PARTS = ("solver", "preprocess", "plymotion")
+BEGIN, END = "<!-- tools/structure.py: begin -->", "<!-- end -->"
+WITHOUT_CODE = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
+Graph = dict[str, set[str]]
+
+
+def sources(root: Path) -> dict[str, str]:
+    """Return the text of every source file by its path; links of plymotion/ are not followed."""
+    files = (path for part in PARTS for path in sorted((root / part).rglob("*.py")))
+    own = (path for path in files if not any(p.is_symlink() for p in path.parents))
+    return {path.relative_to(root).as_posix(): path.read_text("utf-8") for path in own}
+
+
+def docstrings(tree: ast.Module) -> Iterator[ast.Expr]:
+    """Yield the docstrings of a module, its classes and functions."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            first = node.body[0] if node.body else None
+            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+                yield first
+
+
+def code_lines(text: str) -> int:
+    """Return the number of lines without docstrings, comments and blanks."""
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in WITHOUT_CODE:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    for node in docstrings(ast.parse(text)):
+        lines -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return len(lines)
+
+
+def imports(texts: dict[str, str], part: str) -> Graph:
+    """Return file -> files of the same part that it imports, wherever the statement stands."""
+    names = {name for name in texts if name.startswith(f"{part}/")}
+    modules = {name.removesuffix(".py").removesuffix("/__init__"): name for name in names}
+    graph: Graph = {name: set() for name in names}
+    for name in names:
+        folder = name.split("/")[:-1]
+        for node in ast.walk(ast.parse(texts[name])):
+            if not isinstance(node, ast.ImportFrom) or not 0 < node.level <= len(folder):
+                continue
+            base = folder[: len(folder) - node.level + 1]
+            module = "/".join([*base, *(node.module.split(".") if node.module else [])])
+            for alias in node.names:
+                target = modules.get(f"{module}/{alias.name}", modules.get(module))
+                if target and target != name:
+                    graph[name].add(target)
+    return graph
+
+
+def longest_chain(graph: Graph) -> int:
+    """Return the number of nodes on the longest path of a graph without circles."""
+    found: dict[str, int] = {}
+
+    def visit(node: str) -> int:
+        if node not in found:
+            found[node] = 1 + max((visit(target) for target in graph[node]), default=0)
+        return found[node]
+
+    return max(map(visit, graph))
+
+
+def rooms(graph: Graph, folder: str) -> Graph:
+    """Return child -> children that it imports, for the files and folders of one folder."""
+    depth = folder.count("/") + 1
+    inside = {name for name in graph if name.startswith(f"{folder}/")}
+    found: Graph = {name.split("/")[depth]: set() for name in inside}
+    for name in inside:
+        child = name.split("/")[depth]
+        found[child] |= {t.split("/")[depth] for t in graph[name] & inside} - {child}
+    return found
+
+
+def folders(graph: Graph) -> list[str]:
+    """Return every folder that has files below it."""
+    return sorted({"/".join(n.split("/")[:k]) for n in graph for k in range(1, n.count("/") + 1)})
+
+
+def modules_in(graph: Graph, folder: str) -> int:
+    """Return the number of files directly in a folder, `__init__.py` apart."""
+    files = (name.rpartition("/") for name in graph)
+    return sum(where == folder and name != "__init__.py" for where, _, name in files)
+
+
+def table(root: Path) -> str:
+    """Return the table of the page in Markdown."""
+    texts = sources(root)
+    code = {name: code_lines(text) for name, text in texts.items()}
+    by_part = {part: sum(code[n] for n in code if n.startswith(f"{part}/")) for part in PARTS}
+    graphs = {part: imports(texts, part) for part in PARTS[:2]}
+    levels = longest_chain(rooms(graphs["solver"], "solver"))
+    chains = ", ".join(f"{longest_chain(graph)} in {part}/" for part, graph in graphs.items())
+    large = {
+        folder: modules_in(graph, folder)
+        for graph in graphs.values()
+        for folder in folders(graph)
+        if modules_in(graph, folder) > 12
+    }
+    rows = [
+        (
+            "lines of code, without docstrings, comments and blanks",
+            f"{sum(code.values())}: " + ", ".join(f"{n} in {part}/" for part, n in by_part.items()),
+        ),
+        (
+            "files; of 30 lines of code or fewer",
+            f"{len(code)}; {sum(n <= 30 for n in code.values())}",
+        ),
+        ("levels of solver/", str(levels)),
+        ("longest chain of imports, file by file", chains),
+        (
+            "folders of more than 12 modules",
+            ", ".join(f"{name} {n}" for name, n in sorted(large.items())),
+        ),
+        ("`dict[str, Any]`", str(sum(text.count("dict[str, Any]") for text in texts.values()))),
+    ]
+    lines = ["| measure | value |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows)]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Write the table between its two marks in a page."""
+    page = Path(sys.argv[1])
+    before, _, rest = page.read_text("utf-8").partition(BEGIN)
+    _, _, after = rest.partition(END)
+    text = f"{before}{BEGIN}\n{table(Path(__file__).resolve().parents[1])}\n{END}{after}"
+    page.write_text(text, "utf-8")
+
+
+if __name__ == "__main__":
+    main()
