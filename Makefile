@@ -366,6 +366,10 @@ $(EXUDYN): pyproject.toml $(LIGHT)
 
 ##@ Documents and cleaning
 
+.PHONY: structure
+structure: $(LIGHT) ## Measure lines, files and imports; write the table of docs/architecture.md
+	$(PY) tools/structure.py docs/architecture.md
+
 SITE := build/docs-site
 .PHONY: docs-site
 docs-site: $(LIGHT) ## The documentation site: build/docs-site/index.html

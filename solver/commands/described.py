@@ -7,6 +7,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from ..package.common.shares import by_mesh, mesh_key
 from ..package.common.temporary import temporary_sibling
 from .arguments import FOLDERS
 from .executors import Executor, Local, executor_of
-from .fenicsx_side.launch import Line, make_all, mpi_job, start_of
+from .fenicsx_side.launch import Line, kept_preprocessors, make_all, mpi_job, start_of
 
 # Which descriptions a command is given.
 
@@ -297,18 +298,20 @@ def run_described(
         described = [entry for entry in entries if entry.name not in made]
         requests, failed = write_specs(described, options.out, spec_of)
         made |= {one.entry.name: one for one in failed}
-        if not options.check:
-            with _Bar(command, made, len(entries), options.quiet, list_each) as bar:
-                make_files(
-                    requests,
-                    command,
-                    words,
-                    executor=lambda: executor_of(options, threads=True),
-                    done=bar.done,
-                    progress=bar.progress,
-                    ranks=ranks,
-                )
-        code = show([made[entry.name] for entry in entries if entry.name in made], requests)
+        with kept_preprocessors() if ranks > 1 else nullcontext():
+            if not options.check:
+                with _Bar(command, made, len(entries), options.quiet, list_each) as bar:
+                    make_files(
+                        requests,
+                        command,
+                        words,
+                        executor=lambda: executor_of(options, threads=True),
+                        done=bar.done,
+                        progress=bar.progress,
+                        ranks=ranks,
+                    )
+            code = show([made[entry.name] for entry in entries if entry.name in made], requests)
+            sys.stdout.flush()
     except KeyboardInterrupt:
         complete = sum(one.status != "failed" for one in made.values())
         print(

@@ -230,6 +230,7 @@ def analyse(
             "round_off": None
             if result.round_off is None
             else float(scaled(result.round_off, result.K).max()),
+            "ranks": problem.team.size,
             "seconds": seconds,
             "versions": fenicsx.versions(),
         },

@@ -16,13 +16,19 @@ SYSTEM_PYTHON = "/usr/bin/python3"
 PROBE = Path(__file__).with_name("fenicsx_probe.py")
 CHOICE = Path("build") / "fenicsx.env"  # file in a checkout, written by `make fenicsx`
 
+# Variables of this process's MPI job, if any: other processes must not join it unasked.
+LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
+
 Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
 
 
 def probe(python: str) -> Report:
     """Report on the imports of an interpreter; it has the problem "python" if it does not start."""
+    outside = {k: v for k, v in os.environ.items() if not k.startswith(LAUNCHER)}
     try:
-        done = subprocess.run([python, str(PROBE)], capture_output=True, text=True, timeout=300)
+        done = subprocess.run(
+            [python, str(PROBE)], capture_output=True, text=True, timeout=300, env=outside
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         return {"python": python, "problems": {"python": f"does not start: {error}"}}
     for line in reversed(done.stdout.splitlines()):

@@ -24,14 +24,11 @@ from ...errors import InputError
 from ...inputs.common.gmsh_file import content_sha256
 from ...inputs.scripts import are_refused
 from ..executors import Executor, Local, Task, distribute
-from .interpreter import find_interpreter
+from .interpreter import LAUNCHER, find_interpreter
 
 # Start the preprocessor in the Python with FEniCSx and exchange lines of text with it.
 
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
-# Variables of this process's MPI job, if any; a worker must not join it, unless the ranks share
-# each analysis.
-LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
 # A worker is one process and starts no other ranks. Open MPI then needs neither its daemon nor
 # networks; to start the one and look for the others takes it 0.4 s. Others ignore the variables.
 ONE_RANK = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
@@ -46,6 +43,12 @@ def mpi_job() -> tuple[int, int]:
         if os.environ.get(rank, "").isdecimal() and os.environ.get(size, "").isdecimal():
             return int(os.environ[rank]), int(os.environ[size])
     return 0, 1
+
+
+def _of_job() -> tuple[int, ...]:
+    """Files by which MPICH's processes talk to their launcher."""
+    number = os.environ.get("PMI_FD", "")
+    return (int(number),) if number.isdecimal() else ()
 
 
 @contextmanager
@@ -129,6 +132,7 @@ class Preprocessor:
             stdout=subprocess.PIPE,
             stderr=self._errors,
             env=environment(folder, start.ranks),
+            pass_fds=_of_job() if start.ranks > 1 else (),
             text=True,
             encoding="utf-8",
             start_new_session=True,
@@ -235,6 +239,21 @@ def keep_preprocessors() -> None:
     """
     global _kept
     _kept = True
+
+
+@contextmanager
+def kept_preprocessors() -> Iterator[None]:
+    """Keep the preprocessors of this process up to the end of a block.
+
+    MPICH's launcher takes no output of a rank whose MPI has ended.
+    """
+    global _kept
+    before, _kept = _kept, True
+    try:
+        yield
+    finally:
+        _kept = before
+        _end_all(at_once=False)
 
 
 def make(start: Start, spec: Path) -> Line:
