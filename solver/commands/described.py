@@ -6,13 +6,13 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, PackageError
+from ..errors import InputError
 from ..interrupts import INTERRUPTED
 from ..package.common.replaceable import refuse_foreign
 from ..package.common.shares import by_mesh, mesh_key
@@ -69,7 +69,7 @@ class Made:
     file: Path  # the results file
     status: str  # "built", "unchanged", "failed"
     error: str = ""  # for the user, naming the description
-    defect: str = ""  # traceback of an error that is none of the user's
+    defect: str = ""  # traceback of an internal error
 
 
 @dataclass(frozen=True)
@@ -230,33 +230,6 @@ def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> 
     except (InputError, ModuleNotFoundError) as error:  # the numbers are still there
         print(f"no figures: {error}; they need pip install plymotion[plot]", file=sys.stderr)
         return []
-
-
-# Entries of a provenance that are shown, and their types: other programs write these files, too.
-SHOWN: dict[str, tuple[type, ...]] = {
-    "dofs": (int,),
-    "seconds": (int, float),
-    "refinements": (list,),
-    "verification": (str, type(None)),
-}
-STEP = ("dofs", "error", "seconds")  # numbers of each of `refinements`
-
-
-def check_provenance(file: Path, provenance: Mapping[str, Any]) -> None:
-    """Raise PackageError if an entry that is shown is of another type."""
-    for key, types in SHOWN.items():
-        if key in provenance and not isinstance(provenance[key], types):
-            names = " or ".join("none" if t is type(None) else t.__name__ for t in types)
-            raise PackageError(
-                f"{file}: provenance.{key}: expected {names}, found {provenance[key]!r:.40}"
-            )
-    steps = provenance.get("refinements", [])
-    for row, step in enumerate(steps if len(steps) > 1 else []):  # one is not shown
-        for key in STEP:
-            if not isinstance(step, dict) or not isinstance(step.get(key), int | float):
-                raise PackageError(
-                    f"{file}: provenance.refinements[{row}].{key}: expected a number"
-                )
 
 
 # From descriptions to results files, with progress on the screen.

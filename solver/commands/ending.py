@@ -23,7 +23,7 @@ def worst(codes: Iterable[int]) -> int:
     return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in found), 0)
 
 
-# Errors that are none of the user's: one sentence on the screen, the traceback in a file.
+# Internal errors: one sentence on the screen, the traceback in a file.
 
 DEFECT = 70  # exit code: internal software error
 

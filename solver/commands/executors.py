@@ -70,7 +70,7 @@ class Source(Protocol):
         """Take a result. A KeyboardInterrupt ends the distribution."""
 
     def lost(self, task: Task) -> None:
-        """Take notice that the process of a task ended before the task."""
+        """Handle a task whose worker process died."""
 
 
 def distribute(executor: Executor, source: Source) -> None:
@@ -230,7 +230,7 @@ class Local:
 
 
 def _begin(link: Connection) -> None:
-    """Prepare a worker process: it leaves signals to the parent, and ends when that lets go."""
+    """Prepare a worker process: ignore signals; exit when the parent exits."""
     ignore()
     # As in a command: looking for garbage takes a quarter of the time of a worker of one member.
     gc.set_threshold(50_000)

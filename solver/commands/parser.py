@@ -57,7 +57,7 @@ def parser() -> CommandParser:
 def run_command(options: argparse.Namespace) -> int:
     """Import the function of a command and call it; return the exit code."""
     module, name = options.command.split(":")
-    gc.disable()  # imports leave no garbage that is worth the time to look for it
+    gc.disable()  # collection during imports costs time and frees nothing
     try:
         with starting():
             function = getattr(import_module(f".{module}", __package__), name)

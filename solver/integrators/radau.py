@@ -100,8 +100,8 @@ def turning(model: Model, y: Array) -> Turning:
 # Cutoffs that are tried against a stall, times pi over the interval of the results.
 CUTOFFS = (10.0, 3.0, 1.0)
 TURNS_TOO_FAST = (
-    "The motion has grown beyond all measure: at t = {t:.6g} s a body turns at {spin:.2g} rad/s, "
-    "its mass at {rim:.2g} m/s, which no material holds, and the steps are those of its rotation. "
+    "The run is unstable: at t = {t:.6g} s a body rotates at {spin:.2g} rad/s (rim speed "
+    "{rim:.2g} m/s, which no material holds), which limits the step size. "
     "Look for a feedback that is unstable, or for loads in other units."
 )
 

@@ -1,7 +1,7 @@
 """Folders of the user's cache: one file per key, each beginning with the digest of what follows.
 
 A key is the digest of all that the content depends on, so that nothing is ever out of date; a
-damaged file is as good as none. Machine code is kept here: a folder that another user could have
+damaged file is ignored. Machine code is kept here: a folder that another user could have
 written into is not used (docs/security.md).
 """
 

@@ -1,10 +1,10 @@
-"""Points that no other one beats in two measures at once."""
+"""Pareto front of points in two measures, such as error and time."""
 
 from collections.abc import Sequence
 
 
 def front(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Return the indices of the points that no other one beats in both numbers, by the first one.
+    """Return the indices of the points of the Pareto front, sorted by the first number.
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 In such a position (all links of a four-bar linkage on one line, say) the mechanism gains
 freedom for an instant and could leave in several directions. The motion that goes on without a
 jump of velocity is the right one. A treatment that divides by the vanishing singular value
-follows its own rounding instead, often with the energy kept: nothing else would tell.
+follows its own rounding instead, often with the energy kept: no other check detects this.
 """
 
 from collections.abc import Callable

@@ -81,7 +81,7 @@ def name_of(story: Story) -> str:
     return f"{escape(story.title)}<br>{code}" if story.title != story.name else code
 
 
-# The top of report.html: what became of each run, and every doubt about it.
+# The top of report.html: outcome and warnings of each run.
 
 _RANK = {"good": 0, "doubt": 1, "bad": 2}
 

@@ -1,4 +1,4 @@
-"""A finding: one doubt about a run, from the place that found it to the screen."""
+"""An error, warning or note about a run."""
 
 from dataclasses import dataclass
 from math import isnan, nan

@@ -72,7 +72,7 @@ class Prepared:
         return Monitors(self.spin, self.passage, self.buckling, self.turns, self.sizes)
 
     def explained(self, solution: Solution) -> Solution:
-        """Return the solution; of a run that failed in a singular position, with words on that."""
+        """Return the solution, with an explanation if it failed at a singular position."""
         if solution.status != "failed":
             return solution
         cause = self.passage.explain(float(solution.t[-1]), solution.y[-1])

@@ -71,7 +71,7 @@ POLL_S = 0.1
 def turn(folder: Path, *, quiet: bool = False) -> Iterator[None]:
     """Lock a folder, which is made if missing; the end of the process, however it ends, unlocks it.
 
-    Without locks of this kind (Windows) nobody waits.
+    Without such locks (Windows), commands are not serialised.
     """
     refuse_link(folder / "any")
     try:

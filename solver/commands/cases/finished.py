@@ -1,4 +1,4 @@
-"""The record of a finished command: if its inputs and results are as they were, nothing is to do.
+"""Record of a finished command, which is skipped if its inputs and results are unchanged.
 
 Files of the user are compared by size and time, as make does: results may be large. A change of
 either only leads to the comparison by content that every stage does for itself.

@@ -8,11 +8,10 @@ import numpy as np
 from ...errors import PackageError
 from ...math.arrays import Array
 from ...package.common.container import open_file
-from ...package.common.identity import checksum_findings, identity_notes
+from ...package.common.identity import check_provenance, checksum_findings, identity_notes
 from ...package.common.remark import raise_first
 from ...package.section.io import SECTION_FILE
 from ...package.section.schema import SectionProperties
-from ..described import check_provenance
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,13 +9,13 @@ import numpy as np
 
 from ...errors import InputError
 from ...inputs.shell.expand import load_shell
+from ...package.common.identity import check_provenance
 from ...package.common.materials import MaterialError
 from ...package.shell.io import read_shell
 from ...package.shell.schema import ShellFile
 from ..described import (
     Made,
     Request,
-    check_provenance,
     drawn,
     entries_of,
     file_lines,

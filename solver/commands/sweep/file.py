@@ -21,7 +21,7 @@ from ...run.integration import output_times
 from .member import CHECKS, COST, DAMAGE, Row
 from .plan import Plan
 
-# The digest of a member's row in sweep.h5: a restart believes no other row.
+# Checksums of the rows in sweep.h5: a restart computes rows with a wrong one again.
 
 ROW_TEXTS = ("key", "status", "message", "code")
 

@@ -53,7 +53,7 @@ class Row:
     checks: dict[str, float] = field(default_factory=dict)
     cost: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()  # codes
-    defect: str = ""  # traceback of an error that is none of the user's; not kept in the file
+    defect: str = ""  # traceback of an internal error; not stored in the file
 
     @property
     def done(self) -> bool:

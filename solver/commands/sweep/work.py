@@ -237,7 +237,7 @@ def _compute(executor: Executor, portions: Portions) -> None:
 
 
 def _known(file: Path) -> dict[str, Row]:
-    """Return the rows of an earlier sweep by key; a file that cannot be read is told and left."""
+    """Return the rows of an earlier sweep by key; an unreadable file is reported and ignored."""
     if not file.is_file():
         return {}
     try:

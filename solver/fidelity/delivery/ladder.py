@@ -42,7 +42,7 @@ class Ladder:
         return asdict(self)
 
     def front(self) -> list[Rung]:
-        """Return the models that no other one beats in both time and error."""
+        """Return the models of the Pareto front in time and error."""
         return [self.rungs[i] for i in front([(r.cpu, r.error) for r in self.rungs])]
 
 

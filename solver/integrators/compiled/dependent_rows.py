@@ -47,7 +47,7 @@ def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> int:
 
 @inlined
 def yield_rows(workspace: RadauWorkspace) -> None:
-    """Add e (lambda - lambda_p) to what the stages leave of the constraints."""
+    """Add e (lambda - lambda_p) to the stage residuals of the constraints."""
     soft, gamma = workspace.frozen.softness, workspace.gamma
     for k in range(3):
         for i in range(soft.shape[0]):

@@ -68,7 +68,7 @@ class RadauWorkspace(NamedTuple):
     multipliers_old: Array  # (3, n_r) at those of the last step
     predicted: Array  # (3, n_r) at the stages, before the iteration
     power: Array  # (3,) at the stages [W]
-    load: Array  # (3, nb, n) what the stages leave: forces,
+    load: Array  # (3, nb, n) residuals of the stages: forces,
     gamma: Array  # (3, n_r) constraints and laws of elements
     r: Array  # (3, n) and kinematics
     stage: Array  # (n,)

@@ -42,7 +42,8 @@ def place(workspace: RadauWorkspace, k: int, h: float) -> None:
 
 @inlined
 def transform_residuals(model: Model, workspace: RadauWorkspace) -> None:
-    """Hand what the stages leave to the pencils: T^-1 takes them apart."""
+    """Transform the stage residuals by T^-1 into right-hand sides of the real and complex
+    systems."""
     real, pair = workspace.real, workspace.pair
     load, gamma, r = workspace.load, workspace.gamma, workspace.r
     for i in range(load.shape[1]):

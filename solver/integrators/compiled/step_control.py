@@ -49,7 +49,7 @@ class Options(NamedTuple):
 
 @structure
 class Ends(NamedTuple):
-    """Ends of the accepted steps of one call; without room for any where nobody asks for them."""
+    """Buffer for the ends of accepted steps of one call; empty if they are not requested."""
 
     t: Array  # (k,) [s]
     y: Array  # (k, n)

@@ -1,4 +1,4 @@
-"""The contract of every integrator: one step at a time, trouble as status with words.
+"""The contract of every integrator: one step at a time; a failure is a status with a message.
 
 An integrator knows y' = f(t, y) and numbers, never a body. It runs forward in time only.
 Nothing here closes over a mechanism and the state is flat arrays, so that a step loop can
@@ -247,7 +247,7 @@ class Integrator(ABC):
             self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
 
     def _watch_growth(self, y: Array) -> None:
-        """End a run of fixed steps whose state has grown beyond all measure."""
+        """End a run of fixed steps whose state has diverged."""
         largest = float(np.abs(y).max())
         if self.counters.steps <= FIRST_STEPS:
             self._largest_first = max(self._largest_first, largest)

@@ -1,4 +1,4 @@
-"""Object code of the doors by which Python calls units (doors.py)."""
+"""Object code of the Python entry points of units (doors.py)."""
 
 from typing import Any
 

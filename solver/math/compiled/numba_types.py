@@ -1,4 +1,4 @@
-"""What Numba is told of structures: their types, and the code of their fields."""
+"""Numba data model of structures: their types, and code for access to their fields."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Units of parts: from the cache, or compiled and kept there; the doors by which Python calls."""
+"""Units of parts, loaded from the cache or compiled and stored there; their entry points."""
 
 import time
 import warnings

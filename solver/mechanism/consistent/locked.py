@@ -39,7 +39,7 @@ def described_gaps(
     return few((text for _, text in sorted(parts, reverse=True)), "; ")
 
 
-WEAK = 3e-3  # singular value over the largest, below which a loop is locked by little
+WEAK = 3e-3  # singular value over the largest, below which a loop is nearly movable
 APART = 20.0  # the next singular value over the weak ones, at least
 TURN = 0.1  # of the motion that is tried [rad, over the size]
 STAYS = 3.0  # gap of that motion over that of the first order; larger in a singular position

@@ -146,3 +146,30 @@ def _plain(value: object) -> object:
     if isinstance(value, Path):
         return str(value)
     raise TypeError(f"cannot be written as JSON: {value!r}")
+
+
+# Entries of a provenance that are shown, and their types: other programs write these files, too.
+SHOWN: dict[str, tuple[type, ...]] = {
+    "dofs": (int,),
+    "seconds": (int, float),
+    "refinements": (list,),
+    "verification": (str, type(None)),
+}
+STEP = ("dofs", "error", "seconds")  # numbers of each of `refinements`
+
+
+def check_provenance(file: Path, provenance: Mapping[str, Any]) -> None:
+    """Raise PackageError if an entry that is shown is of another type."""
+    for key, types in SHOWN.items():
+        if key in provenance and not isinstance(provenance[key], types):
+            names = " or ".join("none" if t is type(None) else t.__name__ for t in types)
+            raise PackageError(
+                f"{file}: provenance.{key}: expected {names}, found {provenance[key]!r:.40}"
+            )
+    steps = provenance.get("refinements", [])
+    for row, step in enumerate(steps if len(steps) > 1 else []):  # one is not shown
+        for key in STEP:
+            if not isinstance(step, dict) or not isinstance(step.get(key), int | float):
+                raise PackageError(
+                    f"{file}: provenance.refinements[{row}].{key}: expected a number"
+                )

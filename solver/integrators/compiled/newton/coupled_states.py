@@ -66,7 +66,7 @@ def left_of_states(
     first: int,
     gamma: Array,
 ) -> None:
-    """Take what the states leave of their law from the rows of force elements in gamma."""
+    """Subtract the residuals of the auxiliary states from the rows of force elements in gamma."""
     q = model.quantities
     for p in range(coupled.shape[0]):
         k, j = q.coupled_force[p], q.coupled_state[p]
