@@ -251,13 +251,14 @@ def test_a_signal_while_figures_are_imported_is_no_missing_library(tmp_path, num
 WITHIN_A_CLASS = """
 import os, signal, sys
 from plymotion.solver import __main__ as program
+from plymotion.solver.commands import packages
 class Descriptor:
     def __set_name__(self, owner, name):
         os.kill(os.getpid(), signal.SIGTERM)
 def run(options):
     class Made:
         value = Descriptor()
-program._validate = run
+packages.run_validate = run
 sys.exit(program.main(["validate", "nothing.vtkhdf"]))
 """
 
@@ -271,13 +272,14 @@ def test_a_signal_while_a_class_is_made_is_no_defect():
 WITHIN_A_FINALIZER = """
 import os, signal, sys, time
 from plymotion.solver import __main__ as program
+from plymotion.solver.commands import packages
 class Dropped:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)
 def run(options):
     Dropped()
     time.sleep(60.0)
-program._validate = run
+packages.run_validate = run
 sys.exit(program.main(["validate", "nothing.vtkhdf"]))
 """
 
