@@ -14,7 +14,8 @@ from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.load import merge
 from plymotion.solver.inputs.case.reading.output_folder import write_if_changed
 from plymotion.solver.inputs.case.reading.specs import dump
-from plymotion.solver.inputs.case.tables.record import resolved, seal
+from plymotion.solver.inputs.case.tables.record import seal
+from plymotion.solver.inputs.case.tables.resolved import resolved
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import Interface, ModalPackage, read_package
 from plymotion.solver.results import RunResult

@@ -98,7 +98,7 @@ def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
     """Return the mechanism of a run file; one that was edited is checked."""
     found = sealed(table["mechanism"], table.get("checked"))
     if found is None:
-        from ..inputs.case.tables.record import resolved  # takes 0.2 s
+        from ..inputs.case.tables.resolved import resolved  # takes 0.2 s
 
         found = resolved(table["mechanism"], where)
     return found

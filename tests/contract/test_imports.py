@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from case_samples import case_runs
 
-from plymotion.solver.inputs.case.tables.record import resolved, seal
+from plymotion.solver.inputs.case.tables.record import seal
+from plymotion.solver.inputs.case.tables.resolved import resolved
 
 ROOT = Path(__file__).parents[2]
 FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
@@ -230,3 +231,12 @@ def test_benchmarks_import_what_exists(file: Path) -> None:
             for alias in node.names:
                 if not hasattr(module, alias.name):
                     importlib.import_module(f"{node.module}.{alias.name}")
+
+
+def test_a_run_loads_no_models(repository: Path) -> None:
+    """Building the models of a case takes 0.2 s, several times as long as a run (adr/0013)."""
+    program = "import sys; import plymotion.solver.run.execution; print('pydantic' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=repository, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "False"

@@ -11,7 +11,7 @@ from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
 from plymotion.solver.inputs.case.checks.check import in_parts
 from plymotion.solver.inputs.case.tables.columns import FOLDER
-from plymotion.solver.inputs.case.tables.record import resolved
+from plymotion.solver.inputs.case.tables.resolved import resolved
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.common.table_form import SpecError
 

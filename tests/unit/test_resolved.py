@@ -12,7 +12,8 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.inputs.case.tables import record
-from plymotion.solver.inputs.case.tables.record import Record, resolved, seal, sealed
+from plymotion.solver.inputs.case.tables.record import Record, seal, sealed
+from plymotion.solver.inputs.case.tables.resolved import resolved
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.execution import read_run
 

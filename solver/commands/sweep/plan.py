@@ -14,7 +14,7 @@ from ...errors import InputError, PackageError, nearest
 from ...inputs.case.bodies.segments import in_segments
 from ...inputs.case.sources import solver_sha256
 from ...inputs.case.tables.dotted_keys import put
-from ...inputs.case.tables.record import resolved
+from ...inputs.case.tables.resolved import resolved
 from ...inputs.case.tables.schema import Mechanism
 from ...inputs.common.messages import bare_lines
 from ...inputs.common.table import FilePath, Name, Table

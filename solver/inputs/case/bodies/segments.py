@@ -13,7 +13,7 @@ from ....math.arrays import Array
 from ....math.curves import lengths_along
 from ....math.rotations import matrix_to_vector, vector_to_matrix
 from ..tables.beam_schema import BeamBody
-from ..tables.record import resolved
+from ..tables.resolved import resolved
 from ..tables.schema import Mechanism
 from .beam_lines import division, fractions, is_plain, line_of, rounded
 from .beams import with_sections

@@ -17,7 +17,7 @@ from ..tables.beam_schema import BeamBody
 from ..tables.body_schema import RigidBody
 from ..tables.kinds import CoordinateTable, LoadTable
 from ..tables.laws import RotationDrive
-from ..tables.outputs import output_findings
+from ..tables.resolved import output_findings
 from ..tables.schema import Mechanism
 from ..tables.shell_schema import ShellBody
 from ..tables.signals import (

@@ -1,8 +1,16 @@
-"""The number of outputs of a run, and what they take."""
+"""The resolved mechanism of a run: plain data in a file, typed in the program; its outputs."""
 
+from collections.abc import Mapping
 from math import isfinite
+from typing import Any
 
+from pydantic import ValidationError
+
+from ....errors import InputError
+from ...common.messages import lines
 from .beam_schema import BeamBody
+from .columns import RESOLVED
+from .dotted_keys import put
 from .schema import Mechanism
 from .shell_schema import ShellBody
 from .solid_schema import SolidBody
@@ -31,3 +39,25 @@ def output_findings(mechanism: Mechanism) -> list[str]:
         f"{key}: {count:.4g} outputs up to t_end = {solver.t_end:g} s, which take at least {size} "
         f"bytes; expected at most solver.most_outputs = {solver.most_outputs}, which may be raised"
     ]
+
+
+def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
+    """Return the mechanism of a run or sweep file, as `check` wrote it.
+
+    Raises
+    ------
+    InputError
+        A file that was not written by `check`, or by another version; `where` names it.
+    """
+    try:
+        found = Mechanism.model_validate(table, context={RESOLVED: True})
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, Mechanism, where))) from error
+    if wrong := output_findings(found):
+        raise InputError("\n".join(f"{where}: {line}" for line in wrong))
+    return found
+
+
+def changed_mechanism(mechanism: Mechanism, changes: Mapping[str, Any]) -> Mechanism:
+    """Return a mechanism with other values at dotted keys, checked like one from a file."""
+    return resolved(put(mechanism.model_dump(), changes), "changed mechanism")
