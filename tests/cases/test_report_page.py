@@ -11,6 +11,7 @@ from chromium import NO_3D, SOFTWARE, Browser
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.rotations import rotation_matrix
 from plymotion.solver.report.page import page
+from plymotion.solver.report.sites import site_energy
 from plymotion.solver.report.story import read_story
 from plymotion.solver.results import RunResult, read_result
 
@@ -64,9 +65,16 @@ CAPTURE = """(() => {
   const { view, page, clock, bodyState, shownNow } = plymotion;
   const { scene } = page.runs.find((run) => run.name === %(run)s);
   const body = scene.bodies[%(body)d], state = bodyState(scene, body, %(t)r, -1);
-  const shown = { ...shownNow(scene), scale: %(scale)g, field: %(field)d };
-  const found = view.renderer.capture(body, state, shown);
-  return [Array.from(found.positions), found.sites && Array.from(found.sites), scene.origin];
+  const shown = { ...shownNow(scene), scale: %(scale)g };
+  const positions = view.renderer.capture(scene, body, state, shown);
+  return [Array.from(positions), scene.origin];
+})()"""
+
+
+ENERGY = """(() => {
+  const { page, bodyState, siteValues } = plymotion;
+  const { scene } = page.runs.find((run) => run.name === 'layup-2'), body = scene.bodies[0];
+  return Array.from(siteValues(scene, body, bodyState(scene, body, %(t)r, %(solo)d), 'energy'));
 })()"""
 
 
@@ -79,13 +87,11 @@ FLAT = """(() => {
 })()"""
 
 
-def captured(
-    browser: Browser, run: str, body: int, t: float, scale: float, field: int = 0
-) -> tuple[np.ndarray, np.ndarray]:
-    """What the GPU computes: corners (c, 3) in global axes, and the sites (s, 4)."""
-    words = {"run": json.dumps(run), "body": body, "t": t, "scale": scale, "field": field}
-    corners, sites, origin = browser.run(CAPTURE % words)
-    return np.reshape(corners, (-1, 3)) + origin, np.reshape(sites or [], (-1, 4))
+def captured(browser: Browser, run: str, body: int, t: float, scale: float) -> np.ndarray:
+    """What the GPU computes: corners (c, 3) in global axes."""
+    words = {"run": json.dumps(run), "body": body, "t": t, "scale": scale}
+    corners, origin = browser.run(CAPTURE % words)
+    return np.reshape(corners, (-1, 3)) + origin
 
 
 def test_a_page_that_would_be_too_large_has_fewer_animations(
@@ -118,7 +124,7 @@ def test_positions_on_the_gpu_agree_with_numpy(
     for row in (0, len(result.t) // 2, len(result.t) - 1):
         for number, body in enumerate(result.bodies):
             assert body.view is not None
-            corners, _ = captured(browser, run, number, float(result.t[row]), scale)
+            corners = captured(browser, run, number, float(result.t[row]), scale)
             expected = positions(result, number, row, scale)
             # Joints come after the surface.
             np.testing.assert_allclose(corners[: len(expected)], expected, rtol=0, atol=1e-6)
@@ -128,7 +134,7 @@ def test_positions_on_the_gpu_agree_with_numpy(
                 assert np.abs(corners[: len(expected)] - flipped).max() > 1e-4
 
 
-def test_strain_energy_on_the_gpu_agrees_with_numpy(browser: Browser, case_dir: Path) -> None:
+def test_strain_energy_of_the_page_agrees_with_numpy(browser: Browser, case_dir: Path) -> None:
     result = read_result(case_dir / "layup-2/result.vtkhdf")
     row = len(result.t) - 1
     view = result.bodies[0].view
@@ -137,8 +143,16 @@ def test_strain_energy_on_the_gpu_agrees_with_numpy(browser: Browser, case_dir: 
     q = result.q[row, view.first_position + 7 :][: len(view.shapes_B)]
     F = view.sites.resultants_E @ q
     expected = 0.5 * np.einsum("si,ij,sj->s", F, view.sites.compliance[0], F)
-    _, sites = captured(browser, "layup-2", 0, float(result.t[row]), 1.0, 2)
-    np.testing.assert_allclose(sites[:, 0], expected, rtol=0, atol=1e-5 * expected.max())
+    shown = browser.run(ENERGY % {"t": float(result.t[row]), "solo": -1})
+    energies = site_energy(view.sites, result.q[:, view.first_position + 7 :][:, : len(q)])
+    np.testing.assert_allclose(energies[row], expected, rtol=0, atol=1e-12 * expected.max())
+    half_step = energies.max() / 255 / 2  # the page has steps of its colours
+    np.testing.assert_allclose(shown, expected, rtol=0, atol=1.001 * half_step)
+    for mode in range(len(q)):
+        F = view.sites.resultants_E[:, :, mode] * q[mode]
+        alone = 0.5 * np.einsum("si,ij,sj->s", F, view.sites.compliance[0], F)
+        shown = browser.run(ENERGY % {"t": float(result.t[row]), "solo": mode})
+        np.testing.assert_allclose(shown, alone, rtol=0, atol=1e-5 * alone.max())
     # The densities add up to the energy of the modes: the trapezium rule along the beam.
     x = view.sites.place_B[:, 0]
     total = np.sum(0.5 * (expected[1:] + expected[:-1]) * np.diff(x))

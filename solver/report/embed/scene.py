@@ -7,6 +7,7 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 from ...results import BodyGeometry, RunResult
 from ...results.view import BodyView, Link, Side, Sites
+from ..sites import site_energy, site_exposure
 from ..story import Story
 from .inline import Blob
 
@@ -130,7 +131,6 @@ def _ball(radius: float) -> tuple[Array, IntArray]:
 # The moving bodies of a run for the view of the page: see solver/results/view.py.
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
-STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "Zt", "Zc", "S23", "S13", "S12", "F12_star")
 
 
 def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
@@ -143,20 +143,24 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
         return None
     t = np.asarray(result.t)
     width = sum(7 + len(body.view.shapes_B) for body in result.bodies if body.view is not None)
+    known = [body.view.sites for body in result.bodies if body.view is not None]
+    sites = sum(len(each.kind) for each in known if each is not None)
     rows = frame_rows(t, _peaks(story), width, share)
+    field_rows = frame_rows(t, _peaks(story), sites, share)
     points = np.asarray(result.node_positions_G[rows])
     usable = points.reshape(-1, 3)[np.isfinite(points).all(axis=2).ravel()]
     low, high = usable.min(axis=0), usable.max(axis=0)
     origin, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) or 1.0
     own = list(result.links)
     bodies = [
-        _body(blob, result, i, body, body.view, rows, origin, own, size)
+        _body(blob, result, i, body, body.view, rows, field_rows, origin, own, size)
         | {"exposure": _largest_exposure(story, body.name)}
         for i, body in enumerate(result.bodies)
         if body.view is not None
     ]
     return {
         "t": blob.add(t[rows], "<f8"),
+        "field_t": blob.add(t[field_rows], "<f8"),  # times of the fields of sites
         "origin": origin,
         "size": size,
         "extent": high - low,
@@ -188,6 +192,7 @@ def _body(
     body: BodyGeometry,
     view: BodyView,
     rows: IntArray,
+    field_rows: IntArray,
     origin: Array,
     links: list[Link],
     size: float,
@@ -235,42 +240,34 @@ def _body(
         "left_out": every,
         "displacement": largest_displacement(view, q),
         "energy": largest_energy(view, q),
-        "sites": None if view.sites is None or not m else _sites(blob, view.sites),
+        "sites": None if view.sites is None or not m else _sites(blob, view.sites, q[field_rows]),
     }
 
 
-def _sites(blob: Blob, sites: Sites) -> dict[str, Any]:
-    """Resultants padded to eight, so that beams and shells are evaluated alike."""
-    j = sites.resultants_E.shape[1]
-    R = np.zeros((len(sites.kind), sites.resultants_E.shape[2], 8))
-    R[:, :, :j] = np.moveaxis(sites.resultants_E, 1, 2)
-    C = np.zeros((len(sites.compliance), 8, 8))
-    C[:, :j, :j] = sites.compliance
-    S = np.zeros((len(sites.stress_M), 6, 8))
-    S[:, :, :j] = sites.stress_M
-    order = np.argsort(sites.point_kind, kind="stable")
-    starts = np.searchsorted(sites.point_kind[order], np.arange(len(C) + 1))
-    return {
-        "place": blob.add(sites.place_B),
-        "R": blob.add(R),  # (s, m, 8)
-        "kind": blob.add(sites.kind, "<u4"),
-        "C": blob.add(C),
-        "S": blob.add(S[order]),  # (i, 6, 8), points of one kind together
-        "starts": starts,
-        "ply": blob.add(sites.point_ply[order], "<u4"),
-        "strength": blob.add(np.array([_strength(ply) for ply in sites.plies]).reshape(-1, 12)),
-        "area": j == 8,
-    }
+STEPS = 255  # of the colours of a field: one byte
 
 
-def _strength(ply: dict[str, Any]) -> list[float]:
-    """Twelve numbers: kind (1 ply, 2 metal, 0 none), yield stress, then STRENGTHS."""
-    found = ply.get("strength")
-    if not found:
-        return [0.0] * 12
-    if "yield_stress" in found:
-        return [2.0, found["yield_stress"], *[1.0] * 10]
-    return [1.0, 1.0, *(found[name] for name in STRENGTHS)]
+def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, Any]:
+    """Fields of the sites at the times of `q` (k, m), and of each mode alone.
+
+    A field is stored in steps of 1/255 of its largest value, which is what colours can show. The
+    energy of one mode is the square of its coordinate times that at 1. Exposures are proportional
+    to the stress, so that of one mode follows from those at 1 and at -1.
+    """
+    unit = np.eye(q.shape[1])
+    fields = {"energy": (site_energy, unit)}
+    if len(sites.stress_M):
+        fields["exposure"] = (site_exposure, np.concatenate([unit, -unit]))
+    found: dict[str, Any] = {"area": sites.resultants_E.shape[1] == 8}
+    for name, (field, alone) in fields.items():
+        values = np.nan_to_num(field(sites, q))
+        top = float(values.max(initial=0.0)) or 1.0
+        found[name] = {
+            "top": top,
+            "steps": blob.add(np.round(STEPS / top * values), "|u1"),  # (k, s)
+            "alone": blob.add(np.nan_to_num(field(sites, alone))),  # (m or 2m, s)
+        }
+    return found
 
 
 def _ground(

@@ -1,4 +1,4 @@
-// A body in WebGL: corners of its triangles, mode shapes, resultants.
+// A body in WebGL: corners of its triangles, mode shapes, values of its sites.
 
 const ATTRIBUTES = ['a_base', 'a_offset', 'a_node', 'a_site', 'a_corner'];
 
@@ -24,8 +24,7 @@ function bodyOnGpu(gl, program, body) {
     vertices: gl.createVertexArray(),
     shapes: makeTexture(gl, array(body.shapes), 3),
     q: makeTexture(gl, new Float32Array(Math.max(body.modes, 1)), 1, Math.max(body.modes, 1)),
-    sites: body.sites ? sitesOnGpu(gl, body) : null,
-    none: makeTexture(gl, new Float32Array(4), 4, 1),
+    sites: makeTexture(gl, new Float32Array(body.sites ? page.arrays[body.sites.energy.steps].shape[1] : 1), 1),
   };
   gl.bindVertexArray(found.vertices);
   [base, away, nodeOf, site, corner].forEach((values, i) => {
@@ -40,35 +39,4 @@ function bodyOnGpu(gl, program, body) {
   gl.bindVertexArray(null);
   gl.bindBuffer(gl.ARRAY_BUFFER, null);
   return found;
-}
-
-// Everything about sites but their resultants in one texture: kinds, compliance, ranges of points,
-// points with their ply, strengths; `firsts` are their first texels.
-function sitesOnGpu(gl, body) {
-  const sites = body.sites, kind = array(sites.kind), S = array(sites.S), ply = array(sites.ply);
-  const parts = [[], array(sites.C), [], [], array(sites.strength)];
-  for (const k of kind) parts[0].push(k, 0, 0, 0);
-  for (let k = 0; k + 1 < sites.starts.length; k++) parts[2].push(sites.starts[k], sites.starts[k + 1], 0, 0);
-  for (let i = 0; i < ply.length; i++) parts[3].push(...S.subarray(48 * i, 48 * i + 48), ply[i], 0, 0, 0);
-  const firsts = [];
-  let length = 0;
-  for (const part of parts) {
-    firsts.push(length / 4);
-    length += part.length;
-  }
-  const data = new Float32Array(length);
-  parts.forEach((part, i) => data.set(part, 4 * firsts[i]));
-  const count = kind.length, height = Math.ceil(count / WIDTH);
-  const buffer = gl.createBuffer();
-  gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-  gl.bufferData(gl.ARRAY_BUFFER, 16 * WIDTH * height, gl.DYNAMIC_COPY);
-  gl.bindBuffer(gl.ARRAY_BUFFER, null);
-  return {
-    count,
-    firsts: Int32Array.from(firsts),
-    buffer,
-    resultants: makeTexture(gl, array(sites.R), 4),
-    data: makeTexture(gl, data, 4),
-    found: makeTexture(gl, new Float32Array(4 * WIDTH * height), 4),
-  };
 }

@@ -1,6 +1,5 @@
 // What the surface can be coloured by, and the words of its legend.
 
-const CRITERIA = ['max-stress', 'Tsai-Hill', 'Tsai-Wu', 'Hashin', 'von Mises'];
 const FIELDS = {
   body: { number: 0 },
   displacement: { number: 1, label: 'elastic displacement', units: ['m'], largest: (body) => body.displacement },
@@ -22,7 +21,7 @@ function fieldLegend({ name, ranges }) {
   return [element('span', {}, '0'), element('i', {}), element('span', {}, ends || '0'), element('span', {}, FIELDS[name].label)];
 }
 
-const hasStrength = (scene) => scene.bodies.some((body) => body.sites && body.sites.starts.at(-1) > 0);
+const hasStrength = (scene) => scene.bodies.some((body) => body.sites && body.sites.exposure !== undefined);
 
 const rgb = (name) => {
   const text = shade(name).slice(1), full = text.length === 3 ? [...text].map((c) => c + c).join('') : text;

@@ -1,8 +1,7 @@
 // Where the bodies are at a time, in double precision: for the fallback, labels and joints.
 
-// State of a body: r, A (by rows), q; between stored times by linear interpolation.
-function bodyState(scene, body, t, solo) {
-  const times = array(scene.t);
+// Rows of stored times around t, and the part of the way from the first to the second.
+function between(times, t) {
   let k = 0, high = times.length - 1;
   while (high - k > 1) {
     const middle = (k + high) >> 1;
@@ -10,6 +9,12 @@ function bodyState(scene, body, t, solo) {
     else high = middle;
   }
   const part = high > k ? Math.min(Math.max((t - times[k]) / (times[high] - times[k]), 0), 1) : 0;
+  return [k, high, part];
+}
+
+// State of a body: r, A (by rows), q; between stored times by linear interpolation.
+function bodyState(scene, body, t, solo) {
+  const [k, high, part] = between(array(scene.t), t);
   const blend = (values, width, i) => (1 - part) * values[k * width + i] + part * values[high * width + i];
   const motion = array(body.motion), coordinates = array(body.q), m = body.modes;
   const r = [0, 1, 2].map((i) => blend(motion, 7, i));
@@ -17,7 +22,20 @@ function bodyState(scene, body, t, solo) {
   const norm = Math.hypot(...p);
   p = p.map((v) => v / norm);
   const q = Float64Array.from({ length: m }, (_, i) => (solo >= 0 && solo !== i ? 0 : blend(coordinates, m, i)));
-  return { r, A: rotation(p), q };
+  return { r, A: rotation(p), q, t, solo };
+}
+
+// Strain energy or exposure of each site of a body, of all modes or of one.
+function siteValues(scene, body, state, name) {
+  const field = body.sites[name];
+  if (!field) return new Float32Array(1);
+  const steps = array(field.steps), count = page.arrays[field.steps].shape[1], unit = field.top / 255;
+  const [k, high, part] = between(array(scene.field_t), state.t);
+  const blend = (s) => unit * ((1 - part) * steps[k * count + s] + part * steps[high * count + s]);
+  if (state.solo < 0) return Float32Array.from({ length: count }, (_, s) => blend(s));
+  const q = state.q[state.solo], alone = array(field.alone), linear = name === 'exposure';
+  const row = linear && q < 0 ? state.solo + body.modes : state.solo, factor = linear ? Math.abs(q) : q * q;
+  return Float32Array.from({ length: count }, (_, s) => factor * alone[row * count + s]);
 }
 
 // Rotation matrix by rows from Euler parameters, scalar first.

@@ -4,50 +4,35 @@ function glRenderer(canvas) {
   const gl = canvas.getContext('webgl2', { antialias: true, preserveDrawingBuffer: true });
   if (!gl) throw new Error('no WebGL2');
   const move = makeProgram(gl, SHADERS['move.vert'], SHADERS['surface.frag'], 'v_position');
-  const sites = makeProgram(gl, SHADERS['sites.vert'].replace('//criteria//', SHADERS['criteria.glsl']), SHADERS['nothing.frag'], 'o_site');
   const known = new Map(); // bodies on the GPU, by body
-  const empty = gl.createVertexArray();
   const onGpu = (body) => {
     if (!known.has(body)) known.set(body, bodyOnGpu(gl, move, body));
     return known.get(body);
   };
 
-  function evaluateSites(gpu, exposure) {
-    const { count, found, buffer } = gpu.sites;
-    gl.useProgram(sites.program);
-    gl.bindVertexArray(empty);
-    gl.uniform1i(sites.at.u_modes, gpu.body.modes);
-    gl.uniform1i(sites.at.u_exposure, exposure ? 1 : 0);
-    gl.uniform1iv(sites.at.u_firsts, gpu.sites.firsts);
-    useTexture(gl, sites, 'u_q', 0, gpu.q);
-    useTexture(gl, sites, 'u_resultants', 1, gpu.sites.resultants);
-    useTexture(gl, sites, 'u_data', 2, gpu.sites.data);
-    captureInto(gl, buffer, gl.POINTS, count);
-    gl.activeTexture(gl.TEXTURE3);
-    gl.bindTexture(gl.TEXTURE_2D, found.texture);
-    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, buffer);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, found.width, found.height, gl.RGBA, gl.FLOAT, 0);
-    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
-  }
-
   // Everything of a body but what is the same for all of a picture.
-  function prepare(body, state, shown) {
+  function prepare(scene, body, state, shown) {
     const gpu = onGpu(body);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, gpu.q.texture);
     if (body.modes) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, body.modes, 1, gl.RED, gl.FLOAT, Float32Array.from(state.q));
-    if (gpu.sites && shown.field > 1) evaluateSites(gpu, shown.field === 3);
+    if (body.sites && shown.field > 1) {
+      const { texture, width, height } = gpu.sites, padded = new Float32Array(width * height);
+      padded.set(siteValues(scene, body, state, shown.name));
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RED, gl.FLOAT, padded);
+    }
     gl.useProgram(move.program);
     gl.bindVertexArray(gpu.vertices);
     gl.uniformMatrix3fv(move.at.u_A, true, state.A);
     gl.uniform3fv(move.at.u_r, state.r);
     gl.uniform1f(move.at.u_scale, shown.scale);
     gl.uniform1i(move.at.u_modes, body.modes);
-    gl.uniform1i(move.at.u_field, shown.field > 1 && !gpu.sites ? 0 : shown.field);
+    gl.uniform1i(move.at.u_field, shown.field > 1 && !body.sites ? 0 : shown.field);
     gl.uniform1f(move.at.u_range, shown.ranges[ofArea(shown.name, body)] || 1);
     useTexture(gl, move, 'u_q', 0, gpu.q);
     useTexture(gl, move, 'u_shapes', 1, gpu.shapes);
-    useTexture(gl, move, 'u_sites', 3, gpu.sites ? gpu.sites.found : gpu.none);
+    useTexture(gl, move, 'u_sites', 3, gpu.sites);
     return gpu;
   }
 
@@ -70,7 +55,7 @@ function glRenderer(canvas) {
       gl.uniform1f(move.at.u_edges, shown.edges ? 1 : 0);
       for (const { scene, states, alpha, plain } of layers) {
         scene.bodies.forEach((body, i) => {
-          const gpu = prepare(body, states[i], plain ? { ...shown, field: 0 } : shown);
+          const gpu = prepare(scene, body, states[i], plain ? { ...shown, field: 0 } : shown);
           gl.uniform1f(move.at.u_alpha, alpha);
           gl.uniform3fv(move.at.u_colour, plain ? rgb('--grey') : rgb(COLOURS[i % COLOURS.length]));
           gl.polygonOffset(0.05 * i, 4 * i); // of surfaces at the same place, that of the first body is seen
@@ -80,18 +65,15 @@ function glRenderer(canvas) {
       gl.disable(gl.POLYGON_OFFSET_FILL);
       gl.bindVertexArray(null);
     },
-    // Positions of all corners of a body's triangles, and what the sites give: for tests.
-    capture(body, state, shown) {
-      const gpu = prepare(body, state, shown), buffer = gl.createBuffer();
+    // Positions of all corners of a body's triangles: for tests.
+    capture(scene, body, state, shown) {
+      const gpu = prepare(scene, body, state, shown), buffer = gl.createBuffer();
       gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
       gl.bufferData(gl.ARRAY_BUFFER, 12 * gpu.count, gl.DYNAMIC_READ);
       gl.bindBuffer(gl.ARRAY_BUFFER, null);
       captureInto(gl, buffer, gl.TRIANGLES, gpu.count);
       gl.bindVertexArray(null);
-      return {
-        positions: readBuffer(gl, buffer, 3 * gpu.count),
-        sites: gpu.sites && shown.field > 1 ? readBuffer(gl, gpu.sites.buffer, 4 * gpu.sites.count) : null,
-      };
+      return readBuffer(gl, buffer, 3 * gpu.count);
     },
   };
 }

@@ -40,8 +40,7 @@ void main() {
   if (u_field == 1) v_value = length(u) / u_range;
   if (u_field > 1 && a_site > 0u) {
     int site = int(a_site) - 1;
-    vec4 found = texelFetch(u_sites, ivec2(site % WIDTH, site / WIDTH), 0);
-    v_value = (u_field == 2 ? found.x : found.y) / u_range;
+    v_value = texelFetch(u_sites, ivec2(site % WIDTH, site / WIDTH), 0).x / u_range;
   }
   if (a_corner.w > 0.5) v_value = -1.0;
   v_corner = a_corner;
