@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import ValidationError, model_validator
 
 from ...errors import InputError, nearest
 from ...inputs.common import lines, read_toml
-from ...inputs.common.table import Name, Table, unit
+from ...inputs.common.table import Name, Table, entry
 from ...math.arrays import Array, IntArray
 
 # Every key of a file of measured modes (docs/modes.md).
@@ -20,10 +20,10 @@ from ...math.arrays import Array, IntArray
 class MeasuredReference(Table):
     """`[reference]`: support of the body in the test; it defines the reference condition."""
 
-    kind: Literal["clamped", "mean-axis"] = Field(
-        description="clamped: one interface was fixed to a rig; mean-axis: the body was free"
+    kind: Literal["clamped", "mean-axis"] = entry(
+        "clamped: one interface was fixed to a rig; mean-axis: the body was free"
     )
-    at: Name | None = Field(default=None, description="interface that was held, if clamped")
+    at: Name | None = entry("interface that was held, if clamped", default=None)
 
     @model_validator(mode="after")
     def _place(self) -> "MeasuredReference":
@@ -35,43 +35,37 @@ class MeasuredReference(Table):
 class MeasuredMode(Table):
     """`[[modes]]`: one measured mode."""
 
-    frequency_hz: float = Field(gt=0, description="natural frequency", json_schema_extra=unit("Hz"))
-    shape: str = Field(
-        description="CSV file: node, ux, uy, uz and rx, ry, rz where measured; any scale"
-    )
-    damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description="fraction of critical", json_schema_extra=unit("-")
-    )
-    label: str = Field(default="", description="name in results; absent: name of the shape's file")
+    frequency_hz: float = entry("natural frequency", "Hz", gt=0)
+    shape: str = entry("CSV file: node, ux, uy, uz and rx, ry, rz where measured; any scale")
+    damping_ratio: float = entry("fraction of critical", "-", 0.0, ge=0, lt=1)
+    label: str = entry("name in results; absent: name of the shape's file", default="")
 
 
 class MeasuredInterface(Table):
     """`[interfaces.NAME]`: where joints, masses and signals attach."""
 
-    nodes: list[int] = Field(
-        min_length=1, description="nodes of the interface; its motion is their mean"
-    )
+    nodes: list[int] = entry("nodes of the interface; its motion is their mean", min_length=1)
 
 
 class MeasuredFile(Table):
     """The top of the file."""
 
-    format: Literal[1] = Field(description="version of this format")
-    body: str = Field(min_length=1, description="name of the body")
-    title: str = Field(default="", description="description of the test, one line")
-    nodes: str = Field(
-        description="CSV file: node, x, y, z [m], mass [kg] and Jxx, Jyy, Jzz, Jxy, Jxz, Jyz "
-        "[kg m2] about the node where known"
+    format: Literal[1] = entry("version of this format")
+    body: str = entry("name of the body", min_length=1)
+    title: str = entry("description of the test, one line", default="")
+    nodes: str = entry(
+        "CSV file: node, x, y, z [m], mass [kg] and Jxx, Jyy, Jzz, Jxy, Jxz, Jyz [kg m2] about "
+        "the node where known"
     )
-    lines: list[list[int]] = Field(
-        default=[], description="nodes connected by lines in pictures, one list for each line"
+    lines: list[list[int]] = entry(
+        "nodes connected by lines in pictures, one list for each line", default=[]
     )
-    mass_normalised: bool = Field(
-        default=False, description="shapes have unit modal mass; compared with the nodal masses"
+    mass_normalised: bool = entry(
+        "shapes have unit modal mass; compared with the nodal masses", default=False
     )
-    reference: MeasuredReference = Field(description="support in the test")
-    modes: list[MeasuredMode] = Field(min_length=1, description="measured modes")
-    interfaces: dict[Name, MeasuredInterface] = Field(min_length=1, description="named places")
+    reference: MeasuredReference = entry("support in the test")
+    modes: list[MeasuredMode] = entry("measured modes", min_length=1)
+    interfaces: dict[Name, MeasuredInterface] = entry("named places", min_length=1)
 
 
 # Columns of numbers from a CSV file with the names in its first line.

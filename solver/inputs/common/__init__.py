@@ -1,7 +1,7 @@
 """What case files and section descriptions share: TOML, tables, materials, messages, manual."""
 
 from .messages import lines
-from .table import Name, Table, unit
+from .table import Name, Table, entry
 from .text_file import read_toml
 
-__all__ = ["Name", "Table", "lines", "read_toml", "unit"]
+__all__ = ["Name", "Table", "entry", "lines", "read_toml"]

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from .table import Name, Table, unit
+from .table import Name, Table, entry
 
 Angle = Annotated[float, Field(ge=-90, le=90)]
 
@@ -15,24 +15,20 @@ Angle = Annotated[float, Field(ge=-90, le=90)]
 class LayUpPly(Table):
     """One entry of `plies`."""
 
-    material: Name = Field(description="name of a material")
-    angle_deg: Angle = Field(
-        default=0.0, description="fibre direction", json_schema_extra=unit("deg")
-    )
-    thickness: float | None = Field(
-        default=None, gt=0, description="of the ply", json_schema_extra=unit("m")
-    )
-    repeat: int = Field(default=1, ge=1, le=1000, description="how many of this ply in a row")
+    material: Name = entry("name of a material")
+    angle_deg: Angle = entry("fibre direction", "deg", 0.0)
+    thickness: float | None = entry("of the ply", "m", None, gt=0)
+    repeat: int = entry("how many of this ply in a row", default=1, ge=1, le=1000)
 
 
 class LayUp(Table):
     """`[laminates.NAME]`: either `plies`, or the short form of one material."""
 
     plies: list[Any] | None = None
-    material: Name | None = Field(default=None, description="short form: material of all plies")
+    material: Name | None = entry("short form: material of all plies", default=None)
     angles_deg: list[Angle] | None = None
     ply_thickness: float | None = None
-    repeat: int = Field(default=1, ge=1, le=1000, description="how many times the plies follow")
+    repeat: int = entry("how many times the plies follow", default=1, ge=1, le=1000)
     symmetric: bool = False
 
     @model_validator(mode="after")

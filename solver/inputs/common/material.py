@@ -10,56 +10,31 @@ from pydantic import Field, model_validator
 
 from ...package.common.materials import MaterialError, material_from_dict
 from ...package.common.strengths import read_strength
-from .table import Table, unit
+from .table import Table, entry
 
 
 class YieldStrength(Table):
     """`[materials.NAME.strength]` of an isotropic material."""
 
-    yield_stress: float = Field(gt=0, description="yield stress", json_schema_extra=unit("Pa"))
+    yield_stress: float = entry("yield stress", "Pa", gt=0)
 
 
 class PlyStrength(Table):
     """`[materials.NAME.strength]` of an orthotropic material: magnitudes."""
 
-    Xt: float = Field(gt=0, description="along the fibre, tension", json_schema_extra=unit("Pa"))
-    Xc: float = Field(
-        gt=0, description="along the fibre, compression", json_schema_extra=unit("Pa")
+    Xt: float = entry("along the fibre, tension", "Pa", gt=0)
+    Xc: float = entry("along the fibre, compression", "Pa", gt=0)
+    Yt: float = entry("across the fibre in the ply, tension", "Pa", gt=0)
+    Yc: float = entry("across the fibre in the ply, compression", "Pa", gt=0)
+    S12: float = entry("shear in the ply", "Pa", gt=0)
+    Zt: float | None = entry("normal to the ply, tension; absent: Yt", "Pa", None, gt=0)
+    Zc: float | None = entry("normal to the ply, compression; absent: Yc", "Pa", None, gt=0)
+    S13: float | None = entry("shear 1-3; absent: S12", "Pa", None, gt=0)
+    S23: float | None = entry(
+        "shear 2-3; absent: 0.377 Yc, from the plane on which plies are crushed", "Pa", None, gt=0
     )
-    Yt: float = Field(
-        gt=0, description="across the fibre in the ply, tension", json_schema_extra=unit("Pa")
-    )
-    Yc: float = Field(
-        gt=0, description="across the fibre in the ply, compression", json_schema_extra=unit("Pa")
-    )
-    S12: float = Field(gt=0, description="shear in the ply", json_schema_extra=unit("Pa"))
-    Zt: float | None = Field(
-        default=None,
-        gt=0,
-        description="normal to the ply, tension; absent: Yt",
-        json_schema_extra=unit("Pa"),
-    )
-    Zc: float | None = Field(
-        default=None,
-        gt=0,
-        description="normal to the ply, compression; absent: Yc",
-        json_schema_extra=unit("Pa"),
-    )
-    S13: float | None = Field(
-        default=None, gt=0, description="shear 1-3; absent: S12", json_schema_extra=unit("Pa")
-    )
-    S23: float | None = Field(
-        default=None,
-        gt=0,
-        description="shear 2-3; absent: 0.377 Yc, from the plane on which plies are crushed",
-        json_schema_extra=unit("Pa"),
-    )
-    F12_star: float | None = Field(
-        default=None,
-        ge=-0.5,
-        lt=1,
-        description="interaction of normal stresses in Tsai-Wu; absent: -0.5",
-        json_schema_extra=unit("-"),
+    F12_star: float | None = entry(
+        "interaction of normal stresses in Tsai-Wu; absent: -0.5", "-", None, ge=-0.5, lt=1
     )
 
 
@@ -70,28 +45,19 @@ class StressLife(Table):
     kind "ply_stress" of the material then have a Miner sum (docs/strength.md).
     """
 
-    amplitude: list[float] = Field(
-        min_length=2,
-        description="stress amplitudes (half the range), descending",
-        json_schema_extra=unit("Pa"),
+    amplitude: list[float] = entry(
+        "stress amplitudes (half the range), descending", "Pa", min_length=2
     )
-    cycles: list[float] = Field(
-        min_length=2,
-        description="cycles to failure at each amplitude, ascending",
-        json_schema_extra=unit("-"),
-    )
-    ultimate: float | None = Field(
-        default=None,
+    cycles: list[float] = entry("cycles to failure at each amplitude, ascending", "-", min_length=2)
+    ultimate: float | None = entry(
+        "static strength of Goodman's line: a tensile mean m makes an amplitude count as 1 / (1 -"
+        " m / ultimate) times as much; absent: means have no effect",
+        "Pa",
+        None,
         gt=0,
-        description="static strength of Goodman's line: a tensile mean m makes an amplitude count "
-        "as 1 / (1 - m / ultimate) times as much; absent: means have no effect",
-        json_schema_extra=unit("Pa"),
     )
-    limit: float | None = Field(
-        default=None,
-        gt=0,
-        description="amplitude up to which cycles do no damage; absent: all do",
-        json_schema_extra=unit("Pa"),
+    limit: float | None = entry(
+        "amplitude up to which cycles do no damage; absent: all do", "Pa", None, gt=0
     )
 
     @model_validator(mode="after")
@@ -109,23 +75,23 @@ class StressLife(Table):
 class PlyFatigue(Table):
     """`[materials.NAME.fatigue]` of an orthotropic material: S-N lines of stresses in ply axes."""
 
-    fibre: StressLife | None = Field(default=None, description="of stress 11")
-    transverse: StressLife | None = Field(default=None, description="of stresses 22 and 33")
-    shear: StressLife | None = Field(default=None, description="of stresses 12, 13 and 23")
+    fibre: StressLife | None = entry("of stress 11", default=None)
+    transverse: StressLife | None = entry("of stresses 22 and 33", default=None)
+    shear: StressLife | None = entry("of stresses 12, 13 and 23", default=None)
 
 
 class IsotropicMaterial(Table):
     """`[materials.NAME]` with kind = "isotropic"."""
 
     kind: Literal["isotropic"]
-    E: float = Field(gt=0, description="Young's modulus", json_schema_extra=unit("Pa"))
-    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio", json_schema_extra=unit("-"))
-    rho: float = Field(gt=0, description="density", json_schema_extra=unit("kg/m3"))
-    strength: YieldStrength | None = Field(
-        default=None, description="strength, for the margins of recovered stresses"
+    E: float = entry("Young's modulus", "Pa", gt=0)
+    nu: float = entry("Poisson's ratio", "-", gt=-1, lt=0.5)
+    rho: float = entry("density", "kg/m3", gt=0)
+    strength: YieldStrength | None = entry(
+        "strength, for the margins of recovered stresses", default=None
     )
-    fatigue: StressLife | None = Field(
-        default=None, description="S-N line of any of its stresses, for Miner sums of signals"
+    fatigue: StressLife | None = entry(
+        "S-N line of any of its stresses, for Miner sums of signals", default=None
     )
 
 
@@ -133,25 +99,25 @@ class OrthotropicMaterial(Table):
     """`[materials.NAME]` with kind = "orthotropic": axis 1 along the fibre, 3 normal to the ply."""
 
     kind: Literal["orthotropic"]
-    E1: float = Field(gt=0, description="modulus along the fibre", json_schema_extra=unit("Pa"))
-    E2: float = Field(gt=0, description="modulus across, in the ply", json_schema_extra=unit("Pa"))
-    E3: float = Field(gt=0, description="modulus normal to the ply", json_schema_extra=unit("Pa"))
-    G12: float = Field(gt=0, description="shear modulus in the ply", json_schema_extra=unit("Pa"))
-    G13: float = Field(gt=0, description="shear modulus 1-3", json_schema_extra=unit("Pa"))
-    G23: float = Field(gt=0, description="shear modulus 2-3", json_schema_extra=unit("Pa"))
-    nu12: float = Field(
-        description="Poisson's ratio: contraction along 2 under tension along 1; "
-        "nu12^2 < E1/E2 and the compliance positive definite",
-        json_schema_extra=unit("-"),
+    E1: float = entry("modulus along the fibre", "Pa", gt=0)
+    E2: float = entry("modulus across, in the ply", "Pa", gt=0)
+    E3: float = entry("modulus normal to the ply", "Pa", gt=0)
+    G12: float = entry("shear modulus in the ply", "Pa", gt=0)
+    G13: float = entry("shear modulus 1-3", "Pa", gt=0)
+    G23: float = entry("shear modulus 2-3", "Pa", gt=0)
+    nu12: float = entry(
+        "Poisson's ratio: contraction along 2 under tension along 1; nu12^2 < E1/E2 and the "
+        "compliance positive definite",
+        "-",
     )
-    nu13: float = Field(description="Poisson's ratio 1-3", json_schema_extra=unit("-"))
-    nu23: float = Field(description="Poisson's ratio 2-3", json_schema_extra=unit("-"))
-    rho: float = Field(gt=0, description="density", json_schema_extra=unit("kg/m3"))
-    strength: PlyStrength | None = Field(
-        default=None, description="strengths, for the margins of recovered stresses"
+    nu13: float = entry("Poisson's ratio 1-3", "-")
+    nu23: float = entry("Poisson's ratio 2-3", "-")
+    rho: float = entry("density", "kg/m3", gt=0)
+    strength: PlyStrength | None = entry(
+        "strengths, for the margins of recovered stresses", default=None
     )
-    fatigue: PlyFatigue | None = Field(
-        default=None, description="S-N lines of its stresses, for Miner sums of signals"
+    fatigue: PlyFatigue | None = entry(
+        "S-N lines of its stresses, for Miner sums of signals", default=None
     )
 
 

@@ -29,6 +29,20 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Axis = Annotated[Vector, AfterValidator(_of_some_length)]
 
 
+def entry(meaning: str, unit: str = "", default: Any = ..., **bounds: Any) -> Any:
+    """Return a key of a table.
+
+    Parameters
+    ----------
+    meaning : one line
+    unit : in which a number is given
+    default : of an optional key
+    bounds : of pydantic's Field: gt, ge, lt, le, min_length, max_length, alias
+    """
+    extra: Any = {"unit": unit} if unit else None
+    return Field(default=default, description=meaning, json_schema_extra=extra, **bounds)
+
+
 class Table(BaseModel):
     """A table of an input file: unknown keys are errors; true, false and "1" are no numbers.
 
@@ -43,17 +57,10 @@ class Table(BaseModel):
 class Around(Table):
     """`axis_about`: directions around an axis."""
 
-    point: Vector = Field(description="on the axis", json_schema_extra={"unit": "m"})
-    direction: Axis = Field(
-        description="of the axis, of any length", json_schema_extra={"unit": "-"}
-    )
+    point: Vector = entry("on the axis", "m")
+    direction: Axis = entry("of the axis, of any length", "-")
 
 
 def plain_table(table: BaseModel) -> Any:
     """Return a table as plain data; keys that are absent and have no default are left out."""
     return table.model_dump(exclude_none=True)
-
-
-def unit(name: str) -> dict[str, Any]:
-    """Return the unit of a key for the reference page."""
-    return {"unit": name}

@@ -12,7 +12,7 @@ from ...errors import InputError
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
-from ..common.table import Name, Pair, Table, unit
+from ..common.table import Name, Pair, Table, entry
 from .mesh_table import Mesh
 
 Curvature = Annotated[list[float], Field(min_length=3, max_length=3)]
@@ -21,16 +21,14 @@ Curvature = Annotated[list[float], Field(min_length=3, max_length=3)]
 class Ply(LayUpPly):
     """One entry of `plies`."""
 
-    angle_deg: Angle = Field(
-        default=0.0,
-        description="fibre direction from x1 towards the layer direction; sign by `convention`",
-        json_schema_extra=unit("deg"),
+    angle_deg: Angle = entry(
+        "fibre direction from x1 towards the layer direction; sign by `convention`", "deg", 0.0
     )
-    thickness: float | None = Field(
-        default=None,
+    thickness: float | None = entry(
+        "given for all plies of a laminate, or for none: the wall is divided equally",
+        "m",
+        None,
         gt=0,
-        description="given for all plies of a laminate, or for none: the wall is divided equally",
-        json_schema_extra=unit("m"),
     )
 
 
@@ -42,24 +40,15 @@ class Laminate(LayUp):
     angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
 
-    plies: list[Ply] | None = Field(
-        default=None, min_length=1, description="the plies, outermost first"
+    plies: list[Ply] | None = entry("the plies, outermost first", default=None, min_length=1)
+    angles_deg: list[Angle] | None = entry(
+        "short form: angle of each ply, outermost first", "deg", None, min_length=1
     )
-    angles_deg: list[Angle] | None = Field(
-        default=None,
-        min_length=1,
-        description="short form: angle of each ply, outermost first",
-        json_schema_extra=unit("deg"),
+    ply_thickness: float | None = entry(
+        "short form: thickness of each ply; absent: equal shares of the wall", "m", None, gt=0
     )
-    ply_thickness: float | None = Field(
-        default=None,
-        gt=0,
-        description="short form: thickness of each ply; absent: equal shares of the wall",
-        json_schema_extra=unit("m"),
-    )
-    symmetric: bool = Field(
-        default=False,
-        description="true: followed by the same plies in reverse order, innermost last",
+    symmetric: bool = entry(
+        "true: followed by the same plies in reverse order, innermost last", default=False
     )
 
 
@@ -70,20 +59,16 @@ class Direction(Table):
     outward normal y3 of the wall. The first ply is on the side of y3.
     """
 
-    vector: Pair | None = Field(
-        default=None,
-        description="y2, of any length; (1, 0) for a top wall, (0, -1) for a right wall",
-        json_schema_extra=unit("-"),
+    vector: Pair | None = entry(
+        "y2, of any length; (1, 0) for a top wall, (0, -1) for a right wall", "-", None
     )
-    curve: str | None = Field(
+    curve: str | None = entry(
+        "name of a physical curve of the mesh: the outer surface of the region. y2 is its "
+        "tangent; the depth of a ply is the distance from it",
         default=None,
-        description="name of a physical curve of the mesh: the outer surface of the region. "
-        "y2 is its tangent; the depth of a ply is the distance from it",
     )
-    circle: Pair | None = Field(
-        default=None,
-        description="centre of a round wall; the outward direction is away from it",
-        json_schema_extra=unit("m"),
+    circle: Pair | None = entry(
+        "centre of a round wall; the outward direction is away from it", "m", None
     )
 
     @model_validator(mode="after")
@@ -102,17 +87,15 @@ class Region(Table):
     `all` applies to every region without its own table.
     """
 
-    laminate: Name | None = Field(default=None, description="name of a laminate")
-    material: Name | None = Field(default=None, description="name of a material: one thick ply")
-    angle_deg: Angle | None = Field(
-        default=None,
-        description="with `material`: fibre direction as in a ply; absent: 0",
-        json_schema_extra=unit("deg"),
+    laminate: Name | None = entry("name of a laminate", default=None)
+    material: Name | None = entry("name of a material: one thick ply", default=None)
+    angle_deg: Angle | None = entry(
+        "with `material`: fibre direction as in a ply; absent: 0", "deg", None
     )
-    direction: Direction | None = Field(
+    direction: Direction | None = entry(
+        "layer direction. Absent: the wall's own in a library shape; x2 for one material along "
+        "x1; required for a laminate or an angle in a mesh of your own",
         default=None,
-        description="layer direction. Absent: the wall's own in a library shape; x2 for one "
-        "material along x1; required for a laminate or an angle in a mesh of your own",
     )
 
     @model_validator(mode="after")
@@ -127,38 +110,34 @@ class Region(Table):
 class SectionDescription(Table):
     """The top of a section description."""
 
-    format: Literal[1] = Field(description="version of this format")
-    title: str = Field(description="one line")
-    convention: Literal["contour", "cartesian"] | None = Field(
-        default=None,
-        description="sign convention of ply angles; required if one of them is not 0",
+    format: Literal[1] = entry("version of this format")
+    title: str = entry("one line")
+    convention: Literal["contour", "cartesian"] | None = entry(
+        "sign convention of ply angles; required if one of them is not 0", default=None
     )
     allow: list[
         Literal["nearly-incompressible", "ill-conditioned", "material-units", "size-units"]
-    ] = Field(
+    ] = entry(
+        "what is computed with a warning instead of an error: linear elements of a material that "
+        "locks, equations that appear to be singular; warnings that are not shown, because "
+        "unusual materials or sizes are meant",
         default=[],
-        description="what is computed with a warning instead of an error: linear elements of a "
-        "material that locks, equations that appear to be singular; warnings that are not shown, "
-        "because unusual materials or sizes are meant",
     )
-    initial_curvature: Curvature | None = Field(
-        default=None,
-        description="k1, k2, k3: initial twist and curvature of the reference line, k1 > 0 "
-        "right-handed; k3 > 0 has its centre at x2 = 1/k3, k2 > 0 at x3 = -1/k2; absent: prismatic",
-        json_schema_extra=unit("rad/m"),
+    initial_curvature: Curvature | None = entry(
+        "k1, k2, k3: initial twist and curvature of the reference line, k1 > 0 right-handed; k3 >"
+        " 0 has its centre at x2 = 1/k3, k2 > 0 at x3 = -1/k2; absent: prismatic",
+        "rad/m",
+        None,
     )
-    taper: float | None = Field(
-        default=None,
-        description="relative change of the size of the section per length; its neglect is "
-        "estimated",
-        json_schema_extra=unit("1/m"),
+    taper: float | None = entry(
+        "relative change of the size of the section per length; its neglect is estimated",
+        "1/m",
+        None,
     )
-    mesh: Mesh = Field(description="a shape of the library, or a mesh file")
-    materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
-    laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")
-    regions: dict[str, Region] = Field(
-        min_length=1, description="material or plies of each wall or region"
-    )
+    mesh: Mesh = entry("a shape of the library, or a mesh file")
+    materials: dict[Name, Material] = entry("elastic materials", min_length=1)
+    laminates: dict[Name, Laminate] = entry("lay-ups by name", default={})
+    regions: dict[str, Region] = entry("material or plies of each wall or region", min_length=1)
 
 
 def describe(file: Path) -> SectionDescription:

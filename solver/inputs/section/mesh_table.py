@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
-from ..common.table import Table, unit
+from ..common.table import Table, entry
 from .shapes.library import SHAPES, Parameter, Shape
 
 FILE = "file"  # the member of a union that is not a shape
@@ -13,9 +13,7 @@ FILE = "file"  # the member of a union that is not a shape
 class MeshTable(Table):
     """Keys of every `[mesh]`."""
 
-    degree: Literal[1, 2, 3] | None = Field(
-        default=None, description="of the warping in an element; absent: 2"
-    )
+    degree: Literal[1, 2, 3] | None = entry("of the warping in an element; absent: 2", default=None)
 
 
 class ShapeMesh(MeshTable):
@@ -32,24 +30,20 @@ class ShapeMesh(MeshTable):
 class FileMesh(MeshTable):
     """`[mesh]` with `file`: a mesh of your own."""
 
-    file: str = Field(
-        description="path, relative to this file: gmsh's .msh or .geo, or any mesh that meshio "
-        "reads (.inp .med .bdf .vtu .xdmf ...); its x and y are x2 and x3",
+    file: str = entry(
+        "path, relative to this file: gmsh's .msh or .geo, or any mesh that meshio reads (.inp "
+        ".med .bdf .vtu .xdmf ...); its x and y are x2 and x3"
     )
-    scale: float | None = Field(
-        default=None,
-        gt=0,
-        description="length in m of the file's unit; 1e-3 for mm; absent: 1",
-        json_schema_extra=unit("m"),
+    scale: float | None = entry(
+        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", None, gt=0
     )
-    parameters: dict[str, float | list[float]] | None = Field(
-        default=None,
-        description='.geo only: numbers or lists for its DefineConstant entries "Parameters/KEY"',
+    parameters: dict[str, float | list[float]] | None = entry(
+        '.geo only: numbers or lists for its DefineConstant entries "Parameters/KEY"', default=None
     )
-    region_data: str | None = Field(
+    region_data: str | None = entry(
+        "neither .msh nor .geo: cell data with the number of the region, named DATA-VALUE; "
+        "absent: named sets and groups, else the only integer cell data",
         default=None,
-        description="neither .msh nor .geo: cell data with the number of the region, named "
-        "DATA-VALUE; absent: named sets and groups, else the only integer cell data",
     )
 
 
@@ -69,12 +63,8 @@ def _field(parameter: Parameter) -> tuple[Any, Any]:
     default = [] if parameter.default == () else parameter.default
     if not parameter.required and default is None:
         kind = kind | None
-    info = Field(
-        default=... if parameter.required else default,
-        description=parameter.meaning,
-        json_schema_extra=unit(parameter.unit),
-    )
-    return kind, info
+    default = ... if parameter.required else default
+    return kind, entry(parameter.meaning, parameter.unit, default)
 
 
 def _model(name: str, shape: Shape) -> type[ShapeMesh]:

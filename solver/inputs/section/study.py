@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from ...errors import InputError, nearest
-from ..common import Table, lines
+from ..common import Table, entry, lines
 
 # Change of keys of a section description.
 
@@ -93,10 +93,10 @@ Variants = list[tuple[str, dict[str, Any]]]  # end of the name, dotted keys with
 class Sweep(Table):
     """`[[sweep]]`: a key of the descriptions and its values."""
 
-    key: str = Field(min_length=1, description="dotted key, as in a description")
-    values: list[Any] | None = Field(default=None, min_length=1, description="its values")
-    csv: str | None = Field(default=None, description="file with a value in each row")
-    names: list[FileName] | None = Field(default=None, description="a short name for each value")
+    key: str = entry("dotted key, as in a description", min_length=1)
+    values: list[Any] | None = entry("its values", default=None, min_length=1)
+    csv: str | None = entry("file with a value in each row", default=None)
+    names: list[FileName] | None = entry("a short name for each value", default=None)
 
     @model_validator(mode="after")
     def _one_source(self) -> "Sweep":
@@ -110,13 +110,13 @@ class Sweep(Table):
 class Study(Table):
     """A batch list in TOML."""
 
-    format: Literal[1] = Field(description="version of this format")
-    title: str = Field(default="", description="one line")
-    sections: list[str] = Field(min_length=1, description="descriptions to vary, beside this file")
-    combine: Literal["product", "zip"] = Field(
-        default="product", description="all combinations of the sweeps, or one value of each"
+    format: Literal[1] = entry("version of this format")
+    title: str = entry("one line", default="")
+    sections: list[str] = entry("descriptions to vary, beside this file", min_length=1)
+    combine: Literal["product", "zip"] = entry(
+        "all combinations of the sweeps, or one value of each", default="product"
     )
-    sweep: list[Sweep] = Field(default=[], description="keys to vary")
+    sweep: list[Sweep] = entry("keys to vary", default=[])
 
 
 def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:

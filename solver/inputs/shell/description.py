@@ -15,7 +15,7 @@ from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_wo
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
-from ..common.table import Around, Axis, Name, Pair, Table, Vector, unit
+from ..common.table import Around, Axis, Name, Pair, Table, Vector, entry
 from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
@@ -35,38 +35,32 @@ Offset = Literal["mid", "top", "bottom"] | float
 class Mesh(Table):
     """`[mesh]`: a surface mesh of three-node triangles and four-node quadrilaterals."""
 
-    file: str = Field(
-        description="path, relative to this file: gmsh's .msh, a .geo script, a .py with "
-        "build(gmsh, parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
+    file: str = entry(
+        "path, relative to this file: gmsh's .msh, a .geo script, a .py with build(gmsh, "
+        "parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
     )
-    parameters: dict[str, bool | float | str | list[float]] | None = Field(
+    parameters: dict[str, bool | float | str | list[float]] | None = entry(
+        '.geo: values of its DefineConstant entries "Parameters/KEY"; .py: what build gets',
         default=None,
-        description='.geo: values of its DefineConstant entries "Parameters/KEY"; .py: what '
-        "build gets",
     )
-    scale: float | None = Field(
+    scale: float | None = entry(
+        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", None, gt=0
+    )
+    element: Literal["triangle", "quadrilateral"] | None = entry(
+        "quadrilateral: pairs of triangles become quadrilaterals, as far as their angles allow; "
+        "triangle: a mesh with others is an error; absent: the cells of the mesh",
         default=None,
-        gt=0,
-        description="length in m of the file's unit; 1e-3 for mm; absent: 1",
-        json_schema_extra=unit("m"),
     )
-    element: Literal["triangle", "quadrilateral"] | None = Field(
-        default=None,
-        description="quadrilateral: pairs of triangles become quadrilaterals, as far as their "
-        "angles allow; triangle: a mesh with others is an error; absent: the cells of the mesh",
-    )
-    refine: int = Field(default=0, ge=0, le=MOST_REFINED, description=REFINE)
+    refine: int = entry(REFINE, default=0, ge=0, le=MOST_REFINED)
 
 
 class Ply(LayUpPly):
     """One entry of `plies`."""
 
-    angle_deg: Angle = Field(
-        default=0.0,
-        description="fibre direction from e1 towards e2, right-handed about the normal",
-        json_schema_extra=unit("deg"),
+    angle_deg: Angle = entry(
+        "fibre direction from e1 towards e2, right-handed about the normal", "deg", 0.0
     )
-    thickness: float = Field(gt=0, description="of the ply", json_schema_extra=unit("m"))
+    thickness: float = entry("of the ply", "m", gt=0)
 
 
 class Laminate(LayUp):
@@ -77,38 +71,28 @@ class Laminate(LayUp):
     angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
 
-    plies: list[Ply] | None = Field(
-        default=None, min_length=1, description="the plies, bottom one first"
+    plies: list[Ply] | None = entry("the plies, bottom one first", default=None, min_length=1)
+    angles_deg: list[Angle] | None = entry(
+        "short form: angle of each ply, bottom one first", "deg", None, min_length=1
     )
-    angles_deg: list[Angle] | None = Field(
-        default=None,
-        min_length=1,
-        description="short form: angle of each ply, bottom one first",
-        json_schema_extra=unit("deg"),
+    ply_thickness: float | None = entry("short form: thickness of each ply", "m", None, gt=0)
+    symmetric: bool = entry(
+        "true: followed by the same plies in reverse order, top one last", default=False
     )
-    ply_thickness: float | None = Field(
-        default=None,
-        gt=0,
-        description="short form: thickness of each ply",
-        json_schema_extra=unit("m"),
-    )
-    symmetric: bool = Field(
-        default=False, description="true: followed by the same plies in reverse order, top one last"
-    )
-    offset: Offset = Field(
-        default="mid",
-        description="position of the mesh in the laminate: mid-plane, top or bottom face; a "
-        "number: height of the mid-plane above the mesh, along the normal",
-        json_schema_extra=unit("m"),
+    offset: Offset = entry(
+        "position of the mesh in the laminate: mid-plane, top or bottom face; a number: height of"
+        " the mid-plane above the mesh, along the normal",
+        "m",
+        "mid",
     )
     shear_correction: (
         Literal["energy-1d", "5/6", "energy-2x2"]
         | Annotated[list[Factor], Field(min_length=2, max_length=2)]
-    ) = Field(
+    ) = entry(
+        "of the transverse shear stiffness: from the shear energy of cylindrical bending, the "
+        "factor of a homogeneous plate, the full matrix from equilibrium of the plies, or two "
+        "given factors",
         default="energy-1d",
-        description="of the transverse shear stiffness: from the shear energy of cylindrical "
-        "bending, the factor of a homogeneous plate, the full matrix from equilibrium of the "
-        "plies, or two given factors",
     )
 
     @model_validator(mode="after")
@@ -128,30 +112,24 @@ class Region(Table):
     `all` applies to every physical surface without its own table.
     """
 
-    laminate: Name | None = Field(default=None, description="name of a laminate")
-    material: Name | None = Field(default=None, description="name of a material: one thick ply")
-    thickness: float | None = Field(
-        default=None, gt=0, description="with `material`", json_schema_extra=unit("m")
+    laminate: Name | None = entry("name of a laminate", default=None)
+    material: Name | None = entry("name of a material: one thick ply", default=None)
+    thickness: float | None = entry("with `material`", "m", None, gt=0)
+    offset: Offset | None = entry("with `material`, as in a laminate; absent: mid", "m", None)
+    axis: Axis | None = entry(
+        "reference direction of the plies: e1 is its projection on the shell. Absent: x, or y "
+        "where the normal is along x",
+        "-",
+        None,
     )
-    offset: Offset | None = Field(
-        default=None,
-        description="with `material`, as in a laminate; absent: mid",
-        json_schema_extra=unit("m"),
+    axis_curve: str | None = entry(
+        "instead: a physical curve, e1 follows its nearest edge", default=None
     )
-    axis: Axis | None = Field(
-        default=None,
-        description="reference direction of the plies: e1 is its projection on the shell. Absent: "
-        "x, or y where the normal is along x",
-        json_schema_extra=unit("-"),
-    )
-    axis_curve: str | None = Field(
-        default=None, description="instead: a physical curve, e1 follows its nearest edge"
-    )
-    axis_about: AxisAbout | None = Field(default=None, description="instead: around an axis")
-    flip: bool = Field(
+    axis_about: AxisAbout | None = entry("instead: around an axis", default=None)
+    flip: bool = entry(
+        "true: the normal e3 of the shell is opposite to that of the mesh; the plies start at the"
+        " other face",
         default=False,
-        description="true: the normal e3 of the shell is opposite to that of the mesh; the "
-        "plies start at the other face",
     )
 
     @model_validator(mode="after")
@@ -187,32 +165,28 @@ class Elements(Table):
     Their membrane is hybrid, with sides that fit the membrane of the triangles.
     """
 
-    plate: Plate = Field(
-        default=elements.PLATE, description=f"bending and transverse shear: {in_words(PLATES)}"
+    plate: Plate = entry(
+        f"bending and transverse shear: {in_words(PLATES)}", default=elements.PLATE
     )
-    membrane: Membrane = Field(
-        default=elements.MEMBRANE, description=f"stretching: {in_words(MEMBRANES)}"
+    membrane: Membrane = entry(f"stretching: {in_words(MEMBRANES)}", default=elements.MEMBRANE)
+    beta0: Annotated[float, Field(gt=0)] | Literal["felippa"] = entry(
+        "opt only: size of its higher-order stiffness", default=elements.BETA0
     )
-    beta0: Annotated[float, Field(gt=0)] | Literal["felippa"] = Field(
-        default=elements.BETA0, description="opt only: size of its higher-order stiffness"
-    )
-    drilling: Drilling = Field(
-        default=elements.DRILLING,
-        description=f"stiffness of the rotation about the normal: {', '.join(DRILLINGS.values())}; "
+    drilling: Drilling = entry(
+        f"stiffness of the rotation about the normal: {', '.join(DRILLINGS.values())}; "
         "auto: tie for cst, none for the others. none with cst: nodes in a flat surface have five "
         "degrees of freedom",
+        default=elements.DRILLING,
     )
-    drilling_factor: float = Field(
-        default=elements.DRILLING_FACTOR, gt=0, description="of the drilling stiffness"
+    drilling_factor: float = entry(
+        "of the drilling stiffness", default=elements.DRILLING_FACTOR, gt=0
     )
-    quadrilateral: Quad | None = Field(
-        default=None,
-        description=f"bending and transverse shear of quadrilaterals: {in_words(QUADS)}; absent: "
+    quadrilateral: Quad | None = entry(
+        f"bending and transverse shear of quadrilaterals: {in_words(QUADS)}; absent: "
         f"{elements.QUAD}",
+        default=None,
     )
-    mass_form: Literal["consistent", "lumped"] = Field(
-        default="consistent", description="mass matrix"
-    )
+    mass_form: Literal["consistent", "lumped"] = entry("mass matrix", default="consistent")
 
 
 class Stiffener(Table):
@@ -222,31 +196,24 @@ class Stiffener(Table):
     shell, x2 = x3 x x1.
     """
 
-    at: str = Field(description="physical curve")
-    section: str | None = Field(
-        default=None,
-        description="path of a section description, relative to this file",
+    at: str = entry("physical curve")
+    section: str | None = entry(
+        "path of a section description, relative to this file", default=None
     )
-    stiffness: Matrix | None = Field(
-        default=None,
-        description="instead: the section's 6x6 stiffness, extension, shear 2, shear 3, twist, "
-        "bending 2, bending 3",
-        json_schema_extra=unit("N, N m, N m2"),
+    stiffness: Matrix | None = entry(
+        "instead: the section's 6x6 stiffness, extension, shear 2, shear 3, twist, bending 2, "
+        "bending 3",
+        "N, N m, N m2",
+        None,
     )
-    mass: Matrix | None = Field(
-        default=None,
-        description="with `stiffness`: 6x6 mass per length, same order",
-        json_schema_extra=unit("kg/m, kg, kg m"),
+    mass: Matrix | None = entry(
+        "with `stiffness`: 6x6 mass per length, same order", "kg/m, kg, kg m", None
     )
-    x2_axis: Vector | None = Field(
-        default=None,
-        description="instead of the normal: direction of x2, made normal to the curve",
-        json_schema_extra=unit("-"),
+    x2_axis: Vector | None = entry(
+        "instead of the normal: direction of x2, made normal to the curve", "-", None
     )
-    offset: Pair = Field(
-        default=[0.0, 0.0],
-        description="position of the section's reference point from the edge, along x2 and x3",
-        json_schema_extra=unit("m"),
+    offset: Pair = entry(
+        "position of the section's reference point from the edge, along x2 and x3", "m", [0.0, 0.0]
     )
 
     @model_validator(mode="after")
@@ -261,36 +228,29 @@ class Stiffener(Table):
 class ShellDescription(Table):
     """The top of a shell description."""
 
-    format: Literal[1] = Field(description="version of this format")
-    title: str = Field(description="one line")
-    allow: list[Literal["material-units", "size-units"]] = Field(
-        default=[],
-        description="warnings that are not shown, because unusual materials or sizes are meant",
+    format: Literal[1] = entry("version of this format")
+    title: str = entry("one line")
+    allow: list[Literal["material-units", "size-units"]] = entry(
+        "warnings that are not shown, because unusual materials or sizes are meant", default=[]
     )
-    mesh: Mesh = Field(description="a surface mesh with physical groups")
-    materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
-    laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")
-    regions: dict[str, Region] = Field(
-        min_length=1, description="laminate or material of each physical surface"
+    mesh: Mesh = entry("a surface mesh with physical groups")
+    materials: dict[Name, Material] = entry("elastic materials", min_length=1)
+    laminates: dict[Name, Laminate] = entry("lay-ups by name", default={})
+    regions: dict[str, Region] = entry(
+        "laminate or material of each physical surface", min_length=1
     )
-    elements: Elements = Field(default=Elements(), description="which triangle")
-    stiffeners: dict[Name, Stiffener] = Field(
-        default={}, description="beams along edges of the mesh, by name"
+    elements: Elements = entry("which triangle", default=Elements())
+    stiffeners: dict[Name, Stiffener] = entry("beams along edges of the mesh, by name", default={})
+    links: dict[Name, Link] = entry(
+        "reference points that move with a group, for supports and loads", default={}
     )
-    links: dict[Name, Link] = Field(
-        default={}, description="reference points that move with a group, for supports and loads"
+    supports: dict[Name, Support] = entry("supports by name", default={})
+    loads: dict[Name, dict[Name, Load]] = entry(
+        "`[loads.CASE.NAME]`: load cases, each the sum of its loads", default={}
     )
-    supports: dict[Name, Support] = Field(default={}, description="supports by name")
-    loads: dict[Name, dict[Name, Load]] = Field(
-        default={}, description="`[loads.CASE.NAME]`: load cases, each the sum of its loads"
-    )
-    probes: dict[Name, Probe] = Field(default={}, description="values to show for each load case")
-    frequencies: Frequencies | None = Field(
-        default=None, description="natural frequencies; absent: none"
-    )
-    buckling: Buckling | None = Field(
-        default=None, description="load factors of buckling; absent: none"
-    )
+    probes: dict[Name, Probe] = entry("values to show for each load case", default={})
+    frequencies: Frequencies | None = entry("natural frequencies; absent: none", default=None)
+    buckling: Buckling | None = entry("load factors of buckling; absent: none", default=None)
 
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:

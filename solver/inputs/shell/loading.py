@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from ...package.specification import ShellLinkKind
-from ..common.table import Table, Vector, unit
+from ..common.table import Table, Vector, entry
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -30,38 +30,34 @@ def _as_list(value: object) -> object:
 class Link(Table):
     """`[links.NAME]`: a reference point of six degrees of freedom for a group of nodes."""
 
-    at: str | Annotated[list[str], Field(min_length=1)] = Field(
-        description="physical point, curve or surface, or names of several of one kind"
+    at: str | Annotated[list[str], Field(min_length=1)] = entry(
+        "physical point, curve or surface, or names of several of one kind"
     )
-    kind: ShellLinkKind = Field(
-        description="rigid: group and point move as a rigid body; average: the point follows "
-        "the mean motion of the group, and its loads are distributed over the group; section: its "
-        "loads are the stresses in the walls of a thin-walled section, for an open end: a curve"
+    kind: ShellLinkKind = entry(
+        "rigid: group and point move as a rigid body; average: the point follows the mean motion "
+        "of the group, and its loads are distributed over the group; section: its loads are the "
+        "stresses in the walls of a thin-walled section, for an open end: a curve"
     )
-    point: Vector | None = Field(
-        default=None,
-        description="the reference point; absent: centre of the group",
-        json_schema_extra=unit("m"),
-    )
+    point: Vector | None = entry("the reference point; absent: centre of the group", "m", None)
 
 
 class Support(Table):
     """`[supports.NAME]`: degrees of freedom fixed to 0."""
 
-    at: str | Annotated[list[str], Field(min_length=1)] = Field(
-        description="physical point, curve or surface, names of several of one kind, or a link"
+    at: str | Annotated[list[str], Field(min_length=1)] = entry(
+        "physical point, curve or surface, names of several of one kind, or a link"
     )
     fixed: (
         Literal["all", "symmetry-x", "symmetry-y", "symmetry-z"]
         | Annotated[list[Freedom], Field(min_length=1)]
-    ) = Field(
-        description="displacements and rotations along and about x, y, z; symmetry-x: the plane "
-        "normal to x is a plane of symmetry"
+    ) = entry(
+        "displacements and rotations along and about x, y, z; symmetry-x: the plane normal to x "
+        "is a plane of symmetry"
     )
-    only: Literal["loads", "modes"] | None = Field(
+    only: Literal["loads", "modes"] | None = entry(
+        "loads: in load cases only, such as the prestress of buckling; modes: in natural modes "
+        "and buckling only; absent: in all",
         default=None,
-        description="loads: in load cases only, such as the prestress of buckling; modes: in "
-        "natural modes and buckling only; absent: in all",
     )
 
     @property
@@ -75,50 +71,32 @@ class Support(Table):
 class Load(Table):
     """`[loads.CASE.NAME]`: one load of a case; one of the values below."""
 
-    at: str | None = Field(
+    at: str | None = entry(
+        "physical point, curve or surface, or a link; absent: the whole shell, for gravity, "
+        "pressure and force_per_area",
         default=None,
-        description="physical point, curve or surface, or a link; absent: the whole shell, for "
-        "gravity, pressure and force_per_area",
     )
-    force: Vector | None = Field(
-        default=None,
-        description="total force, distributed by length of a curve, by area of a surface, or "
-        "equally by points",
-        json_schema_extra=unit("N"),
+    force: Vector | None = entry(
+        "total force, distributed by length of a curve, by area of a surface, or equally by points",
+        "N",
+        None,
     )
-    moment: Vector | None = Field(
-        default=None,
-        description="total moment, same distribution",
-        json_schema_extra=unit("N m"),
+    moment: Vector | None = entry("total moment, same distribution", "N m", None)
+    force_per_length: Vector | None = entry("on a curve", "N/m", None)
+    force_per_area: Vector | None = entry("on a surface", "N/m2", None)
+    pressure: float | None = entry("on a surface, along the normal e3 of its region", "Pa", None)
+    sine: Vector | None = entry(
+        "with force_per_area or pressure: [a, b, c] multiplies them by sin(pi x/a) sin(pi y/b) "
+        "sin(pi z/c); a 0 omits its factor",
+        "m",
+        None,
     )
-    force_per_length: Vector | None = Field(
-        default=None, description="on a curve", json_schema_extra=unit("N/m")
-    )
-    force_per_area: Vector | None = Field(
-        default=None, description="on a surface", json_schema_extra=unit("N/m2")
-    )
-    pressure: float | None = Field(
-        default=None,
-        description="on a surface, along the normal e3 of its region",
-        json_schema_extra=unit("Pa"),
-    )
-    sine: Vector | None = Field(
-        default=None,
-        description="with force_per_area or pressure: [a, b, c] multiplies them by "
-        "sin(pi x/a) sin(pi y/b) sin(pi z/c); a 0 omits its factor",
-        json_schema_extra=unit("m"),
-    )
-    gravity: Vector | None = Field(
-        default=None,
-        description="acceleration of gravity, on the whole shell",
-        json_schema_extra=unit("m/s2"),
-    )
+    gravity: Vector | None = entry("acceleration of gravity, on the whole shell", "m/s2", None)
 
-    motion: Annotated[dict[Freedom, float], Field(min_length=1)] | None = Field(
-        default=None,
-        description="displacement of components that a support holds, instead of 0: "
-        "motion = { uz = 1e-3 }",
-        json_schema_extra=unit("m, rad"),
+    motion: Annotated[dict[Freedom, float], Field(min_length=1)] | None = entry(
+        "displacement of components that a support holds, instead of 0: motion = { uz = 1e-3 }",
+        "m, rad",
+        None,
     )
 
     @model_validator(mode="after")
@@ -141,16 +119,12 @@ class Load(Table):
 class Probe(Table):
     """`[probes.NAME]`: values to show for each load case."""
 
-    at: str | None = Field(
-        default=None, description="physical point, curve or surface (mean value), or a link"
+    at: str | None = entry("physical point, curve or surface (mean value), or a link", default=None)
+    near: Vector | None = entry(
+        "instead: the nearest node, or for resultants the nearest cell", "m", None
     )
-    near: Vector | None = Field(
-        default=None,
-        description="instead: the nearest node, or for resultants the nearest cell",
-        json_schema_extra=unit("m"),
-    )
-    what: Annotated[list[Asked], Field(min_length=1), BeforeValidator(_as_list)] = Field(
-        description="displacements, rotations, or resultants in laminate axes"
+    what: Annotated[list[Asked], Field(min_length=1), BeforeValidator(_as_list)] = entry(
+        "displacements, rotations, or resultants in laminate axes"
     )
 
     @model_validator(mode="after")
@@ -163,36 +137,33 @@ class Probe(Table):
 class Frequencies(Table):
     """`[frequencies]`: natural frequencies and modes."""
 
-    count: int = Field(default=6, ge=1, le=1000, description="number of modes, from the lowest")
-    free: bool = Field(
-        default=False, description="true: without the supports; six frequencies are then 0"
+    count: int = entry("number of modes, from the lowest", default=6, ge=1, le=1000)
+    free: bool = entry("true: without the supports; six frequencies are then 0", default=False)
+    prestress: str | None = entry(
+        "name of a load case: the modes of the shell under its stresses", default=None
     )
-    prestress: str | None = Field(
-        default=None, description="name of a load case: the modes of the shell under its stresses"
-    )
-    error: bool | None = Field(
+    error: bool | None = entry(
+        "whether to estimate the errors of the mesh, by a mesh of half the cell size; absent: up "
+        "to 4000 unknowns, and with `prestress`",
         default=None,
-        description="whether to estimate the errors of the mesh, by a mesh of half the cell size; "
-        "absent: up to 4000 unknowns, and with `prestress`",
     )
 
 
 class Buckling(Table):
     """`[buckling]`: load factors of linear buckling, also with `--buckling`."""
 
-    count: int = Field(default=4, ge=1, le=100, description="of factors of each load case")
-    cases: list[str] | None = Field(
-        default=None, description="load cases that are multiplied; absent: all but `constant`"
+    count: int = entry("of factors of each load case", default=4, ge=1, le=100)
+    cases: list[str] | None = entry(
+        "load cases that are multiplied; absent: all but `constant`", default=None
     )
-    constant: str | None = Field(
-        default=None, description="load case whose stresses are there and are not multiplied"
+    constant: str | None = entry(
+        "load case whose stresses are there and are not multiplied", default=None
     )
-    in_plane: bool = Field(
+    in_plane: bool = entry(
+        "false: without the work of the prestress on rotations about the normal, as in tables of "
+        "plates",
         default=True,
-        description="false: without the work of the prestress on rotations about the normal, as "
-        "in tables of plates",
     )
-    error: bool = Field(
-        default=True,
-        description="whether to estimate the errors of the mesh, by a mesh of half the cell size",
+    error: bool = entry(
+        "whether to estimate the errors of the mesh, by a mesh of half the cell size", default=True
     )

@@ -6,13 +6,13 @@ docs/solid-description.md is generated from here (`make docs`).
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import ValidationError, model_validator
 
 from ...errors import InputError
 from ...package.specification import LinkKind
 from ..common import lines
 from ..common.material import Material
-from ..common.table import Around, Axis, FilePath, Name, Table, Vector, unit
+from ..common.table import Around, Axis, FilePath, Name, Table, Vector, entry
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 
@@ -20,30 +20,29 @@ LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 class SolidMesh(Table):
     """`[mesh]`: a CAD file that is meshed with quadratic tetrahedra, or a mesh."""
 
-    file: FilePath = Field(
-        description="path, relative to this file: STEP, IGES or BREP; a .geo script; gmsh's .msh "
-        "of tetrahedra or hexahedra"
+    file: FilePath = entry(
+        "path, relative to this file: STEP, IGES or BREP; a .geo script; gmsh's .msh of "
+        "tetrahedra or hexahedra"
     )
-    size: float | None = Field(
-        default=None,
+    size: float | None = entry(
+        "of the cells of a CAD file, smaller at small radii; absent: a twentieth of the diagonal",
+        "m",
+        None,
         gt=0,
-        description="of the cells of a CAD file, smaller at small radii; absent: a twentieth of "
-        "the diagonal",
-        json_schema_extra=unit("m"),
     )
-    accuracy: float | None = Field(
-        default=None,
+    accuracy: float | None = entry(
+        "the cells of a CAD file become smaller until the estimated error of the first six "
+        "frequencies of the free body is below this",
+        "-",
+        None,
         gt=0,
         lt=1,
-        description="the cells of a CAD file become smaller until the estimated error of the "
-        "first six frequencies of the free body is below this",
-        json_schema_extra=unit("-"),
     )
-    unit: Literal["m", "cm", "mm", "in"] | None = Field(
-        default=None, description="of length in the file; absent: STEP and IGES files have one"
+    unit: Literal["m", "cm", "mm", "in"] | None = entry(
+        "of length in the file; absent: STEP and IGES files have one", default=None
     )
-    parameters: dict[str, float | list[float]] | None = Field(
-        default=None, description='values of the DefineConstant entries "Parameters/KEY" of a .geo'
+    parameters: dict[str, float | list[float]] | None = entry(
+        'values of the DefineConstant entries "Parameters/KEY" of a .geo', default=None
     )
 
 
@@ -57,60 +56,48 @@ class SolidRegion(Table):
     `all` applies to every volume without its own table.
     """
 
-    material: Name = Field(description="name of a material")
-    axis: Axis | None = Field(
-        default=None, description="axis 1 of an orthotropic material", json_schema_extra=unit("-")
-    )
-    normal: Axis | None = Field(
-        default=None,
-        description="axis 3, as far as it is normal to axis 1",
-        json_schema_extra=unit("-"),
-    )
-    axis_about: AxisAbout | None = Field(default=None, description="axes that follow a cylinder")
+    material: Name = entry("name of a material")
+    axis: Axis | None = entry("axis 1 of an orthotropic material", "-", None)
+    normal: Axis | None = entry("axis 3, as far as it is normal to axis 1", "-", None)
+    axis_about: AxisAbout | None = entry("axes that follow a cylinder", default=None)
 
 
 class Bore(Table):
     """`bore`: the outer faces on a cylinder, of a hole or a pin."""
 
-    radius: float = Field(gt=0, description="of the cylinder", json_schema_extra=unit("m"))
-    point: Vector = Field(description="on its axis", json_schema_extra=unit("m"))
-    direction: Axis = Field(description="of its axis, of any length", json_schema_extra=unit("-"))
-    length: float | None = Field(
-        default=None,
+    radius: float = entry("of the cylinder", "m", gt=0)
+    point: Vector = entry("on its axis", "m")
+    direction: Axis = entry("of its axis, of any length", "-")
+    length: float | None = entry(
+        "faces within this length along the axis, half of it on both sides of the point; absent: "
+        "all on the cylinder",
+        "m",
+        None,
         gt=0,
-        description="faces within this length along the axis, half of it on both sides of the "
-        "point; absent: all on the cylinder",
-        json_schema_extra=unit("m"),
     )
 
 
 class Plane(Table):
     """`plane`: the outer faces in a plane."""
 
-    point: Vector = Field(description="in the plane", json_schema_extra=unit("m"))
-    normal: Axis = Field(description="of the plane, of any length", json_schema_extra=unit("-"))
+    point: Vector = entry("in the plane", "m")
+    normal: Axis = entry("of the plane, of any length", "-")
 
 
 class SolidInterface(Table):
     """`[interfaces.NAME]` of a solid: outer faces, by one of `bore`, `plane` and `at`."""
 
-    bore: Bore | None = Field(default=None, description="faces on a cylinder")
-    plane: Plane | None = Field(default=None, description="faces in a plane")
-    at: str | None = Field(default=None, description="physical surface of a script or mesh")
-    link: LinkKind = Field(
+    bore: Bore | None = entry("faces on a cylinder", default=None)
+    plane: Plane | None = entry("faces in a plane", default=None)
+    at: str | None = entry("physical surface of a script or mesh", default=None)
+    link: LinkKind = entry(
+        "rigid: the faces move as a rigid body; average: the interface follows their mean motion,"
+        " and its loads are distributed over them by area",
         default="rigid",
-        description="rigid: the faces move as a rigid body; average: the interface follows their "
-        "mean motion, and its loads are distributed over them by area",
     )
-    position: Vector | None = Field(
-        default=None,
-        description="reference point; absent: the centre of the faces",
-        json_schema_extra=unit("m"),
-    )
-    rotation_deg: Vector = Field(
-        default=[0.0, 0.0, 0.0],
-        description="rotation vector from body to interface axes",
-        json_schema_extra=unit("deg"),
+    position: Vector | None = entry("reference point; absent: the centre of the faces", "m", None)
+    rotation_deg: Vector = entry(
+        "rotation vector from body to interface axes", "deg", [0.0, 0.0, 0.0]
     )
 
     @model_validator(mode="after")
@@ -126,18 +113,10 @@ class SolidInterface(Table):
 class SolidLoad(Table):
     """`[loads.CASE.NAME]`: at an interface, or an acceleration of the whole solid."""
 
-    at: Name | None = Field(default=None, description="name of an interface")
-    force: Vector | None = Field(
-        default=None, description="at its reference point", json_schema_extra=unit("N")
-    )
-    moment: Vector | None = Field(
-        default=None, description="about its reference point", json_schema_extra=unit("N m")
-    )
-    gravity: Vector | None = Field(
-        default=None,
-        description="weight of the solid, without `at`",
-        json_schema_extra=unit("m/s2"),
-    )
+    at: Name | None = entry("name of an interface", default=None)
+    force: Vector | None = entry("at its reference point", "N", None)
+    moment: Vector | None = entry("about its reference point", "N m", None)
+    gravity: Vector | None = entry("weight of the solid, without `at`", "m/s2", None)
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -151,30 +130,25 @@ class SolidLoad(Table):
 class SolidFrequencies(Table):
     """`[frequencies]`: of the free solid, and of the held one with `supports`."""
 
-    count: int = Field(default=6, ge=1, le=200, description="how many")
-    error: bool = Field(
-        default=True,
-        description="estimate their errors by a mesh of two thirds of the cell size",
+    count: int = entry("how many", default=6, ge=1, le=200)
+    error: bool = entry(
+        "estimate their errors by a mesh of two thirds of the cell size", default=True
     )
 
 
 class SolidDescription(Table):
     """The whole file."""
 
-    format: Literal[1] = Field(default=1, description="of the file")
-    title: str = Field(default="", description="one line")
-    allow: list[str] = Field(default=[], description="codes of warnings that are meant")
-    mesh: SolidMesh = Field(description="geometry and cells")
-    materials: dict[Name, Material] = Field(min_length=1, description="elastic constants")
-    regions: dict[str, SolidRegion] = Field(min_length=1, description="material of each volume")
-    interfaces: dict[Name, SolidInterface] = Field(default={}, description="named places")
-    supports: list[Name] = Field(
-        default=[], description="interfaces that are held, with rigid links"
-    )
-    loads: dict[Name, dict[Name, SolidLoad]] = Field(default={}, description="load cases")
-    frequencies: SolidFrequencies = Field(
-        default=SolidFrequencies(), description="natural frequencies"
-    )
+    format: Literal[1] = entry("of the file", default=1)
+    title: str = entry("one line", default="")
+    allow: list[str] = entry("codes of warnings that are meant", default=[])
+    mesh: SolidMesh = entry("geometry and cells")
+    materials: dict[Name, Material] = entry("elastic constants", min_length=1)
+    regions: dict[str, SolidRegion] = entry("material of each volume", min_length=1)
+    interfaces: dict[Name, SolidInterface] = entry("named places", default={})
+    supports: list[Name] = entry("interfaces that are held, with rigid links", default=[])
+    loads: dict[Name, dict[Name, SolidLoad]] = entry("load cases", default={})
+    frequencies: SolidFrequencies = entry("natural frequencies", default=SolidFrequencies())
 
 
 # In the order of a manual.

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from ....math.definite import is_positive_definite
 from ....package.specification import MassForm, Theory
-from ...common.table import FilePath, Name, Pair, Table, Vector, unit, usable_path
+from ...common.table import FilePath, Name, Pair, Table, Vector, entry, usable_path
 from .beam_table import with_beam_table
 from .body_schema import DAMPING, Deformed, Reducible
 from .columns import FOLDER, RESOLVED
@@ -48,8 +48,8 @@ Stiffness = Annotated[Symmetric, AfterValidator(_definite)]
 class BeamInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a beam: a node where joints, masses and signals attach."""
 
-    at: Literal["start", "end"] | Annotated[float, Field(ge=0, le=1)] = Field(
-        description='"start", "end", or fraction of the length; the mesh gets a node there'
+    at: Literal["start", "end"] | Annotated[float, Field(ge=0, le=1)] = entry(
+        '"start", "end", or fraction of the length; the mesh gets a node there'
     )
 
 
@@ -59,35 +59,25 @@ class BeamLine(Table):
     An arc has the given `length` and begins along body x. A spline and nodes have a length.
     """
 
-    arc_deg: float | None = Field(
-        default=None,
-        description="angle of an arc: the tangent turns by it about `axis`",
-        json_schema_extra=unit("deg"),
+    arc_deg: float | None = entry(
+        "angle of an arc: the tangent turns by it about `axis`", "deg", None
     )
-    axis: Vector = Field(
-        default=[0.0, 0.0, 1.0],
-        description="axis of an arc in the body frame, normal to x",
-        json_schema_extra=unit("-"),
+    axis: Vector = entry("axis of an arc in the body frame, normal to x", "-", [0.0, 0.0, 1.0])
+    points: list[Vector] | None = entry(
+        "of a cubic spline, in the body frame", "m", None, min_length=2
     )
-    points: list[Vector] | None = Field(
-        default=None,
+    nodes: list[Vector] | None = entry(
+        "of straight elements, in the body frame; interfaces and stations take the nearest",
+        "m",
+        None,
         min_length=2,
-        description="of a cubic spline, in the body frame",
-        json_schema_extra=unit("m"),
     )
-    nodes: list[Vector] | None = Field(
-        default=None,
-        min_length=2,
-        description="of straight elements, in the body frame; interfaces and stations take the "
-        "nearest",
-        json_schema_extra=unit("m"),
-    )
-    x2_axes: list[Vector] | None = Field(
-        default=None,
+    x2_axes: list[Vector] | None = entry(
+        "with nodes: direction of the section's x2 in each element; its part normal to the "
+        "element counts",
+        "-",
+        None,
         min_length=1,
-        description="with nodes: direction of the section's x2 in each element; its part normal to "
-        "the element counts",
-        json_schema_extra=unit("-"),
     )
 
     @model_validator(mode="after")
@@ -104,36 +94,26 @@ class BeamLine(Table):
 class BeamStation(Table):
     """One entry of `stations` of a beam: another section along it, or its matrices."""
 
-    at: float = Field(description="fraction of the length")
-    section: Name | None = Field(
-        default=None, description="name of a section; absent: `stiffness` and `mass`"
+    at: float = entry("fraction of the length")
+    section: Name | None = entry("name of a section; absent: `stiffness` and `mass`", default=None)
+    stiffness: Stiffness | None = entry(
+        "6x6 of a section of your own (docs/conventions.md), about the line", "N, N m, N m2", None
     )
-    stiffness: Stiffness | None = Field(
-        default=None,
-        description="6x6 of a section of your own (docs/conventions.md), about the line",
-        json_schema_extra=unit("N, N m, N m2"),
+    mass: Symmetric | None = entry(
+        "6x6 per length, of velocities along and rates about the section axes",
+        "kg/m, kg, kg m",
+        None,
     )
-    mass: Symmetric | None = Field(
-        default=None,
-        description="6x6 per length, of velocities along and rates about the section axes",
-        json_schema_extra=unit("kg/m, kg, kg m"),
-    )
-    trapeze: list[float] = Field(
-        default=[0.0] * 6,
+    trapeze: list[float] = entry(
+        "with them: strains of a section twisted by 1 rad/m, times -2; the tension of a spinning "
+        "beam stiffens torsion by them",
+        "m2, m",
+        [0.0] * 6,
         min_length=6,
         max_length=6,
-        description="with them: strains of a section twisted by 1 rad/m, times -2; the tension "
-        "of a spinning beam stiffens torsion by them",
-        json_schema_extra=unit("m2, m"),
     )
-    material: Name | None = Field(default=None, description="absent: that of the body")
-    ply_angle_deg: float | None = Field(
-        default=None,
-        ge=-90,
-        le=90,
-        description="absent: that of the body",
-        json_schema_extra=unit("deg"),
-    )
+    material: Name | None = entry("absent: that of the body", default=None)
+    ply_angle_deg: float | None = entry("absent: that of the body", "deg", None, ge=-90, le=90)
 
     @model_validator(mode="after")
     def _section_or_matrices(self) -> "BeamStation":
@@ -147,88 +127,80 @@ class BeamBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "beam": from the origin along body x, or along `line`."""
 
     kind: Literal["beam"]
-    length: float | None = Field(
-        default=None,
+    length: float | None = entry(
+        "length along the beam; required, except for a line of points or nodes, which has a length",
+        "m",
+        None,
         gt=0,
-        description="length along the beam; required, except for a line of points or nodes, "
-        "which has a length",
-        json_schema_extra=unit("m"),
     )
-    line: BeamLine | None = Field(
+    line: BeamLine | None = entry(
+        "curved reference line: an arc, a spline through points, or given nodes; absent: straight"
+        " along x",
         default=None,
-        description="curved reference line: an arc, a spline through points, or given nodes; "
-        "absent: straight along x",
     )
-    twist_deg: list[Pair] = Field(
-        default=[],
-        description="pairs of a fraction of the length and the rotation of the section there about "
-        "the line; linear between them",
-        json_schema_extra=unit("deg"),
+    twist_deg: list[Pair] = entry(
+        "pairs of a fraction of the length and the rotation of the section there about the line; "
+        "linear between them",
+        "deg",
+        [],
     )
-    table: FilePath | None = Field(
+    table: FilePath | None = entry(
+        "instead of length, line, twist_deg, section and stations: a CSV file with places, twist,"
+        " 6x6 stiffness and mass along the beam (docs/blade.md), relative to the case file; "
+        "`elements` then has a default of two between stations",
         default=None,
-        description="instead of length, line, twist_deg, section and stations: a CSV file with "
-        "places, twist, 6x6 stiffness and mass along the beam (docs/blade.md), relative to the "
-        "case file; `elements` then has a default of two between stations",
     )
-    section: Name | None = Field(
+    section: Name | None = entry(
+        "name of a section; with `stations`, of the one at the start; required without `table`",
         default=None,
-        description="name of a section; with `stations`, of the one at the start; required "
-        "without `table`",
     )
-    stations: list[BeamStation] = Field(
-        default=[],
-        description="other sections along the beam; stiffness and mass are linear between them",
+    stations: list[BeamStation] = entry(
+        "other sections along the beam; stiffness and mass are linear between them", default=[]
     )
-    segments: int = Field(
+    segments: int = entry(
+        "divides the beam into so many equal bodies joined to each other, for large elastic "
+        "rotations (docs/stiffening.md); `modes` are those of each",
         default=1,
         ge=1,
         le=500,
-        description="divides the beam into so many equal bodies joined to each other, for large "
-        "elastic rotations (docs/stiffening.md); `modes` are those of each",
     )
-    material: Name | None = Field(
-        default=None,
-        description="name of a material; required by a shape, absent with a described section",
+    material: Name | None = entry(
+        "name of a material; required by a shape, absent with a described section", default=None
     )
-    ply_angle_deg: float | None = Field(
-        default=None,
+    ply_angle_deg: float | None = entry(
+        "fibre direction from x1 towards x2 about the outward normal x3, in solid shapes; absent:"
+        " 0",
+        "deg",
+        None,
         ge=-90,
         le=90,
-        description="fibre direction from x1 towards x2 about the outward normal x3, in solid "
-        "shapes; absent: 0",
-        json_schema_extra=unit("deg"),
     )
-    x2_axis: Vector = Field(
-        default=[0.0, 1.0, 0.0],
-        description="direction of the section's x2 (width) in the body frame; normal to x",
-        json_schema_extra=unit("-"),
+    x2_axis: Vector = entry(
+        "direction of the section's x2 (width) in the body frame; normal to x", "-", [0.0, 1.0, 0.0]
     )
-    elements: int = Field(
-        default=16, ge=1, le=2000, description="beam elements along the length, of all segments"
+    elements: int = entry(
+        "beam elements along the length, of all segments", default=16, ge=1, le=2000
     )
-    theory: Theory = Field(
+    theory: Theory = entry(
+        "strains of the beam: all six, or classical without shear (closer to a solid for "
+        "vibrating wide strips with bending-twist coupling)",
         default="timoshenko",
-        description="strains of the beam: all six, or classical without shear (closer to a solid "
-        "for vibrating wide strips with bending-twist coupling)",
     )
-    part_of: Name | None = Field(
-        default=None, description="of a segment, written by `check`: the body that it is a part of"
+    part_of: Name | None = entry(
+        "of a segment, written by `check`: the body that it is a part of", default=None
     )
-    mass_form: MassForm = Field(
-        default="consistent", description="inertia from consistent mass, or lumped (the paper)"
+    mass_form: MassForm = entry(
+        "inertia from consistent mass, or lumped (the paper)", default="consistent"
     )
-    reference: Reference = Field(default=Reference(), description="reference condition")
-    modes: list[Modes] = Field(
+    reference: Reference = entry("reference condition", default=Reference())
+    modes: list[Modes] = entry(
+        "which modes the solver gets, at least one; of segments, those beside the static shapes "
+        "of their ends",
         default=[],
-        description="which modes the solver gets, at least one; of segments, those beside the "
-        "static shapes of their ends",
     )
-    damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description=DAMPING, json_schema_extra=unit("-")
-    )
-    interfaces: dict[Name, BeamInterface] = Field(
-        min_length=1, description="named places; some carry the reference condition"
+    damping_ratio: float = entry(DAMPING, "-", 0.0, ge=0, lt=1)
+    interfaces: dict[Name, BeamInterface] = entry(
+        "named places; some carry the reference condition", min_length=1
     )
 
     @model_validator(mode="before")

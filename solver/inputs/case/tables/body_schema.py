@@ -2,72 +2,66 @@
 
 from typing import Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
-from ...common.table import FilePath, Name, Table, Vector, unit
+from ...common.table import FilePath, Name, Table, Vector, entry
 from .modes import Modes
 
 
 class Reducible(Table):
     """Keys of every body with a modal package: what a run uses of it."""
 
-    rigid: bool = Field(
+    rigid: bool = entry(
+        "the run takes the body as rigid, with the mass and inertia of its package; deflections, "
+        "resultants and stresses are then 0",
         default=False,
-        description="the run takes the body as rigid, with the mass and inertia of its package; "
-        "deflections, resultants and stresses are then 0",
     )
-    reduced: list[Modes] | None = Field(
+    reduced: list[Modes] | None = entry(
+        "the modes that the run uses, as in `modes`: vibrations of the package, and static shapes"
+        " rebuilt from all its modes; absent: all modes of the package",
         default=None,
         min_length=1,
-        description="the modes that the run uses, as in `modes`: vibrations of the package, and "
-        "static shapes rebuilt from all its modes; absent: all modes of the package",
     )
 
 
 class PointInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a rigid body."""
 
-    position: Vector = Field(description="position in the body frame", json_schema_extra=unit("m"))
+    position: Vector = entry("position in the body frame", "m")
 
 
 class Placed(Table):
     """Keys of every body: initial position and velocity."""
 
-    position: Vector = Field(
-        default=[0.0, 0.0, 0.0],
-        description="frame origin at the start, global; joints are closed from this position",
-        json_schema_extra=unit("m"),
+    position: Vector = entry(
+        "frame origin at the start, global; joints are closed from this position",
+        "m",
+        [0.0, 0.0, 0.0],
     )
-    rotation_deg: Vector = Field(
-        default=[0.0, 0.0, 0.0],
-        description="rotation vector from global to body axes at the start",
-        json_schema_extra=unit("deg"),
+    rotation_deg: Vector = entry(
+        "rotation vector from global to body axes at the start", "deg", [0.0, 0.0, 0.0]
     )
-    velocity: Vector | None = Field(
-        default=None,
-        description="of the frame origin at the start, global; absent: follows from the joints",
-        json_schema_extra=unit("m/s"),
+    velocity: Vector | None = entry(
+        "of the frame origin at the start, global; absent: follows from the joints", "m/s", None
     )
-    angular_velocity: Vector | None = Field(
-        default=None,
-        description="of the frame at the start, body axes; absent: follows from the joints "
-        "with minimum kinetic energy",
-        json_schema_extra=unit("rad/s"),
+    angular_velocity: Vector | None = entry(
+        "of the frame at the start, body axes; absent: follows from the joints with minimum "
+        "kinetic energy",
+        "rad/s",
+        None,
     )
 
 
 class Deformed(Placed):
     """Keys of every flexible body: initial elastic motion."""
 
-    modal_coordinates: dict[str, float] = Field(
+    modal_coordinates: dict[str, float] = entry(
+        "at the start, by label or number of the mode, which `plymotion info PACKAGE` lists; "
+        "joints are closed by the frames. With start = equilibrium, where the search begins",
         default={},
-        description="at the start, by label or number of the mode, which `plymotion info PACKAGE` "
-        "lists; joints are closed by the frames. With start = equilibrium, where the search begins",
     )
-    modal_rates: dict[str, float] = Field(
-        default={},
-        description="at the start, likewise; of the others see solver.modes_at_start",
-        json_schema_extra=unit("1/s"),
+    modal_rates: dict[str, float] = entry(
+        "at the start, likewise; of the others see solver.modes_at_start", "1/s", {}
     )
 
 
@@ -81,26 +75,22 @@ class RigidBody(Placed):
     """`[bodies.NAME]` with kind = "rigid"."""
 
     kind: Literal["rigid"]
-    mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
-    centre: Vector = Field(
-        default=[0.0, 0.0, 0.0],
-        description="mass centre in the body frame",
-        json_schema_extra=unit("m"),
-    )
-    inertia: list[Vector] = Field(
+    mass: float = entry("mass", "kg", gt=0)
+    centre: Vector = entry("mass centre in the body frame", "m", [0.0, 0.0, 0.0])
+    inertia: list[Vector] = entry(
+        "3x3 inertia about the mass centre, body axes; symmetric, positive definite",
+        "kg m2",
         min_length=3,
         max_length=3,
-        description="3x3 inertia about the mass centre, body axes; symmetric, positive definite",
-        json_schema_extra=unit("kg m2"),
     )
-    interfaces: dict[Name, PointInterface] = Field(default={}, description="named places")
+    interfaces: dict[Name, PointInterface] = entry("named places", default={})
 
 
 class PackageBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "package": a modal package from a file."""
 
     kind: Literal["package"]
-    package: FilePath = Field(description="path of the .vtkhdf file, relative to the case file")
+    package: FilePath = entry("path of the .vtkhdf file, relative to the case file")
 
 
 class ImportedBody(Reducible, Deformed):
@@ -112,6 +102,4 @@ class ImportedBody(Reducible, Deformed):
     model_config = ConfigDict(populate_by_name=True)  # run files have the name of the field
 
     kind: Literal["imported"]
-    file: str = Field(
-        alias="import", description="path of the import file (TOML), relative to the case file"
-    )
+    file: str = entry("path of the import file (TOML), relative to the case file", alias="import")

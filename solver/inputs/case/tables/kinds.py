@@ -1,20 +1,17 @@
 """Tables of joints, couplings and forces of a case, made from the keys of their kinds."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from pydantic import AfterValidator, Field, create_model, model_validator
-from pydantic.fields import FieldInfo
 
 from ....dynamics.elements.couplings.contract import Coupling
 from ....dynamics.elements.couplings.table import COUPLINGS
 from ....dynamics.elements.forces.contract import CoordinateForce, Element, ForceElement, Load
 from ....dynamics.elements.forces.table import FORCES
 from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
-from ....dynamics.elements.joints.contract import Key as JointKey
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
-from ...common.table import Axis, Name, Table, unit
+from ...common.table import Axis, Name, Table, entry
 from .laws import CurveTable, LoadLaw, RotationDrive, TranslationDrive
 from .python_code import PythonCode
 from .signals import JointCoordinate
@@ -33,99 +30,70 @@ def _not_zero(value: float | None) -> float | None:
 Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
 
 
-Key = Number | Three | Direction | OfTime | Expression | Expressions | Curve | Code
+Key = Number | Three | Direction | DrivenBy | OfTime | Expression | Expressions | Curve | Code
+# Types of keys other than numbers and drives.
+TYPES: dict[type, Any] = {
+    Three: Constants,
+    Direction: Axis,
+    OfTime: LoadLaw,
+    Expression: str,
+    Expressions: list[str],
+    Curve: CurveTable,
+    Code: PythonCode,
+}
 
 
-def table_of(
-    base: type[Kind], group: str, kind: str, meaning: str, fields: Mapping[str, Any]
-) -> type[Kind]:
-    """Return the table `[group.NAME]` of one kind: the keys of `base` and its own fields."""
-    text = f'`[{group}.NAME]` with kind = "{kind}": {meaning}'
-    name = f"{kind.title().replace('_', '')}{group.removesuffix('s').title()}"
-    own: dict[str, Any] = {"kind": (Literal[kind], ...), **fields}
-    return create_model(name, __base__=base, __doc__=text, **own)
-
-
-def field_of(key: Key) -> tuple[Any, FieldInfo]:
+def field_of(key: Key) -> tuple[Any, Any]:
     """Return type and field of a key, as `create_model` takes them."""
+    default = getattr(key, "default", None)
+    unit = getattr(key, "unit", "")
+    bounds: dict[str, Any] = {}
+    required = isinstance(key, Expressions | Code) or getattr(key, "required", False)
     if isinstance(key, Number):
-        return _number(key)
-    default: Any = None
-    if isinstance(key, Expressions):
-        texts: FieldInfo = Field(min_length=1, description=key.meaning)
-        return list[str], texts
-    if isinstance(key, Code):
-        code: FieldInfo = Field(description=key.meaning)
-        return PythonCode, code
-    if isinstance(key, Curve):
-        points: FieldInfo = Field(
-            default=default, description=key.meaning, json_schema_extra=unit(key.unit)
-        )
-        return CurveTable | None, points
-    if isinstance(key, Expression):
-        given: Any = ... if key.required else key.default
-        text: FieldInfo = Field(
-            default=given, description=key.meaning, json_schema_extra=unit(key.unit)
-        )
-        return (str | None if given is None else str), text
-    if isinstance(key, OfTime):
-        return LoadLaw | None, Field(default=default, description=key.meaning)
-    if isinstance(key, Three):
-        kind, symbol, default = Constants, key.unit, NONE
+        kind: Any = int if key.integer else float
+        bounds = {"gt": key.above, "ge": key.least, "le": key.most}
+    elif isinstance(key, DrivenBy):
+        kind = RotationDrive if isinstance(key.drive.coordinate, Angle) else TranslationDrive
     else:
-        kind, symbol = Axis, "-"
-        default = None if key.absent else Z
-    default = ... if key.required else default
-    found: FieldInfo = Field(
-        default=default, description=key.meaning, json_schema_extra=unit(symbol)
-    )
-    return (kind | None if default is None else kind), found
-
-
-def _number(key: Number) -> tuple[Any, FieldInfo]:
-    default: Any = ... if key.required else key.default
-    number: FieldInfo = Field(
-        default=default,
-        gt=key.above,
-        ge=key.least,
-        le=key.most,
-        description=key.meaning,
-        json_schema_extra=unit(key.unit),
-    )
-    kind: Any = int if key.integer else float
-    if default is None:
+        kind = TYPES[type(key)]
+    if isinstance(key, Three):
+        default = NONE
+    elif isinstance(key, Expressions):
+        bounds = {"min_length": 1}
+    elif isinstance(key, Direction):
+        unit, default = "-", None if key.absent else Z
+    if default is None and not required:
         kind = kind | None
-    return (Annotated[kind, AfterValidator(_not_zero)] if key.not_zero else kind), number
+    if isinstance(key, Number) and key.not_zero:
+        kind = Annotated[kind, AfterValidator(_not_zero)]
+    return kind, entry(key.meaning, unit, ... if required else default, **bounds)
+
+
+def table_of(base: type[Kind], group: str, kind: Joint | Coupling | ForceElement) -> type[Kind]:
+    """Return the table `[group.NAME]` of one kind: the keys of `base` and its own ones."""
+    remark = getattr(kind, "remark", "")
+    text = f'`[{group}.NAME]` with kind = "{kind.kind}": {kind.meaning}.'
+    name = f"{kind.kind.title().replace('_', '')}{group.removesuffix('s').title()}"
+    own: dict[str, Any] = {"kind": (Literal[kind.kind], ...)}
+    own |= {key.name: field_of(key) for key in getattr(kind, "keys", ())}
+    return create_model(
+        name, __base__=base, __doc__=f"{text}\n\n{remark}" if remark else text, **own
+    )
 
 
 class JointTable(Table):
     """Keys of every joint."""
 
-    between: list[str] = Field(
+    between: list[str] = entry(
+        'two places: "BODY.INTERFACE" or "ground.POINT"; motion is that of the second relative to'
+        " the first",
         min_length=2,
         max_length=2,
-        description='two places: "BODY.INTERFACE" or "ground.POINT"; motion is that of the second '
-        "relative to the first",
     )
     kind: str
 
 
-def _field(key: JointKey) -> tuple[Any, FieldInfo]:
-    """Return type and field of a key."""
-    if isinstance(key, DrivenBy):
-        law: Any = RotationDrive if isinstance(key.drive.coordinate, Angle) else TranslationDrive
-        default: Any = None
-        drive: FieldInfo = Field(default=default, description=key.meaning)
-        return law | None, drive
-    return field_of(key)
-
-
-def _joint_table(joint: Joint) -> type[JointTable]:
-    fields = {key.name: _field(key) for key in joint.keys}
-    return table_of(JointTable, "joints", joint.kind, f"{joint.meaning}.", fields)
-
-
-JOINT_TABLES: tuple[type[JointTable], ...] = tuple(_joint_table(joint) for joint in JOINTS.values())
+JOINT_TABLES = tuple(table_of(JointTable, "joints", joint) for joint in JOINTS.values())
 if TYPE_CHECKING:
     CaseJoint = JointTable
 else:
@@ -135,24 +103,17 @@ else:
 class CouplingTable(Table):
     """Keys of every coupling."""
 
-    joints: list[Name] = Field(min_length=2, max_length=2, description="names of two joints")
-    coordinates: list[JointCoordinate] | None = Field(
+    joints: list[Name] = entry("names of two joints", min_length=2, max_length=2)
+    coordinates: list[JointCoordinate] | None = entry(
+        "of these joints; absent: the only rotation or displacement that each has",
         default=None,
         min_length=2,
         max_length=2,
-        description="of these joints; absent: the only rotation or displacement that each has",
     )
     kind: str
 
 
-def _coupling_table(coupling: Coupling) -> type[CouplingTable]:
-    fields = {key.name: field_of(key) for key in coupling.keys}
-    return table_of(CouplingTable, "couplings", coupling.kind, f"{coupling.meaning}.", fields)
-
-
-COUPLING_TABLES: tuple[type[CouplingTable], ...] = tuple(
-    _coupling_table(c) for c in COUPLINGS.values()
-)
+COUPLING_TABLES = tuple(table_of(CouplingTable, "couplings", c) for c in COUPLINGS.values())
 if TYPE_CHECKING:
     CaseCoupling = CouplingTable
 else:
@@ -162,10 +123,8 @@ else:
 class ElementTable(Table):
     """Keys of every element between two places."""
 
-    between: list[str] = Field(
-        min_length=2,
-        max_length=2,
-        description='two places: "BODY.INTERFACE" or "ground.POINT"',
+    between: list[str] = entry(
+        'two places: "BODY.INTERFACE" or "ground.POINT"', min_length=2, max_length=2
     )
     kind: str
 
@@ -173,32 +132,29 @@ class ElementTable(Table):
 class LoadTable(Table):
     """Keys of every load from outside."""
 
-    at: str = Field(description='"BODY.INTERFACE"')
-    direction: Axis = Field(
-        description="at the start, global; only the direction counts", json_schema_extra=unit("-")
+    at: str = entry('"BODY.INTERFACE"')
+    direction: Axis = entry("at the start, global; only the direction counts", "-")
+    frame: Literal["global", "following"] = entry(
+        "the direction is fixed, or rotates with the interface", default="global"
     )
-    frame: Literal["global", "following"] = Field(
-        default="global",
-        description="the direction is fixed, or rotates with the interface",
-    )
-    law: LoadLaw = Field(description="magnitude over time, along the direction")
+    law: LoadLaw = entry("magnitude over time, along the direction")
     kind: str
 
 
 class CoordinateTable(Table):
     """Keys of every force along a coordinate."""
 
-    joint: Name | None = Field(
-        default=None, description="the joint whose coordinate it acts along; or `between`"
+    joint: Name | None = entry(
+        "the joint whose coordinate it acts along; or `between`", default=None
     )
-    coordinate: JointCoordinate | None = Field(
-        default=None, description="of the joint; absent: the only one that it has"
+    coordinate: JointCoordinate | None = entry(
+        "of the joint; absent: the only one that it has", default=None
     )
-    between: list[str] | None = Field(
+    between: list[str] | None = entry(
+        "in place of `joint`, two places: the coordinate is their distance",
         default=None,
         min_length=2,
         max_length=2,
-        description="in place of `joint`, two places: the coordinate is their distance",
     )
     kind: str
 
@@ -214,21 +170,12 @@ class CoordinateTable(Table):
 ForceTable = ElementTable | LoadTable | CoordinateTable
 
 
-def _force_table(
-    element: ForceElement,
-) -> type[ElementTable] | type[LoadTable] | type[CoordinateTable]:
-    text = f"{element.meaning}." + (f"\n\n{element.remark}" if element.remark else "")
-    if isinstance(element, Load):
-        return table_of(LoadTable, "forces", element.kind, text, {})
-    assert isinstance(element, Element | CoordinateForce)
-    fields = {key.name: field_of(key) for key in element.keys}
-    base = ElementTable if isinstance(element, Element) else CoordinateTable
-    return table_of(base, "forces", element.kind, text, fields)
-
-
-FORCE_TABLES: tuple[type[ElementTable] | type[LoadTable] | type[CoordinateTable], ...] = tuple(
-    _force_table(element) for element in FORCES.values()
-)
+BASES: dict[type, Any] = {
+    Element: ElementTable,
+    Load: LoadTable,
+    CoordinateForce: CoordinateTable,
+}
+FORCE_TABLES = tuple(table_of(BASES[type(force)], "forces", force) for force in FORCES.values())
 if TYPE_CHECKING:
     CaseForce = ForceTable
 else:

@@ -9,24 +9,20 @@ from ....errors import printable
 from ....math import laws
 from ....math.curves import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import column
-from ...common.table import FilePath, Table, unit
+from ...common.table import FilePath, Table, entry
 from .columns import FOLDER, RESOLVED, Times, read_columns
 
 
 class TimeTable(Table):
     """Points of a law of time."""
 
-    file: FilePath | None = Field(
+    file: FilePath | None = entry(
+        "instead of `times` and `values`: a text file of two columns, time and value, separated "
+        "by commas; path relative to the case file",
         default=None,
-        description="instead of `times` and `values`: a text file of two columns, time and value, "
-        "separated by commas; path relative to the case file",
     )
-    times: Times | None = Field(
-        default=None,
-        description="ascending, from 0 or before",
-        json_schema_extra=unit("s"),
-    )
-    values: Times | None = Field(default=None, description="as many as times")
+    times: Times | None = entry("ascending, from 0 or before", "s", None)
+    values: Times | None = entry("as many as times", default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -50,10 +46,10 @@ class DriveTable(TimeTable):
     at rest.
     """
 
-    interpolation: Literal["spline", "pchip"] = Field(
+    interpolation: Literal["spline", "pchip"] = entry(
+        "cubic spline, with a continuous acceleration; or a cubic that does not go beyond the "
+        "values (pchip), whose acceleration jumps at the points",
         default="spline",
-        description="cubic spline, with a continuous acceleration; or a cubic that does not go "
-        "beyond the values (pchip), whose acceleration jumps at the points",
     )
 
 
@@ -63,36 +59,29 @@ class LoadTable(TimeTable):
     After the last time the last value is kept.
     """
 
-    interpolation: Literal["linear", "pchip", "spline"] = Field(
+    interpolation: Literal["linear", "pchip", "spline"] = entry(
+        "straight lines; a smooth cubic that does not go beyond the values (pchip); or a cubic "
+        "spline, for smooth data only: it goes far beyond the values of a short pulse",
         default="linear",
-        description="straight lines; a smooth cubic that does not go beyond the values (pchip); or "
-        "a cubic spline, for smooth data only: it goes far beyond the values of a short pulse",
     )
 
 
 class Ramp(Table):
     """`ramp` of a drive: from rest to a constant speed, smoothly."""
 
-    speed: float = Field(description="final speed", json_schema_extra=unit("rad/s or m/s"))
-    duration: float = Field(
-        gt=0, description="time until it is reached", json_schema_extra=unit("s")
-    )
-    shape: Literal["polynomial", "sine"] = Field(
-        default="polynomial",
-        description="of the speed: smooth step of degree 5, or t/T - sin(2 pi t/T)/(2 pi)",
+    speed: float = entry("final speed", "rad/s or m/s")
+    duration: float = entry("time until it is reached", "s", gt=0)
+    shape: Literal["polynomial", "sine"] = entry(
+        "of the speed: smooth step of degree 5, or t/T - sin(2 pi t/T)/(2 pi)", default="polynomial"
     )
 
 
 class SmoothStep(Table):
     """`smooth_step` of a law: from 0 to a value; rates begin and end at 0."""
 
-    value: float = Field(
-        description="reached at the end", json_schema_extra=unit("rad, m, N or N m")
-    )
-    duration: float = Field(gt=0, description="duration of the step", json_schema_extra=unit("s"))
-    start: float = Field(
-        default=0.0, ge=0, description="time at which it begins", json_schema_extra=unit("s")
-    )
+    value: float = entry("reached at the end", "rad, m, N or N m")
+    duration: float = entry("duration of the step", "s", gt=0)
+    start: float = entry("time at which it begins", "s", 0.0, ge=0)
 
 
 class _Law(Table):
@@ -124,24 +113,16 @@ class RotationDrive(_Law):
     of the second place relative to the first.
     """
 
-    speed: float | None = Field(
-        default=None, description="constant angular velocity", json_schema_extra=unit("rad/s")
+    speed: float | None = entry("constant angular velocity", "rad/s", None)
+    ramp: Ramp | None = entry("from rest to a constant speed", default=None)
+    angle: float = entry("angle at t = 0 of speed and ramp", "rad", 0.0)
+    polynomial: Coefficients | None = entry(
+        "c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ...", "rad, rad/s, ...", None
     )
-    ramp: Ramp | None = Field(default=None, description="from rest to a constant speed")
-    angle: float = Field(
-        default=0.0, description="angle at t = 0 of speed and ramp", json_schema_extra=unit("rad")
-    )
-    polynomial: Coefficients | None = Field(
-        default=None,
-        description="c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ...",
-        json_schema_extra=unit("rad, rad/s, ..."),
-    )
-    table: DriveTable | None = Field(default=None, description="angles [rad] at given times")
-    smooth_step: SmoothStep | None = Field(default=None, description="from 0 to an angle")
-    expression: str | None = Field(
-        default=None,
-        description="of the time `t` and of parameters, see mechanisms.md",
-        json_schema_extra=unit("rad"),
+    table: DriveTable | None = entry("angles [rad] at given times", default=None)
+    smooth_step: SmoothStep | None = entry("from 0 to an angle", default=None)
+    expression: str | None = entry(
+        "of the time `t` and of parameters, see mechanisms.md", "rad", None
     )
 
 
@@ -152,46 +133,30 @@ class TranslationDrive(_Law):
     displacements of the second place relative to the first.
     """
 
-    speed: float | None = Field(
-        default=None, description="constant speed", json_schema_extra=unit("m/s")
+    speed: float | None = entry("constant speed", "m/s", None)
+    ramp: Ramp | None = entry("from rest to a constant speed", default=None)
+    displacement: float = entry("displacement at t = 0 of speed and ramp", "m", 0.0)
+    polynomial: Coefficients | None = entry(
+        "c0, c1, ... of displacement = c0 + c1 t + c2 t^2 + ...", "m, m/s, ...", None
     )
-    ramp: Ramp | None = Field(default=None, description="from rest to a constant speed")
-    displacement: float = Field(
-        default=0.0,
-        description="displacement at t = 0 of speed and ramp",
-        json_schema_extra=unit("m"),
-    )
-    polynomial: Coefficients | None = Field(
-        default=None,
-        description="c0, c1, ... of displacement = c0 + c1 t + c2 t^2 + ...",
-        json_schema_extra=unit("m, m/s, ..."),
-    )
-    table: DriveTable | None = Field(default=None, description="displacements [m] at given times")
-    smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a displacement")
-    expression: str | None = Field(
-        default=None,
-        description="of the time `t` and of parameters, see mechanisms.md",
-        json_schema_extra=unit("m"),
+    table: DriveTable | None = entry("displacements [m] at given times", default=None)
+    smooth_step: SmoothStep | None = entry("from 0 to a displacement", default=None)
+    expression: str | None = entry(
+        "of the time `t` and of parameters, see mechanisms.md", "m", None
     )
 
 
 class LoadLaw(_Law):
     """`law` of a load, `actuator` of a spring: a force or torque over time."""
 
-    constant: float | None = Field(
-        default=None, description="the same at all times", json_schema_extra=unit("N or N m")
+    constant: float | None = entry("the same at all times", "N or N m", None)
+    polynomial: Coefficients | None = entry(
+        "c0, c1, ... of c0 + c1 t + c2 t^2 + ...", "N, N/s, ...", None
     )
-    polynomial: Coefficients | None = Field(
-        default=None,
-        description="c0, c1, ... of c0 + c1 t + c2 t^2 + ...",
-        json_schema_extra=unit("N, N/s, ..."),
-    )
-    table: LoadTable | None = Field(default=None, description="values at given times")
-    smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a value")
-    expression: str | None = Field(
-        default=None,
-        description="of the time, coordinates and parameters, see mechanisms.md",
-        json_schema_extra=unit("N or N m"),
+    table: LoadTable | None = entry("values at given times", default=None)
+    smooth_step: SmoothStep | None = entry("from 0 to a value", default=None)
+    expression: str | None = entry(
+        "of the time, coordinates and parameters, see mechanisms.md", "N or N m", None
     )
 
 
@@ -227,10 +192,10 @@ class CurveTable(Table):
     Beyond its ends it goes on straight.
     """
 
-    x: Times = Field(description="ascending", json_schema_extra=unit("m, rad, m/s, rad/s"))
-    y: Times = Field(description="as many as x", json_schema_extra=unit("N or N m"))
-    interpolation: Literal["spline", "linear"] = Field(
-        default="spline", description="cubic spline, or straight lines"
+    x: Times = entry("ascending", "m, rad, m/s, rad/s")
+    y: Times = entry("as many as x", "N or N m")
+    interpolation: Literal["spline", "linear"] = entry(
+        "cubic spline, or straight lines", default="spline"
     )
 
     @model_validator(mode="after")
@@ -242,20 +207,19 @@ class CurveTable(Table):
 class TablePoints(Table):
     """`[tables.NAME]`: a curve through points, which expressions call as `NAME(...)`."""
 
-    file: FilePath | None = Field(
+    file: FilePath | None = entry(
+        "instead of `x` and `y`: a text file of two columns, separated by commas; path relative "
+        "to the case file",
         default=None,
-        description="instead of `x` and `y`: a text file of two columns, separated by commas; path "
-        "relative to the case file",
     )
-    x: Times | None = Field(default=None, description="ascending")
-    y: Times | None = Field(default=None, description="as many as x")
-    interpolation: Interpolation = Field(
+    x: Times | None = entry("ascending", default=None)
+    y: Times | None = entry("as many as x", default=None)
+    interpolation: Interpolation = entry(
+        "straight lines; a cubic spline; or a cubic without overshoot between points (pchip)",
         default="cubic",
-        description="straight lines; a cubic spline; or a cubic without overshoot between points "
-        "(pchip)",
     )
-    extrapolation: Extrapolation = Field(
-        default="linear", description="beyond both ends: straight on, or the value of the end"
+    extrapolation: Extrapolation = entry(
+        "beyond both ends: straight on, or the value of the end", default="linear"
     )
 
     @model_validator(mode="before")

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ....errors import nearest
 from ....package.specification import DIRECTIONS, Direction, ModeKind, ReferenceKind, SpinningKind
-from ...common.table import Name, Table
+from ...common.table import Name, Table, entry
 
 DEFAULT_PLACE = "root"  # of a clamped frame
 
@@ -14,16 +14,16 @@ DEFAULT_PLACE = "root"  # of a clamped frame
 class Reference(Table):
     """`[bodies.NAME.reference]`: how the body frame is tied to the deformed body."""
 
-    kind: ReferenceKind = Field(
+    kind: ReferenceKind = entry(
+        "clamped: frame fixed to one node, its position and tangent; chord: x axis through two "
+        "nodes; mean-axis: mean position of the deforming body, which has no momentum in this "
+        "frame",
         default="clamped",
-        description="clamped: frame fixed to one node, its position and tangent; chord: x axis "
-        "through two nodes; mean-axis: mean position of the deforming body, which has no momentum "
-        "in this frame",
     )
-    at: Name | list[Name] | None = Field(
+    at: Name | list[Name] | None = entry(
+        'interface that carries a clamped frame, absent: "root"; two for a chord, origin and '
+        "twist at the first; none for a mean axis",
         default=None,
-        description='interface that carries a clamped frame, absent: "root"; two for a chord, '
-        "origin and twist at the first; none for a mean axis",
     )
 
     @model_validator(mode="before")
@@ -52,11 +52,11 @@ class Reference(Table):
 class ModeChoice(Table):
     """One entry of `modes`: the lowest vibration modes of a kind."""
 
-    kind: ModeKind = Field(
-        description="told apart by their share of modal mass: xy bends in the body's x-y plane; "
-        "of a shell: what moves most along y, z, x, and no torsion"
+    kind: ModeKind = entry(
+        "told apart by their share of modal mass: xy bends in the body's x-y plane; of a shell: "
+        "what moves most along y, z, x, and no torsion"
     )
-    count: int = Field(ge=1, le=200, description="how many, lowest frequencies first")
+    count: int = entry("how many, lowest frequencies first", ge=1, le=200)
 
 
 class AttachmentChoice(Table):
@@ -66,11 +66,9 @@ class AttachmentChoice(Table):
     """
 
     kind: Literal["attachment"]
-    at: Name = Field(description="interface where the loads act: a joint, a mass, a spring")
-    directions: list[Direction] = Field(
-        default=list(DIRECTIONS),
-        min_length=1,
-        description="forces along and moments about the body axes",
+    at: Name = entry("interface where the loads act: a joint, a mass, a spring")
+    directions: list[Direction] = entry(
+        "forces along and moments about the body axes", default=list(DIRECTIONS), min_length=1
     )
 
 
@@ -98,10 +96,8 @@ class SpinningChoice(Table):
     Static shapes of a beam, accurate at rest and at speed; with geometric stiffening.
     """
 
-    kind: SpinningKind = Field(
-        description="plane of bending: the beam spins about an axis across it"
-    )
-    count: int = Field(ge=1, le=8, description="how many; four give frequencies to 1e-4")
+    kind: SpinningKind = entry("plane of bending: the beam spins about an axis across it")
+    count: int = entry("how many; four give frequencies to 1e-4", ge=1, le=8)
 
 
 Modes = Annotated[

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import ValidationInfo, model_validator
 
-from ...common.table import Table
+from ...common.table import Table, entry
 from ...common.text_file import read_text
 from .columns import FOLDER, RESOLVED
 
@@ -19,9 +19,9 @@ class PythonCode(Table):
     imported.
     """
 
-    file: str = Field(description="Python file; path relative to the case file")
-    function: str = Field(default="control", description="name of the function")
-    source: str | None = Field(default=None, description="filled with the text of the file")
+    file: str = entry("Python file; path relative to the case file")
+    function: str = entry("name of the function", default="control")
+    source: str | None = entry("filled with the text of the file", default=None)
 
     @model_validator(mode="before")
     @classmethod

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from ...common.table import FilePath, Table
+from ...common.table import FilePath, Table, entry
 from ...section.mesh_table import ShapeMesh, shape_or
 
 CHANGES = "other values at dotted keys of the description, in quotes: " + (
@@ -18,15 +18,15 @@ class DescribedSection(Table):
     Keys of a description: docs/section-description.md.
     """
 
-    file: FilePath | None = Field(
-        default=None, description="path of a section description, relative to the case file"
+    file: FilePath | None = entry(
+        "path of a section description, relative to the case file", default=None
     )
-    description: dict[str, Any] | None = Field(
+    description: dict[str, Any] | None = entry(
+        "instead: the description itself, without format and title; it may use the materials of "
+        "the case",
         default=None,
-        description="instead: the description itself, without format and title; it may use the "
-        "materials of the case",
     )
-    changes: dict[str, Any] = Field(default={}, description=CHANGES)
+    changes: dict[str, Any] = entry(CHANGES, default={})
 
     @model_validator(mode="after")
     def _one_of_two(self) -> "DescribedSection":

@@ -2,10 +2,8 @@
 
 from typing import Any, Literal
 
-from pydantic import Field
-
 from ....package.specification import MassForm, ShellLinkKind
-from ...common.table import FilePath, Name, Table, Vector, unit
+from ...common.table import FilePath, Name, Table, Vector, entry
 from ...shell.description import MOST_REFINED, REFINE
 from .body_schema import DAMPING, Deformed, Reducible
 from .modes import Modes, Reference
@@ -15,22 +13,18 @@ from .section_schema import CHANGES
 class ShellInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
 
-    at: str = Field(description="physical point, curve or surface of the mesh")
-    link: ShellLinkKind = Field(
+    at: str = entry("physical point, curve or surface of the mesh")
+    link: ShellLinkKind = entry(
+        "rigid: the group moves as a rigid body; average: the interface follows the mean motion "
+        "of the group, and its loads are distributed over the group; section: its loads are the "
+        "stresses in the walls of a thin-walled section, for an open end: a curve",
         default="rigid",
-        description="rigid: the group moves as a rigid body; average: the interface follows "
-        "the mean motion of the group, and its loads are distributed over the group; section: its "
-        "loads are the stresses in the walls of a thin-walled section, for an open end: a curve",
     )
-    position: Vector | None = Field(
-        default=None,
-        description="reference point in the body frame; absent: centre of the group",
-        json_schema_extra=unit("m"),
+    position: Vector | None = entry(
+        "reference point in the body frame; absent: centre of the group", "m", None
     )
-    rotation_deg: Vector = Field(
-        default=[0.0, 0.0, 0.0],
-        description="rotation vector from body to interface axes",
-        json_schema_extra=unit("deg"),
+    rotation_deg: Vector = entry(
+        "rotation vector from body to interface axes", "deg", [0.0, 0.0, 0.0]
     )
 
 
@@ -42,30 +36,27 @@ class ShellBody(Reducible, Deformed):
     """
 
     kind: Literal["shell"]
-    shell: FilePath = Field(
-        description="path of a shell description (docs/shell-description.md), relative to the "
-        "case file"
+    shell: FilePath = entry(
+        "path of a shell description (docs/shell-description.md), relative to the case file"
     )
-    parameters: dict[str, bool | float | str | list[float]] = Field(
-        default={}, description="of the mesh's script, over those of the description"
+    parameters: dict[str, bool | float | str | list[float]] = entry(
+        "of the mesh's script, over those of the description", default={}
     )
-    refine: int = Field(
-        default=0, ge=0, le=MOST_REFINED, description=f"{REFINE}; added to that of the description"
+    refine: int = entry(
+        f"{REFINE}; added to that of the description", default=0, ge=0, le=MOST_REFINED
     )
-    changes: dict[str, Any] = Field(default={}, description=CHANGES)
-    mass_form: MassForm = Field(
-        default="consistent", description="inertia from consistent mass, or lumped (the paper)"
+    changes: dict[str, Any] = entry(CHANGES, default={})
+    mass_form: MassForm = entry(
+        "inertia from consistent mass, or lumped (the paper)", default="consistent"
     )
-    reference: Reference = Field(default=Reference(), description="reference condition")
-    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
-    damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description=DAMPING, json_schema_extra=unit("-")
+    reference: Reference = entry("reference condition", default=Reference())
+    modes: list[Modes] = entry("which modes the solver gets", min_length=1)
+    damping_ratio: float = entry(DAMPING, "-", 0.0, ge=0, lt=1)
+    interfaces: dict[Name, ShellInterface] = entry(
+        "named places; some carry the reference condition", min_length=1
     )
-    interfaces: dict[Name, ShellInterface] = Field(
-        min_length=1, description="named places; some carry the reference condition"
-    )
-    second_order: bool = Field(
-        default=False,
-        description="second-order displacements of the modes, which geometric stiffening needs "
+    second_order: bool = entry(
+        "second-order displacements of the modes, which geometric stiffening needs "
         "(docs/stiffening.md)",
+        default=False,
     )

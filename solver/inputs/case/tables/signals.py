@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ....dynamics.elements.joints.table import COORDINATES
 from ....strength import CRITERIA
-from ...common.table import Name, Pair, Table, Vector, unit
+from ...common.table import Name, Pair, Table, Vector, entry
 
 RUN = (
     "name of another run, whose values at the same times are subtracted; in a sweep with the same "
@@ -17,21 +17,19 @@ RUN = (
 class Measured(Table):
     """Keys of every signal."""
 
-    divide_by: float | None = Field(
-        default=None, gt=0, description="makes the signal dimensionless (in its unit)"
+    divide_by: float | None = entry(
+        "makes the signal dimensionless (in its unit)", default=None, gt=0
     )
-    description: str = Field(default="", description="words for figures and tables")
+    description: str = entry("words for figures and tables", default="")
 
 
 class DifferenceSignal(Measured):
     """`[signals.NAME]` with kind = "difference": a signal minus another, or minus another run."""
 
     kind: Literal["difference"]
-    of: Name = Field(description="name of a signal")
-    minus: Name | None = Field(
-        default=None, description="name of the signal that is subtracted; absent: `of`"
-    )
-    run: Name | None = Field(default=None, description=RUN)
+    of: Name = entry("name of a signal")
+    minus: Name | None = entry("name of the signal that is subtracted; absent: `of`", default=None)
+    run: Name | None = entry(RUN, default=None)
 
     @model_validator(mode="after")
     def _of_two(self) -> Self:
@@ -44,8 +42,8 @@ class NormSignal(Measured):
     """`[signals.NAME]` with kind = "norm": square root of the sum of squares of signals."""
 
     kind: Literal["norm"]
-    of: list[Name] = Field(min_length=1, description="names of signals of one unit")
-    run: Name | None = Field(default=None, description=f"of their differences to it: {RUN}")
+    of: list[Name] = entry("names of signals of one unit", min_length=1)
+    run: Name | None = entry(f"of their differences to it: {RUN}", default=None)
 
 
 Component = Literal["x", "y", "z", "magnitude"]
@@ -61,19 +59,10 @@ else:
 class SegmentFrame(Table):
     """`frame` of a deflection or rotation of a body in segments, written by `check`."""
 
-    places: list[str] = Field(description="interfaces that carry the frame: one, or two of a chord")
-    chord: Vector | None = Field(
-        description="from the first of two to the second at rest, body axes",
-        json_schema_extra=unit("m"),
-    )
-    rest: Vector = Field(
-        description="from the first to the place of the signal at rest, body axes",
-        json_schema_extra=unit("m"),
-    )
-    rotation_deg: Vector = Field(
-        description="rotation vector from global to body axes at the start",
-        json_schema_extra=unit("deg"),
-    )
+    places: list[str] = entry("interfaces that carry the frame: one, or two of a chord")
+    chord: Vector | None = entry("from the first of two to the second at rest, body axes", "m")
+    rest: Vector = entry("from the first to the place of the signal at rest, body axes", "m")
+    rotation_deg: Vector = entry("rotation vector from global to body axes at the start", "deg")
 
 
 class PointSignal(Measured):
@@ -87,23 +76,23 @@ class PointSignal(Measured):
         "orientation",
         "deflection",
         "rotation",
-    ] = Field(
-        description="position [m], velocity, acceleration, angular_velocity are global; "
-        "orientation [rad] is the rotation vector of the interface since the given starting "
-        "position, global, without jumps; deflection [m] and elastic rotation [rad] are relative "
-        "to the body frame, in its axes"
+    ] = entry(
+        "position [m], velocity, acceleration, angular_velocity are global; orientation [rad] is "
+        "the rotation vector of the interface since the given starting position, global, without "
+        "jumps; deflection [m] and elastic rotation [rad] are relative to the body frame, in its "
+        "axes"
     )
-    at: str = Field(description='"BODY.INTERFACE"')
-    seen_from: str | None = Field(
+    at: str = entry('"BODY.INTERFACE"')
+    seen_from: str | None = entry(
+        "for a deflection: another interface of the body, whose axes (parallel to the body axes "
+        "at rest) are the reference; absent: the body frame. Deflections relative to the body "
+        "frame depend on the frame, this one does not",
         default=None,
-        description="for a deflection: another interface of the body, whose axes (parallel to the "
-        "body axes at rest) are the reference; absent: the body frame. Deflections relative to the "
-        "body frame depend on the frame, this one does not",
     )
-    frame: SegmentFrame | None = Field(
-        default=None, description="of a body in segments, written by `check`; not for users"
+    frame: SegmentFrame | None = entry(
+        "of a body in segments, written by `check`; not for users", default=None
     )
-    component: Component = Field(description="axis")
+    component: Component = entry("axis")
 
     @model_validator(mode="after")
     def _same_body(self) -> "PointSignal":
@@ -122,9 +111,9 @@ class JointSignal(Measured):
     """`[signals.NAME]` with kind = "joint": the coordinate of a joint."""
 
     kind: Literal["joint"]
-    joint: Name = Field(description="name of a joint")
-    coordinate: JointCoordinate = Field(
-        description="; ".join(dict.fromkeys(COORDINATES[name].meaning for name in COORDINATE_NAMES))
+    joint: Name = entry("name of a joint")
+    coordinate: JointCoordinate = entry(
+        "; ".join(dict.fromkeys(COORDINATES[name].meaning for name in COORDINATE_NAMES))
         + ". All from the given starting position"
     )
 
@@ -136,14 +125,12 @@ class ReactionSignal(Measured):
     """
 
     kind: Literal["reaction"]
-    joint: Name = Field(description="name of a joint")
-    quantity: Literal["force", "moment"] = Field(
-        description="force [N]; moment [N m] about the place"
-    )
-    component: Component = Field(description="axis")
-    side: Literal[1, 2] = Field(default=2, description="on the first or second place of `between`")
-    axes: Literal["global", "joint"] = Field(
-        default="global", description="joint: those of the first place, z the joint's `axis`"
+    joint: Name = entry("name of a joint")
+    quantity: Literal["force", "moment"] = entry("force [N]; moment [N m] about the place")
+    component: Component = entry("axis")
+    side: Literal[1, 2] = entry("on the first or second place of `between`", default=2)
+    axes: Literal["global", "joint"] = entry(
+        "joint: those of the first place, z the joint's `axis`", default="global"
     )
 
 
@@ -154,20 +141,20 @@ class ForceSignal(Measured):
     """
 
     kind: Literal["force"]
-    of: Name = Field(
-        description="name of a force along a coordinate (controller, friction, limit_stop, ...) "
-        "or of a coupling [N, of a rotation N m]"
+    of: Name = entry(
+        "name of a force along a coordinate (controller, friction, limit_stop, ...) or of a "
+        "coupling [N, of a rotation N m]"
     )
 
 
 class SectionSignal(Measured):
     """A signal of a section of a beam."""
 
-    method: Literal["auto", "modes", "equilibrium"] = Field(
+    method: Literal["auto", "modes", "equilibrium"] = entry(
+        "how resultants are computed; modes: from the modal coordinates; equilibrium: from loads,"
+        " joints and inertia of the part beyond the section, for straight beams without twist; "
+        "auto: equilibrium for such beams in segments, else modes",
         default="auto",
-        description="how resultants are computed; modes: from the modal coordinates; equilibrium: "
-        "from loads, joints and inertia of the part beyond the section, for straight beams "
-        "without twist; auto: equilibrium for such beams in segments, else modes",
     )
 
 
@@ -179,31 +166,27 @@ class ResultantSignal(SectionSignal):
     """
 
     kind: Literal["resultant"]
-    body: Name = Field(description="name of a flexible body")
-    x: float = Field(description="place along the body", json_schema_extra=unit("m"))
-    component: Literal["F1", "F2", "F3", "M1", "M2", "M3"] = Field(
-        description="force [N] or moment [N m]"
-    )
+    body: Name = entry("name of a flexible body")
+    x: float = entry("place along the body", "m")
+    component: Literal["F1", "F2", "F3", "M1", "M2", "M3"] = entry("force [N] or moment [N m]")
 
 
 class PlyStressSignal(SectionSignal):
     """`[signals.NAME]` with kind = "ply_stress": stress in the axes of a ply."""
 
     kind: Literal["ply_stress"]
-    body: Name = Field(description="name of a flexible body")
-    x: float = Field(description="place along the body", json_schema_extra=unit("m"))
-    region: str | None = Field(
-        default=None, description="region of the section; absent: the only one"
+    body: Name = entry("name of a flexible body")
+    x: float = entry("place along the body", "m")
+    region: str | None = entry("region of the section; absent: the only one", default=None)
+    ply: int = entry("number of the ply, 0 is the outermost", default=0, ge=0)
+    component: Literal["11", "22", "33", "23", "13", "12"] = entry(
+        "1 along the fibre, 3 normal to the ply [Pa]"
     )
-    ply: int = Field(default=0, ge=0, description="number of the ply, 0 is the outermost")
-    component: Literal["11", "22", "33", "23", "13", "12"] = Field(
-        description="1 along the fibre, 3 normal to the ply [Pa]"
-    )
-    point: Pair | None = Field(
-        default=None,
-        description="x2, x3: the nearest integration point of the ply; absent: of all its points "
-        "the one with the largest magnitude over the run",
-        json_schema_extra=unit("m"),
+    point: Pair | None = entry(
+        "x2, x3: the nearest integration point of the ply; absent: of all its points the one with"
+        " the largest magnitude over the run",
+        "m",
+        None,
     )
 
 
@@ -214,32 +197,28 @@ class StrengthSignal(Measured):
     leave: without any of them, of the whole body by all criteria.
     """
 
-    kind: Literal["strength_ratio", "exposure"] = Field(
-        description="strength ratio R: factor on all stresses at which a ply fails, infinite "
-        "without stress; exposure: 1 / R"
+    kind: Literal["strength_ratio", "exposure"] = entry(
+        "strength ratio R: factor on all stresses at which a ply fails, infinite without stress; "
+        "exposure: 1 / R"
     )
-    body: Name = Field(description="name of a flexible body whose materials have strengths")
-    x: float | None = Field(
-        default=None,
-        description="place along a beam; absent: all stations",
-        json_schema_extra=unit("m"),
+    body: Name = entry("name of a flexible body whose materials have strengths")
+    x: float | None = entry("place along a beam; absent: all stations", "m", None)
+    region: str | None = entry(
+        "region of the section, or laminate of a shell; absent: all", default=None
     )
-    region: str | None = Field(
-        default=None, description="region of the section, or laminate of a shell; absent: all"
-    )
-    ply: int | None = Field(
+    ply: int | None = entry(
+        "number of the ply, 0 is the outermost, of a shell the bottom; absent: all",
         default=None,
         ge=0,
-        description="number of the ply, 0 is the outermost, of a shell the bottom; absent: all",
     )
-    criterion: CriterionName | None = Field(
-        default=None, description="failure criterion; absent: all that apply to the material"
+    criterion: CriterionName | None = entry(
+        "failure criterion; absent: all that apply to the material", default=None
     )
-    point: Annotated[list[float], Field(min_length=2, max_length=3)] | None = Field(
-        default=None,
-        description="of a beam x2, x3: the nearest integration point; of a shell x, y, z in body "
-        "axes: the nearest cell; absent: all",
-        json_schema_extra=unit("m"),
+    point: Annotated[list[float], Field(min_length=2, max_length=3)] | None = entry(
+        "of a beam x2, x3: the nearest integration point; of a shell x, y, z in body axes: the "
+        "nearest cell; absent: all",
+        "m",
+        None,
     )
 
 

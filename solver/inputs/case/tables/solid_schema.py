@@ -2,9 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field
-
-from ...common.table import FilePath, Name, unit
+from ...common.table import FilePath, Name, entry
 from ...solid.description import SolidInterface
 from .body_schema import DAMPING, Deformed, Reducible
 from .modes import Modes, Reference
@@ -18,25 +16,18 @@ class SolidBody(Reducible, Deformed):
     """
 
     kind: Literal["solid"]
-    solid: FilePath = Field(
-        description="path of a solid description (docs/solids.md), relative to the case file"
+    solid: FilePath = entry(
+        "path of a solid description (docs/solids.md), relative to the case file"
     )
-    size: float | None = Field(
-        default=None,
-        gt=0,
-        description="of the cells, over that of the description",
-        json_schema_extra=unit("m"),
+    size: float | None = entry("of the cells, over that of the description", "m", None, gt=0)
+    reference: Reference = entry("reference condition", default=Reference())
+    modes: list[Modes] = entry("which modes the solver gets", min_length=1)
+    damping_ratio: float = entry(DAMPING, "-", 0.0, ge=0, lt=1)
+    interfaces: dict[Name, SolidInterface] = entry(
+        "named places; some carry the reference condition", min_length=1
     )
-    reference: Reference = Field(default=Reference(), description="reference condition")
-    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
-    damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description=DAMPING, json_schema_extra=unit("-")
-    )
-    interfaces: dict[Name, SolidInterface] = Field(
-        min_length=1, description="named places; some carry the reference condition"
-    )
-    second_order: bool = Field(
-        default=False,
-        description="second-order displacements of the modes, which geometric stiffening needs "
+    second_order: bool = entry(
+        "second-order displacements of the modes, which geometric stiffening needs "
         "(docs/stiffening.md)",
+        default=False,
     )

@@ -5,11 +5,11 @@ The names of integrators and the keys that only one of them has come from their 
 
 from typing import TYPE_CHECKING, Literal
 
-from pydantic import Field, create_model
+from pydantic import create_model
 
 from ....dynamics.elements.constraints.treatment import Treatment
 from ....integrators.table import INTEGRATORS
-from ...common.table import Axis, Table, Vector, unit
+from ...common.table import Axis, Table, Vector, entry
 from .kinds import field_of
 
 # Light crosses an atomic nucleus in 1e-23 s; squares of shorter times soon leave the floating point
@@ -25,83 +25,73 @@ else:
 class Spin(Table):
     """`spin` of `[solver]`: the whole mechanism turns about a fixed axis at constant speed."""
 
-    axis: Axis = Field(description="direction of the axis, global", json_schema_extra=unit("-"))
-    point: Vector = Field(
-        default=[0.0, 0.0, 0.0],
-        description="a point of the axis, global",
-        json_schema_extra=unit("m"),
-    )
-    speed: float = Field(
-        default=0.0,
-        description="angular velocity about the axis; other than 0: with `start = "
-        '"equilibrium"` only',
-        json_schema_extra=unit("rad/s"),
+    axis: Axis = entry("direction of the axis, global", "-")
+    point: Vector = entry("a point of the axis, global", "m", [0.0, 0.0, 0.0])
+    speed: float = entry(
+        'angular velocity about the axis; other than 0: with `start = "equilibrium"` only',
+        "rad/s",
+        0.0,
     )
 
 
 class _Integration(Table):
     """Keys before those that one integrator has."""
 
-    t_end: float = Field(ge=SHORTEST, description="end of the run", json_schema_extra=unit("s"))
-    output_step: float = Field(
-        ge=SHORTEST, description="interval of the results", json_schema_extra=unit("s")
+    t_end: float = entry("end of the run", "s", ge=SHORTEST)
+    output_step: float = entry("interval of the results", "s", ge=SHORTEST)
+    most_outputs: int = entry(
+        "outputs, t_end / output_step, that are not refused", default=10_000_000, ge=1
     )
-    most_outputs: int = Field(
-        default=10_000_000, ge=1, description="outputs, t_end / output_step, that are not refused"
-    )
-    node_positions: Literal["auto", "all"] = Field(
+    node_positions: Literal["auto", "all"] = entry(
+        "positions of all drawn points in /results of result.vtkhdf: auto: at every output time "
+        "if they need at most 100 MB, else left out, because they follow from the coordinates; "
+        "all: always",
         default="auto",
-        description="positions of all drawn points in /results of result.vtkhdf: auto: at every "
-        "output time if they need at most 100 MB, else left out, because they follow from the "
-        "coordinates; all: always",
     )
-    start: Literal["positions", "quasi-static", "equilibrium"] = Field(
+    start: Literal["positions", "quasi-static", "equilibrium"] = entry(
+        "positions: as given, with joints closed; quasi-static: likewise, in the shapes that the "
+        "loads of the motion at t = 0 call for; equilibrium: static equilibrium under all loads "
+        "and drives at t = 0; with `spin`, relative equilibrium in axes that turn",
         default="positions",
-        description="positions: as given, with joints closed; quasi-static: likewise, in the "
-        "shapes that the loads of the motion at t = 0 call for; equilibrium: static equilibrium "
-        "under all loads and drives at t = 0; with `spin`, relative equilibrium in axes that turn",
     )
-    spin: Spin | None = Field(
+    spin: Spin | None = entry(
+        "spin of the start in equilibrium; its axis is that of `plymotion modes --at spin=...` too",
         default=None,
-        description="spin of the start in equilibrium; its axis is that of `plymotion modes --at "
-        "spin=...` too",
     )
-    modes_at_start: Literal["still", "free"] = Field(
+    modes_at_start: Literal["still", "free"] = entry(
+        "modal rates at t = 0: still: zero, bodies start as if rigid; free: those of minimum "
+        "kinetic energy, for a drive that starts at full speed",
         default="still",
-        description="modal rates at t = 0: still: zero, bodies start as if rigid; free: those "
-        "of minimum kinetic energy, for a drive that starts at full speed",
     )
-    integrator: IntegratorName = Field(
-        default="radau",
-        description="; ".join(f"{name}: {kind.meaning}" for name, kind in INTEGRATORS.items())
+    integrator: IntegratorName = entry(
+        "; ".join(f"{name}: {kind.meaning}" for name, kind in INTEGRATORS.items())
         + "; see integrators.md",
+        default="radau",
     )
-    rtol: float = Field(
+    rtol: float = entry(
+        "accuracy: expected error of positions over the size of the mechanism, of velocities over"
+        " its speed; see accuracy.md",
         default=1e-5,
         ge=1e-15,
         le=0.1,
-        description="accuracy: expected error of positions over the size of the mechanism, of "
-        "velocities over its speed; see accuracy.md",
     )
-    atol_position: float | None = Field(
+    atol_position: float | None = entry(
+        "absolute tolerance of positions and modal coordinates; default: rtol times their scales",
         default=None,
         gt=0,
-        description="absolute tolerance of positions and modal coordinates; default: rtol times "
-        "their scales",
     )
-    atol_velocity: float | None = Field(
+    atol_velocity: float | None = entry(
+        "absolute tolerance of velocities and modal rates; default: rtol times their scales",
         default=None,
         gt=0,
-        description="absolute tolerance of velocities and modal rates; default: rtol times their "
-        "scales",
     )
-    max_step: float | None = Field(
-        default=None,
+    max_step: float | None = entry(
+        "largest step; default: t_end / 200 where an expression reads the time, t_end / 2000 with"
+        " a table that has more than 2000 kinks; else none; steps also end where laws of time "
+        "break",
+        "s",
+        None,
         gt=0,
-        description="largest step; default: t_end / 200 where an expression reads the time, "
-        "t_end / 2000 with a table that has more than 2000 kinks; else none; steps also end where "
-        "laws of time break",
-        json_schema_extra=unit("s"),
     )
 
 
@@ -120,53 +110,35 @@ class Solver(_WithOptions):
 
     constraints: Literal[
         "index1", "baumgarte", "augmented-lagrangian", "projection", "ggl", "index3"
-    ] = Field(
-        default="projection",
-        description="treatment of the joints' equations, see constraints.md",
-    )
-    alpha: float = Field(
-        default=Treatment.alpha,
-        ge=0,
-        description="Baumgarte's velocity feedback",
-        json_schema_extra=unit("1/s"),
-    )
-    beta: float = Field(
-        default=Treatment.beta,
-        ge=0,
-        description="Baumgarte's position feedback",
-        json_schema_extra=unit("1/s"),
-    )
-    penalty: float = Field(
+    ] = entry("treatment of the joints' equations, see constraints.md", default="projection")
+    alpha: float = entry("Baumgarte's velocity feedback", "1/s", Treatment.alpha, ge=0)
+    beta: float = entry("Baumgarte's position feedback", "1/s", Treatment.beta, ge=0)
+    penalty: float = entry(
+        "augmented Lagrangian: relative to the effective mass of a constraint",
         default=Treatment.penalty,
         gt=0,
-        description="augmented Lagrangian: relative to the effective mass of a constraint",
     )
-    frequency: float = Field(
-        default=Treatment.frequency,
-        ge=0,
-        description="augmented Lagrangian: frequency of the feedback",
-        json_schema_extra=unit("1/s"),
+    frequency: float = entry(
+        "augmented Lagrangian: frequency of the feedback", "1/s", Treatment.frequency, ge=0
     )
-    ratio: float = Field(
-        default=Treatment.ratio, ge=0, description="augmented Lagrangian: its damping ratio"
-    )
-    attachment: Literal["marker", "virtual"] = Field(
+    ratio: float = entry("augmented Lagrangian: its damping ratio", default=Treatment.ratio, ge=0)
+    attachment: Literal["marker", "virtual"] = entry(
+        "joints at flexible bodies: through the interface's own motion, or through a massless "
+        "virtual body fixed to it by six constraints (the paper)",
         default="marker",
-        description="joints at flexible bodies: through the interface's own motion, or through a "
-        "massless virtual body fixed to it by six constraints (the paper)",
     )
-    on_singular: Literal["stop", "warn"] = Field(
+    on_singular: Literal["stop", "warn"] = entry(
+        "when a treatment of the constraints fails in a singular position: end the run there, or "
+        "continue",
         default="stop",
-        description="when a treatment of the constraints fails in a singular position: end the "
-        "run there, or continue",
     )
-    on_invalid: Literal["stop", "warn"] = Field(
+    on_invalid: Literal["stop", "warn"] = entry(
+        "when a linear body stops being valid, or a stiffened one buckles: end the run there, or "
+        "continue",
         default="stop",
-        description="when a linear body stops being valid, or a stiffened one buckles: end the run "
-        "there, or continue",
     )
-    geometric_stiffening: bool = Field(
+    geometric_stiffening: bool = entry(
+        "second-order displacements of flexible bodies, for fast spin or large bending: "
+        "stiffening.md; a body whose package has none stays linear, with a warning",
         default=False,
-        description="second-order displacements of flexible bodies, for fast spin or large "
-        "bending: stiffening.md; a body whose package has none stays linear, with a warning",
     )

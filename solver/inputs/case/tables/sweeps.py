@@ -7,10 +7,10 @@ import itertools
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from ....math.arrays import Array
-from ...common.table import Name, Table
+from ...common.table import Name, Table, entry
 
 MOST = 100_000  # members of one sweep
 Design = Literal["grid", "list", "random", "latin-hypercube"]
@@ -26,23 +26,20 @@ class Variation(Table):
     gives its `values`.
     """
 
-    keys: list[str] | None = Field(
+    keys: list[str] | None = entry(
+        "dotted keys that all get the value; absent: the parameter's name, unless `set` uses it",
         default=None,
         min_length=1,
-        description="dotted keys that all get the value; absent: the parameter's name, unless "
-        "`set` uses it",
     )
-    unit: str | None = Field(
-        default=None, description="for figures and tables; absent: that of its keys"
-    )
-    values: list[float] | None = Field(default=None, min_length=1, description="its values")
-    low: float | None = Field(default=None, alias="from", description="instead of values: first")
-    high: float | None = Field(default=None, alias="to", description="last")
-    count: int | None = Field(
+    unit: str | None = entry("for figures and tables; absent: that of its keys", default=None)
+    values: list[float] | None = entry("its values", default=None, min_length=1)
+    low: float | None = entry("instead of values: first", default=None, alias="from")
+    high: float | None = entry("last", default=None, alias="to")
+    count: int | None = entry(
+        "how many at equal distances; absent in designs that draw from a range",
         default=None,
         ge=2,
         le=MOST,
-        description="how many at equal distances; absent in designs that draw from a range",
     )
 
     @model_validator(mode="before")
@@ -85,30 +82,26 @@ class Variation(Table):
 class Sweep(Table):
     """`[sweeps.NAME]`: a run computed many times with other numbers (docs/sweeps.md)."""
 
-    title: str = Field(default="", description="words for figures")
-    run: Name = Field(description="name of the run that is varied")
-    variants: list[Name] = Field(
-        default=[], description="names of variants, applied after those of the run"
-    )
-    design: Design = Field(
+    title: str = entry("words for figures", default="")
+    run: Name = entry("name of the run that is varied")
+    variants: list[Name] = entry("names of variants, applied after those of the run", default=[])
+    design: Design = entry(
+        "grid: all combinations; list: the first values of all parameters, the second ones, ...; "
+        "random, latin-hypercube: `count` points drawn from the ranges",
         default="grid",
-        description="grid: all combinations; list: the first values of all parameters, the second "
-        "ones, ...; random, latin-hypercube: `count` points drawn from the ranges",
     )
-    count: int | None = Field(
-        default=None, ge=1, le=MOST, description="points of a random or latin-hypercube design"
+    count: int | None = entry(
+        "points of a random or latin-hypercube design", default=None, ge=1, le=MOST
     )
-    seed: int = Field(default=0, ge=0, description="of a random or latin-hypercube design")
-    signals: list[Name] = Field(
-        default=[], description="signals to keep: final value and extremes; none: all"
-    )
-    histories: list[Name] = Field(default=[], description="signals to keep at every output time")
-    vary: dict[str, Variation] = Field(min_length=1, description="parameters by key or name")
-    expressions: dict[str, str] = Field(
+    seed: int = entry("of a random or latin-hypercube design", default=0, ge=0)
+    signals: list[Name] = entry("signals to keep: final value and extremes; none: all", default=[])
+    histories: list[Name] = entry("signals to keep at every output time", default=[])
+    vary: dict[str, Variation] = entry("parameters by key or name", min_length=1)
+    expressions: dict[str, str] = entry(
+        'dotted keys and what they get: expressions of parameters, such as "-angle" or "2*t", '
+        "which also read `[parameters]` of the case",
         default={},
         alias="set",
-        description='dotted keys and what they get: expressions of parameters, such as "-angle" or '
-        '"2*t", which also read `[parameters]` of the case',
     )
 
     @model_validator(mode="after")
