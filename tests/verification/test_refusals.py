@@ -82,7 +82,7 @@ def test_a_heavy_point_mass_is_no_reason(runs, ratio):
 
 def test_a_vibration_at_the_length_of_the_steps_refuses_few(runs):
     """Its error swings with its phase: steps that grew after each small error were refused in more
-    than 20 % of the attempts (docs/adr/0037).
+    than 20 % of the attempts (docs/measurements.md).
     """
     keys = {"t_end": 0.4, "rtol": 1e-6, "integrator": "radau", "constraints": "projection"}
     spec = read_run(runs["exchange"] / "beam.json")
