@@ -16,7 +16,7 @@ from .dormand_prince import Order5, Order8
 
 SAFETY = 0.9
 # Of a step that was refused: the largest that follows, and its growth with each step. Where the
-# stability limits the steps, the error says so only beyond the limit (docs/measurements.md). Errors far
+# stability limits the steps, the error says so only beyond it (docs/measurements.md). Errors far
 # below one say that what was rough is over.
 CAUTION, RELAX, RELAX_FAR, FAR_BELOW = 0.9, 1.02, 2.0, 1e-3
 STIFF_TESTS = 15  # in a row, before the hint is given
