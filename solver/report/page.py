@@ -68,13 +68,15 @@ def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str
         "runs": runs,
         "figures": [c._asdict() for c in comparisons],
     }
-    before = [_header(title, stories), "<main>", outcomes(stories), doubts(stories)]
+    before = [_header(title, stories), "<main>"]
     after = [
         section("plots", "Plots", "<div id='plot-list'></div>"),
-        fidelity_section(stories),
         strength_section(stories),
         fatigue_section(stories),
         signals_section(stories),
+        doubts(stories),
+        outcomes(stories),
+        fidelity_section(stories),
         modes_section(stories),
         masses_section(stories),
         inputs_section(stories),

@@ -87,15 +87,19 @@ _RANK = {"good": 0, "doubt": 1, "bad": 2}
 
 
 def banner(stories: list[Story]) -> str:
-    """Return one line on all runs, in the colour of the worst."""
-    done = sum(not story.stopped for story in stories)
+    """Return one line on all runs, in the colour of the worst: how many completed, what stopped."""
+    stopped = [story for story in stories if story.stopped]
     worst = max((verdict(story.summary) for story in stories), key=lambda found: _RANK[found])
-    words = [f"{done} of {counted(len(stories), 'run')} completed"]
+    words = [f"{len(stories) - len(stopped)} of {counted(len(stories), 'run')} completed"]
+    if stopped:
+        errors = [f["code"] for story in stopped for f in _findings(story) if _level(f) == "error"]
+        why = f" ({escape(', '.join(dict.fromkeys(errors)))})" if errors else ""
+        words.append(f"{len(stopped)} stopped early{why}")
     if invalid := sum(bool(invalid_words(story.summary)) for story in stories):
-        words.append(f"{invalid} of them invalid")
+        words.append(f"{invalid} completed, but invalid")
     found = _said([each for story in stories for each in _doubts(story)])
     words.append(f"<a href='#doubts'>{found}</a>" if found else "no warnings")
-    return f"<p class='verdict {worst}'>{', '.join(words)}.</p>"
+    return f"<p class='verdict {worst}'>{'; '.join(words)}.</p>"
 
 
 def outcomes(stories: list[Story]) -> str:
@@ -124,30 +128,43 @@ def outcomes(stories: list[Story]) -> str:
 
 
 def doubts(stories: list[Story]) -> str:
-    """Return all warnings and notes, by run."""
-    items = []
-    for story in stories:
-        found = _findings(story)
-        if not found:
-            continue
-        lines = "".join(_line(story, each) for each in found)
-        anchor = f"warnings-{escape(story.name)}"
-        items.append(f"<h3 id='{anchor}'>{escape(story.title)}</h3><ul>{lines}</ul>")
-    return section("doubts", "Warnings and notes", "".join(items) or "<p>None.</p>")
+    """Return all findings by code, errors first: one line, which unfolds to those of each run."""
+    found = [(story, each) for story in stories for each in _findings(story)]
+    codes = dict.fromkeys(each["code"] for _, each in sorted(found, key=_order))
+    groups = "".join(_group([pair for pair in found if pair[1]["code"] == c]) for c in codes)
+    return section("doubts", "Warnings and notes", groups or "<p>None.</p>")
+
+
+def _order(pair: tuple[Story, dict[str, Any]]) -> int:
+    return ("error", "warning", "note").index(_level(pair[1]))
+
+
+def _group(found: list[tuple[Story, dict[str, Any]]]) -> str:
+    """Return the findings of one code."""
+    level = _level(min(found, key=_order)[1])
+    runs = list(dict.fromkeys(story.title for story, _ in found))
+    bodies = dict.fromkeys(each["body"] for _, each in found if each.get("body"))
+    words = [counted(len(runs), "run") if len(runs) > 1 else runs[0], *bodies]
+    lines = "".join(_line(story, each) for story, each in found)
+    return (
+        f"<details class='{level}'><summary><code>{escape(found[0][1]['code'])}</code> {level}: "
+        f"{escape(', '.join(words))}</summary><ul>{lines}</ul></details>"
+    )
 
 
 def _line(story: Story, found: dict[str, Any]) -> str:
-    level = str(found.get("level", "warning"))
     jump = ""
     if found.get("t") is not None:
         jump = (
             f" <button type='button' class='small' data-run='{escape(story.name)}' "
             f"data-time='{float(found['t'])!r}'>show</button>"
         )
-    return (
-        f"<li class='{escape(level)}'><code>{escape(found['code'])}</code> "
-        f"{escape(found['message'])}{jump}</li>"
-    )
+    return f"<li><b>{escape(story.title)}</b>: {escape(found['message'])}{jump}</li>"
+
+
+def _level(found: dict[str, Any]) -> str:
+    level = str(found.get("level", "warning"))
+    return level if level in ("error", "note") else "warning"
 
 
 def _findings(story: Story) -> list[dict[str, Any]]:
@@ -155,12 +172,12 @@ def _findings(story: Story) -> list[dict[str, Any]]:
 
 
 def _doubts(story: Story) -> list[dict[str, Any]]:
-    return [found for found in _findings(story) if found.get("level", "warning") != "note"]
+    return [found for found in _findings(story) if _level(found) != "note"]
 
 
 def _said(found: list[dict[str, Any]]) -> str:
     """Return how many errors and warnings there are; nothing if there is none."""
-    errors = sum(each.get("level") == "error" for each in found)
+    errors = sum(_level(each) == "error" for each in found)
     counts = {"error": errors, "warning": len(found) - errors}
     return ", ".join(counted(n, word) for word, n in counts.items() if n)
 
@@ -176,7 +193,7 @@ def _outcome(story: Story) -> Cell:
     words = invalid_words(story.summary) or words
     badge = f"<span class='badge {kind}'>{words}</span>"
     if said:
-        badge += f"<br><a href='#warnings-{escape(story.name)}'>{said}</a>"
+        badge += f"<br><a href='#doubts'>{said}</a>"
     return Cell(badge, float(_RANK[kind]))
 
 

@@ -164,8 +164,7 @@ def test_page_is_well_formed_and_needs_nothing_from_outside(case_dir: Path) -> N
     text = (case_dir / "report.html").read_text()
     page = Page(text)
     assert page.open == []
-    assert set(page.links) == {"#doubts", "#warnings-broken"}
-    assert "id='warnings-broken'" in text
+    assert set(page.links) == {"#doubts"}
     assert "id='doubts'" in text
     assert not re.search(r"@import|url\(|<script[^>]* src", text)
 

@@ -4,6 +4,7 @@ function setUpPrint() {
   const stills = element('div', { id: 'stills' });
   field('stage').after(stills);
   addEventListener('beforeprint', () => {
+    for (const each of document.querySelectorAll('details')) each.open = true;
     const { t } = clock, end = array(runShown().scene.t).at(-1), { canvas } = view.renderer;
     const before = [canvas.width, canvas.height];
     for (const each of [canvas, field('overlay')]) [each.width, each.height] = [720, 480];
