@@ -28,9 +28,9 @@ SOLVER_SOURCES := $(shell find solver -name '*.py')
 rooms = $(filter $(addprefix solver/,$(addsuffix %,$(1))),$(SOLVER_SOURCES))
 PACKAGE_SOURCES := $(call rooms,errors math package)
 HOT_SOURCES := $(call rooms,math dynamics integrators)
-RUN_SOURCES := $(filter-out $(call rooms,__main__ commands report),$(SOLVER_SOURCES))
-SECTION_SOURCES := $(call rooms,commands/section commands/described commands/fenicsx_side inputs strength)
-SHELL_SOURCES := $(call rooms,commands/shell commands/described commands/fenicsx_side inputs strength)
+RUN_SOURCES := $(filter-out $(call rooms,__main__ commands extras report workers),$(SOLVER_SOURCES))
+SECTION_SOURCES := $(call rooms,commands/section commands/described report/section inputs strength workers)
+SHELL_SOURCES := $(call rooms,commands/shell commands/described report/shell inputs strength workers)
 
 # Files of these patterns whose names neither make nor the shell can misread, and the others.
 PLAIN_NAME := ([A-Za-z0-9][A-Za-z0-9._-]*/)*[A-Za-z0-9][A-Za-z0-9._-]*
@@ -81,7 +81,7 @@ ifneq ($(filter fenicsx,$(MAKECMDGOALS)),)
 $(FENICSX): FORCE
 endif
 FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpreters.py) \
-    $(addprefix solver/commands/fenicsx_side/,interpreter.py fenicsx_probe.py)
+    $(addprefix solver/workers/,interpreter.py fenicsx_probe.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(EMPTY)
 	@PYTHONPATH=. $(PY) tools/find_fenicsx.py $@
 	@$(FE_PYTHON) -m plymotion.preprocess compile || \

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plymotion.solver.commands.compile import compile_ahead
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.compiling import compile_ahead
 
 RUN = Path("build/double-pendulum/runs/isotropic.json")
 T_END = 0.1

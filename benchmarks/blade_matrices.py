@@ -20,12 +20,12 @@ import numpy as np
 import yaml
 
 import plymotion as pm
-from plymotion.solver.commands.section.conventions import (
+from plymotion.solver.package.body.io import read_package
+from plymotion.solver.report.section.conventions import (
     BLADE_AXES_LEADING_EDGE,
     convert,
     transform,
 )
-from plymotion.solver.package.body.io import read_package
 
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 

@@ -23,7 +23,7 @@ from plymotion.solver.commands.blade.shape import Layer
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.tables import Along
 from plymotion.solver.commands.blade.windio import Blade, read_blade
-from plymotion.solver.commands.section.results import read_results
+from plymotion.solver.report.section.results import read_results
 
 Change = Callable[[Blade], Blade]
 R = np.linspace(0.0, 1.0, 401)

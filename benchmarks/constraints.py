@@ -19,13 +19,13 @@ from matplotlib import pyplot as plt
 from matplotlib.ticker import NullFormatter
 from mechanism_samples import Sample, bricard, chain, four_bars, pendulum
 
-from plymotion.solver.commands.compile import compile_ahead
+from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic import Solution, integrate
-from plymotion.solver.monitors.singularity import SingularityMonitor
 from plymotion.solver.report.style import COLOURS, house_style
+from plymotion.solver.studies.compiling import compile_ahead
 
 REFERENCE = Path("tests/reference/dynamics")
 CSV = Path("build/benchmarks/constraints.csv")

@@ -20,11 +20,11 @@ from processes import cost
 from solver_methods import DEFAULT, Method
 from solver_runs import REFERENCE, solve
 
-from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.studies.sweep.plan import read_plan
 
 CASE = "double-pendulum"
 SWEEP = "masses"

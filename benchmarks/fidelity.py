@@ -23,15 +23,15 @@ from fidelity_figures import by, totals
 from fidelity_scenes import HELD, SCENES, Table
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.fidelity.base.comparison import difference, scales
-from plymotion.solver.fidelity.base.model import with_values
-from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.check.trial import Trial, attempted, tried
-from plymotion.solver.fidelity.delivery.execution import checked, plan_of, read_planned
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package.body.selection import vibrations
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.fidelity.base.comparison import difference, scales
+from plymotion.solver.studies.fidelity.base.model import with_values
+from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
+from plymotion.solver.studies.fidelity.check.trial import Trial, attempted, tried
+from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of, read_planned
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 OUTPUTS = ("tip", "deflection", "force", "moment")

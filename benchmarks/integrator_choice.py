@@ -16,11 +16,11 @@ from constraint_runs import prepared
 from mechanism_samples import Sample, chain
 from stability_samples import hand
 
-from plymotion.solver.commands.compile import compile_ahead
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic import INTEGRATORS, Solution, integrate
+from plymotion.solver.studies.compiling import compile_ahead
 
 TOLERANCES = [10.0**-k for k in np.arange(2.0, 11.1, 0.5)]
 CHOICES = [

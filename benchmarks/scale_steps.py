@@ -9,9 +9,9 @@ from typing import Any
 
 import h5py
 
-from plymotion.solver.commands.executors import Task, distribute
-from plymotion.solver.commands.sweep.file import believed_rows, result_of, write_sweep
-from plymotion.solver.commands.sweep.plan import read_plan
+from plymotion.solver.studies.sweep.file import believed_rows, result_of, write_sweep
+from plymotion.solver.studies.sweep.plan import read_plan
+from plymotion.solver.workers.executors import Task, distribute
 
 DIFFERENT = ("cost/solve_s", "members/sha256")  # between two computations
 LANES = (2, 6400)

@@ -96,7 +96,7 @@ def _guarded(options: argparse.Namespace) -> int:
     except Exception as error:
         if of_a_signal(error):
             return _interrupted()
-        from .commands.ending import DEFECT, report
+        from .studies.exit_codes import DEFECT, report
 
         print(f"error: {report(error)}", file=sys.stderr)
         return DEFECT

@@ -128,8 +128,8 @@ def tools(repository: Path) -> Path:
 @pytest.fixture(scope="session")
 def fenicsx() -> str:
     """The Python with FEniCSx that the commands of the light environment find; a skip without."""
-    from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
     from plymotion.solver.errors import InputError
+    from plymotion.solver.workers.interpreter import find_interpreter
 
     try:
         return find_interpreter()

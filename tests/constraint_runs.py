@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from mechanism_samples import Sample
 
+from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment, treated
 from plymotion.solver.dynamics.evaluation.dense_equations import (
     assemble,
@@ -26,7 +27,6 @@ from plymotion.solver.integrators.generic import (
 )
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
-from plymotion.solver.monitors.singularity import SingularityMonitor
 
 
 @dataclass

@@ -7,13 +7,13 @@ import numpy as np
 from beam_samples import reduced
 from stiffening_samples import rectangle
 
-from plymotion.solver.fidelity.base.model import with_values
 from plymotion.solver.inputs.case.bodies.rich import rich_bodies
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.selection import selected
 from plymotion.solver.run.execution import execute
 from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.studies.fidelity.base.model import with_values
 
 Table = dict[str, Any]
 Z = [0.0, 0.0, 1.0]

@@ -66,8 +66,8 @@ MODULES = [
     *("numpy.ma", "h5py", "concurrent.futures.process", "matplotlib.backends.backend_agg"),
     *("plymotion.solver.__main__", "plymotion.solver.run.execution"),
     *("plymotion.solver.inputs.case.reading.load", "plymotion.solver.inputs.case.reading.specs"),
-    *("plymotion.solver.commands.run", "plymotion.solver.commands.sweep.command"),
-    *("plymotion.solver.commands.sweep.work", "plymotion.solver.commands.sweep.show"),
+    *("plymotion.solver.studies.runs", "plymotion.solver.commands.cases.sweep"),
+    *("plymotion.solver.studies.sweep.work", "plymotion.solver.studies.sweep.show"),
     "plymotion.solver.report.build",
 ]
 OFF = {"PLYMOTION_COMPILED": "0"}

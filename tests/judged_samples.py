@@ -7,12 +7,12 @@ from typing import Any
 
 from case_samples import HEAD, SOLVER
 
-from plymotion.solver.commands.sweep.member import Packages, Row, compute
-from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.sweep.member import Packages, Row, compute
+from plymotion.solver.studies.sweep.plan import read_plan
 
 SWEEP = """
 [sweeps.s]

@@ -16,8 +16,8 @@ from hostile_profile import WAIT_S
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.results import read_result
+from plymotion.solver.studies.sweep.file import read_sweep
 
 # Strikes at the n-th time that it passes a point; n = 0: tells how often it does.
 STRUCK = """
@@ -45,7 +45,7 @@ def around(place, name, before=None, after=None):
 from plymotion.solver.__main__ import main
 around(os, "replace", "before", "after")
 if when == "stepping":
-    from plymotion.solver.monitors.together import Monitors
+    from plymotion.solver.checks.monitors.together import Monitors
     around(Monitors, "__call__", after="stepping")
 if when == "compiling":
     import llvmlite.binding

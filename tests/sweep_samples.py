@@ -4,9 +4,9 @@ from pathlib import Path
 
 from case_samples import HEAD, SOLVER, rigid
 
-from plymotion.solver.commands.sweep.plan import Plan, read_plan
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.studies.sweep.plan import Plan, read_plan
 
 # A ball pushed by a force c t^3: a huge c is more than any step can follow.
 BALL = (

@@ -1,7 +1,7 @@
 """Sources of FEniCSx: Debian's packages, conda, or a wheel.
 
 Each source is a function that installs what is missing and returns the report
-of the probe (solver/commands/fenicsx_side/interpreter.py), or a line that says why it cannot.
+of the probe (solver/workers/interpreter.py), or a line that says why it cannot.
 """
 
 import platform
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from interpreters import first, run, say
 
-from plymotion.solver.commands.fenicsx_side.interpreter import (
+from plymotion.solver.workers.interpreter import (
     SYSTEM_PYTHON,
     Report,
     probe,

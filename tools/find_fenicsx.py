@@ -13,7 +13,7 @@ from pathlib import Path
 from fenicsx_sources import ROOT, SYSTEM_PACKAGES, from_conda, from_system, from_wheel
 from interpreters import say
 
-from plymotion.solver.commands.fenicsx_side.interpreter import (
+from plymotion.solver.workers.interpreter import (
     Report,
     present,
     probe,

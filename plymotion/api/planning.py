@@ -8,16 +8,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from plymotion.solver.commands.cases.command import turn
-
 from ..solver.errors import InputError
-from ..solver.fidelity.delivery.execution import answered, read_planned
-from ..solver.fidelity.delivery.members import checked_member, member_spec, of_model
-from ..solver.fidelity.delivery.words import answer_text
 from ..solver.inputs.case.reading.specs import write_case
 from ..solver.package.common.temporary import write_text
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
+from ..solver.studies.cases import turn
+from ..solver.studies.fidelity.delivery.execution import answered, read_planned
+from ..solver.studies.fidelity.delivery.members import checked_member, member_spec, of_model
+from ..solver.studies.fidelity.delivery.words import answer_text
 from .case import Case, as_case
 from .names import ByName
 from .plain import plain

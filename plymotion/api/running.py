@@ -4,15 +4,14 @@ from collections.abc import Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from plymotion.solver.commands.cases.command import turn
-from plymotion.solver.commands.fenicsx_side.launch import keep_preprocessors
-from plymotion.solver.commands.run import run_one
-
-from ..solver.commands.cases.packages import build_needed
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.reading.specs import write_case
 from ..solver.package.common.replaceable import named_by_user
 from ..solver.run.inputs_digest import up_to_date
+from ..solver.studies.cases import turn
+from ..solver.studies.runs import run_one
+from ..solver.workers.launch import keep_preprocessors
+from ..solver.workers.packages import build_needed
 from .case import Case, as_case
 from .result import Result
 

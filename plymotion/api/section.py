@@ -5,18 +5,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from plymotion.solver.commands.described import Entry, Made, make_files, write_specs
-from plymotion.solver.commands.executors import Local
-from plymotion.solver.commands.fenicsx_side.launch import keep_preprocessors
-
-from ..solver.commands.section.command import described_spec
-from ..solver.commands.section.results import SectionResults, read_results
 from ..solver.errors import InputError
+from ..solver.inputs.section.described import described_spec
 from ..solver.inputs.section.expand import BUILD
 from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import data_sha256
 from ..solver.package.section.io import read_section
 from ..solver.package.section.schema import RESULTANTS, SectionFile
+from ..solver.report.section.results import SectionResults, read_results
+from ..solver.workers.described import Entry, Made, make_files, write_specs
+from ..solver.workers.executors import Local
+from ..solver.workers.launch import keep_preprocessors
 from .frames import pandas
 from .html import table
 from .plain import plain
@@ -88,7 +87,9 @@ class Section:
         entry = Entry(name, path, own)
         folder = Path(out)
         with named(None if folder == BUILD else folder):
-            requests, failed = write_specs([entry], folder, lambda one: described_spec(one, folder))
+            requests, failed = write_specs(
+                [entry], folder, lambda one: described_spec(one.file, one.changes, name, folder)
+            )
             made: list[Made] = list(failed)
             keep_preprocessors()
             make_files(

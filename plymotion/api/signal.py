@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from plymotion.solver.results.summary import SquareIntegral
-from plymotion.solver.results.summary import spectrum as amplitude_spectrum
-
 from ..solver.errors import InputError
 from ..solver.math.arrays import Array
+from ..solver.results.summary import SquareIntegral
+from ..solver.results.summary import spectrum as amplitude_spectrum
 from .frames import pandas
 from .html import curve, table
 

@@ -1,31 +1,23 @@
 """`plymotion.sweep`: the members of a sweep, computed as the command `plymotion sweep` does."""
 
-import os
-import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import plymotion
-from plymotion.solver.commands.cases.command import turn
-from plymotion.solver.commands.ending import INCOMPLETE
-from plymotion.solver.commands.executors import Here
-
-from ..solver.commands.sweep.command import CSV, FILE
-from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
-from ..solver.commands.sweep.member import FINISHED
-from ..solver.commands.sweep.plan import read_plan
-from ..solver.commands.sweep.work import Work, settled
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.inputs.case.reading.specs import write_case
-from ..solver.interrupts import INTERRUPTED
 from ..solver.math.arrays import Array
 from ..solver.package.common.temporary import write_text
+from ..solver.studies.cases import turn
+from ..solver.studies.sweep.file import CSV, FILE, SweepResult, read_sweep, result_of, sweep_csv
+from ..solver.studies.sweep.member import FINISHED
+from ..solver.studies.sweep.plan import read_plan
+from ..solver.studies.sweep.work import Work, settled
+from ..solver.workers.executors import Here, Local
 from .case import Case, as_case
 from .frames import pandas
 from .html import table
@@ -277,45 +269,20 @@ def sweep(
         file = folder / "sweeps" / f"{name}.json"
         if packages is None:
             build_packages_of(file, quiet=not progress)
-        if jobs == 1:
-            _computed_here(file, fresh=fresh, progress=progress)
-        else:
-            _by_command(file, jobs, fresh=fresh, progress=progress)
+        _compute(file, jobs, fresh=fresh, progress=progress)
         return Sweep(file.with_suffix(""))
 
 
-def _computed_here(file: Path, *, fresh: bool, progress: bool) -> None:
-    """Compute a sweep in this process."""
+def _compute(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
+    """Compute a sweep, in this process or in others, which do not import the script of the user."""
     target = file.with_suffix("")
     target.mkdir(parents=True, exist_ok=True)
     plan = read_plan(file)
     settled(plan)
     work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
-    if not work.compute(Here):
+    if not work.compute(Here if jobs == 1 else partial(Local, jobs)):
         raise KeyboardInterrupt
     write_text(target / CSV, sweep_csv(result_of(plan, work.rows)))
-
-
-def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
-    """Compute a sweep by the command, whose processes do not import the script of the user."""
-    words = [
-        "--jobs",
-        str(jobs),
-        "--no-figures",
-        *["--fresh"] * fresh,
-        *["--quiet"] * (not progress),
-    ]
-    # -P: modules of the current folder must not shadow installed ones.
-    command = [sys.executable, "-P", "-m", "plymotion", "sweep", str(file), *words]
-    home = str(Path(plymotion.__file__).resolve().parent.parent)
-    paths = os.pathsep.join(filter(None, [home, os.environ.get("PYTHONPATH")]))
-    done = subprocess.run(
-        command, env={**os.environ, "PYTHONPATH": paths}, stdout=subprocess.DEVNULL
-    )
-    if done.returncode == INTERRUPTED:
-        raise KeyboardInterrupt
-    if done.returncode not in (0, INCOMPLETE):
-        raise InputError(f"{file}: the sweep was not computed, see the messages above")
 
 
 def _listed(vary: Mapping[str, Any]) -> dict[str, Any]:

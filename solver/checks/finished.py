@@ -16,10 +16,10 @@ from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
 from ..math.rows import spans
 from ..mechanism import BuiltMechanism
-from ..monitors.step_sizes import StepSizes
 from ..package import ModalPackage
 from ..results.finding import Finding
 from ..results.schema import ENERGIES, ROUNDING
+from .monitors.step_sizes import StepSizes
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism

@@ -16,12 +16,12 @@ from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..mechanism import build
-from ..monitors.buckling import buckling_text
-from ..monitors.geometric_stiffness import Loading, geometric_stiffness
-from ..monitors.spin import SpinMonitor
 from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION
 from ..results.finding import Finding
 from .finished import FinishedRun
+from .monitors.buckling import buckling_text
+from .monitors.geometric_stiffness import Loading, geometric_stiffness
+from .monitors.spin import SpinMonitor
 
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, did_you_mean
+from ..package.section.codes import CODES, OF_BLADES, TARGETS
+from ..studies.modes.place import at_of
 from .arguments import (
     FOLDERS,
     add_case_options,
@@ -19,8 +21,6 @@ from .arguments import (
     shard,
     whole_number,
 )
-from .modes.place import at_of
-from .section.codes import CODES, OF_BLADES, TARGETS
 
 # Without --out None: a folder that the user has named may be a link.
 EXCHANGED = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
@@ -114,7 +114,7 @@ def add_section(commands: Any) -> None:
     """Add `section` to the subcommands of an argument parser."""
     texts = {"description": SECTION_TEXT, "epilog": SECTION}
     title = "analyse beam cross-sections"
-    parser = add_command(commands, "section", "section.command:run_section", title, **texts)
+    parser = add_command(commands, "section", "bodies.section:run_section", title, **texts)
     add_no_scripts(parser)
     what = parser.add_argument_group("what to make")
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
@@ -156,7 +156,7 @@ def add_shell(commands: Any) -> None:
     """Add `shell` to the subcommands of an argument parser."""
     texts = {"description": SHELL_TEXT, "epilog": SHELL}
     title = "load cases and frequencies of laminated shells"
-    parser = add_command(commands, "shell", "shell.command:run_shell", title, **texts)
+    parser = add_command(commands, "shell", "bodies.shell:run_shell", title, **texts)
     add_no_scripts(parser)
     text = "shell description or shell file"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
@@ -180,7 +180,7 @@ def add_solid(commands: Any) -> None:
     """Add `solid` to the subcommands of an argument parser."""
     texts = {"description": SOLID_TEXT, "epilog": SOLID}
     title = "inertia, frequencies and load cases of solids from CAD"
-    parser = add_command(commands, "solid", "solid.command:run_solid", title, **texts)
+    parser = add_command(commands, "solid", "bodies.solid:run_solid", title, **texts)
     add_no_scripts(parser)
     text = "CAD file, description or package"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
@@ -221,7 +221,7 @@ def add_blade(commands: Any) -> None:
 def add_import(commands: Any) -> None:
     """Add `import` to the subcommands of an argument parser."""
     title = "make a modal package from a body of another code"
-    call = "exchange.command:run_import"
+    call = "bodies.exchange:run_import"
     parser = add_command(commands, "import", call, title, description=IMPORT)
     parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML")
     text = "the other code (default: its key `from`)"
@@ -233,7 +233,7 @@ def add_import(commands: Any) -> None:
 def add_export(commands: Any) -> None:
     """Add `export` to the subcommands of an argument parser."""
     title = "write a modal package in the format of another code"
-    call = "exchange.command:run_export"
+    call = "bodies.exchange:run_export"
     parser = add_command(commands, "export", call, title, description=EXPORT)
     text = "PACKAGE.vtkhdf; with --to fmu CASE.toml"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
@@ -254,15 +254,15 @@ def add_export(commands: Any) -> None:
 def add_package_commands(commands: Any) -> None:
     """Add `experimental`, `info` and `validate` to the subcommands of an argument parser."""
     title = "make a modal package from measured modes (docs/modes.md)"
-    parser = add_command(commands, "experimental", "packages:run_experimental", title)
+    parser = add_command(commands, "experimental", "bodies.packages:run_experimental", title)
     text = "nodes, modes and places of a test, TOML"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     _add_new_package(parser, "--out")
     title = "show the content of a modal package"
-    parser = add_command(commands, "info", "packages:run_info", title)
+    parser = add_command(commands, "info", "bodies.packages:run_info", title)
     parser.add_argument("package", type=Path, metavar="PACKAGE", help=PACKAGE)
     title = "check modal packages against docs/format.md"
-    parser = add_command(commands, "validate", "packages:run_validate", title)
+    parser = add_command(commands, "validate", "bodies.packages:run_validate", title)
     parser.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help=PACKAGE)
 
 

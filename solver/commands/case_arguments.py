@@ -164,7 +164,7 @@ def add_modes(commands: Any) -> None:
     parser = add_command(
         commands,
         "modes",
-        "modes.command:run_modes",
+        "cases.modes:run_modes",
         "frequencies, damping and shapes about a state; Campbell diagram",
         description="Linearise a run about a state: frequencies, damping ratios, shapes.",
         epilog=MODES,
@@ -201,7 +201,7 @@ def add_modes(commands: Any) -> None:
 def add_plan(commands: Any) -> None:
     """Add `plan` to the subcommands of an argument parser."""
     title = "choose the model of a run by its accuracy"
-    parser = add_command(commands, "plan", "plan:run_plan", title, epilog=PLAN)
+    parser = add_command(commands, "plan", "cases.plan:run_plan", title, epilog=PLAN)
     _add_run_of_case(parser)
     flag(parser, "no-check", "indicators only: no run of model and check")
     flag(parser, "json", "print the answer as JSON")
@@ -210,7 +210,7 @@ def add_plan(commands: Any) -> None:
 def add_chart(commands: Any) -> None:
     """Add `chart` to the subcommands of an argument parser."""
     title = "draw error against CPU time of the models of a run with [fidelity]"
-    parser = add_command(commands, "chart", "plan:run_chart", title)
+    parser = add_command(commands, "chart", "cases.plan:run_chart", title)
     _add_run_of_case(parser)
     text = "the chart (default: DIR/plans/RUN.png)"
     parser.add_argument("--figure", type=Path, metavar="PNG", help=text)
@@ -219,7 +219,7 @@ def add_chart(commands: Any) -> None:
 def add_packages_command(commands: Any) -> None:
     """Add `packages` to the subcommands of an argument parser."""
     title = "build the modal packages of runs and sweeps"
-    call = "packages:run_packages"
+    call = "bodies.packages:run_packages"
     parser = add_command(commands, "packages", call, title, epilog=PACKAGES)
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="run or sweep file")
     add_executor(parser, "bodies")
@@ -230,7 +230,7 @@ def add_packages_command(commands: Any) -> None:
 def add_sweep(commands: Any) -> None:
     """Add `sweep` to the subcommands of an argument parser."""
     title = "integrate the members of a sweep"
-    parser = add_command(commands, "sweep", "sweep.command:run_sweep", title, epilog=SWEEP)
+    parser = add_command(commands, "sweep", "cases.sweep:run_sweep", title, epilog=SWEEP)
     _add_place(parser)
     add_doubtful(parser)
     text = "only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see `merge`"
@@ -246,7 +246,7 @@ def add_sweep(commands: Any) -> None:
 def add_merge(commands: Any) -> None:
     """Add `merge` to the subcommands of an argument parser."""
     title = "merge the shards of a sweep into one file"
-    parser = add_command(commands, "merge", "sweep.command:run_merge", title, epilog=MERGE)
+    parser = add_command(commands, "merge", "cases.sweep:run_merge", title, epilog=MERGE)
     _add_place(parser)
     _add_shown(parser)
 

@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
+from ..checks.monitors.buckling import BucklingMonitor
+from ..checks.monitors.singularity import SingularityMonitor
+from ..checks.monitors.spin import SpinMonitor
+from ..checks.monitors.step_sizes import StepSizes
+from ..checks.monitors.together import Monitors
 from ..dynamics.analysis.scales import scales
 from ..dynamics.elements.constraints.treatment import Treatment, treated
 from ..dynamics.model.model import Model
@@ -21,11 +26,6 @@ from ..mechanism.consistent.initial import redundancy
 from ..mechanism.starting.moved import moved_findings
 from ..mechanism.starting.relative_equilibrium import given_spin
 from ..mechanism.starting.start import starting_state
-from ..monitors.buckling import BucklingMonitor
-from ..monitors.singularity import SingularityMonitor
-from ..monitors.spin import SpinMonitor
-from ..monitors.step_sizes import StepSizes
-from ..monitors.together import Monitors
 from ..package import ModalPackage
 from ..results.codes import SINGULAR
 from ..results.finding import Finding

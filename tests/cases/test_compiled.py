@@ -66,7 +66,7 @@ RUNS = {
 def ahead():
     """Everything compiled, as `make` does before its first run."""
     words = _python(
-        "from plymotion.solver.commands.compile import compile_ahead\n"
+        "from plymotion.solver.studies.compiling import compile_ahead\n"
         "if __name__ == '__main__':\n"
         "    print(compile_ahead(everything=True))\n"
     )
@@ -130,7 +130,7 @@ def test_planning_compiles_nothing(ahead, repository):
     words = _python(
         "import sys; sys.path[:0] = sys.argv[1:]\n"
         "from fidelity_samples import pendulum, planned_run\n"
-        "from plymotion.solver.fidelity.delivery.execution import checked, plan_of\n"
+        "from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of\n"
         "from plymotion.solver.math.compiled import statistics\n"
         "table = pendulum(t_end=0.1)\n"
         "print(checked(plan_of(*planned_run(table, 'soft'))).verdict, statistics.compiled)\n",

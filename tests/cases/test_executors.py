@@ -19,11 +19,11 @@ from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands import executors
-from plymotion.solver.commands.executors import FRUITLESS, Here, Local, distribute
-from plymotion.solver.commands.sweep import work
-from plymotion.solver.commands.sweep.file import read_sweep
-from plymotion.solver.commands.sweep.work import Portions
 from plymotion.solver.errors import InputError
+from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep.file import read_sweep
+from plymotion.solver.studies.sweep.work import Portions
+from plymotion.solver.workers.executors import FRUITLESS, Here, Local, distribute
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 MEMBERS = f"{FORCE} = [0.0, 1.0, 1e300, 2.0, 3.0]\n{MASS} = [1.0, 1.5, 2.0, 2.5]"
@@ -155,8 +155,8 @@ def test_workers_end_with_their_parent(tmp_path, number):
     code = (
         "import sys\n"
         "from executor_samples import Numbers, sleeps\n"
-        "from plymotion.solver.commands.executors import distribute\n"
-        "from plymotion.solver.commands.executors import Local\n"
+        "from plymotion.solver.workers.executors import distribute\n"
+        "from plymotion.solver.workers.executors import Local\n"
         "if __name__ == '__main__':\n"
         "    distribute(Local(2), Numbers(sleeps, sys.argv[1], range(2)))\n"
     )
@@ -259,7 +259,7 @@ KILLED = """
 import sys
 import executor_samples
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import work
+from plymotion.solver.studies.sweep import work
 work.compute_portion = executor_samples.noted_portion
 work.SAVE_S = 0.0  # each row at once
 sys.exit(main(sys.argv[1:]))

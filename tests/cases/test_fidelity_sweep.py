@@ -8,8 +8,8 @@ from fidelity_packages import CASE, build_bodies
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.results.codes import PLAN_TOO_COARSE
+from plymotion.solver.studies.sweep.file import read_sweep
 
 # A member of 60 kg needs more than the plan of the base in a longer run only.
 LONG = CASE.replace("t_end = 0.1", "t_end = 0.3")

@@ -11,11 +11,11 @@ from case_samples import HEAD, SOLVER, rigid
 from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import work
-from plymotion.solver.commands.sweep.file import read_sweep
-from plymotion.solver.commands.sweep.member import Packages, compute
 from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep.file import read_sweep
+from plymotion.solver.studies.sweep.member import Packages, compute
 
 BRIEF = """
 [variants.brief.solver]
@@ -203,7 +203,7 @@ def test_the_half_may_be_named(capsys):
 @pytest.mark.provokes("defect")
 def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     """An error that no input explains: its words in the row, the traceback for us."""
-    from plymotion.solver.commands.sweep import member
+    from plymotion.solver.studies.sweep import member
 
     prepare = member.prepare
 
@@ -301,7 +301,7 @@ def test_what_is_no_sweep_file(text, tmp_path, capsys):
     ],
 )
 def test_figures(vary, shape, tmp_path, monkeypatch):
-    from plymotion.solver.commands.sweep import show
+    from plymotion.solver.studies.sweep import show
 
     drawn = []
     for name in ("_curves", "_map", "_points"):

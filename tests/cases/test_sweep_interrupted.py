@@ -10,9 +10,9 @@ import numpy as np
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import work
-from plymotion.solver.commands.sweep.file import read_sweep
-from plymotion.solver.commands.sweep.member import Packages, compute
+from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep.file import read_sweep
+from plymotion.solver.studies.sweep.member import Packages, compute
 
 
 def sweep(file, *options) -> int:
@@ -52,7 +52,7 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
 
 def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatch):
     """Ctrl-C while the second member of a portion is prepared: the first is not lost."""
-    from plymotion.solver.commands.sweep import member
+    from plymotion.solver.studies.sweep import member
 
     prepare = member.prepare
 
@@ -78,7 +78,7 @@ def test_ctrl_c_within_a_member(tmp_path):
     file.write_text(json.dumps(table))
     code = (
         "import sys\n"
-        "from plymotion.solver.monitors.together import Monitors\n"
+        "from plymotion.solver.checks.monitors.together import Monitors\n"
         "from plymotion.solver.__main__ import main\n"
         "watch = Monitors.__call__\n"
         "def told(self, steps):\n"

@@ -2,7 +2,7 @@
 
 import ast
 
-ROOMS = ("math", "dynamics", "integrators", "monitors")
+ROOMS = ("math", "dynamics", "integrators", "checks/monitors")
 KINDS = {"lean", "jit", "inlined"}
 MAKERS = {"array", "zeros", "empty", "ones", "eye", "full", "concatenate", "copy", "linspace"}
 

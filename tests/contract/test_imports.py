@@ -116,6 +116,7 @@ PLANTED = [  # folder, forbidden import, contract that it breaks
     ("solver/integrators/generic", "from ... import dynamics", "integrators"),
     ("solver/package", "import scipy", "package"),
     ("solver/report", "from plymotion.api import case", "python"),
+    ("plymotion/api", "from ..solver.commands import parser", "api"),
 ]
 
 

@@ -10,8 +10,8 @@ from shutil import which
 import numpy as np
 import pytest
 
-from plymotion.solver.commands.fenicsx_side import launch
-from plymotion.solver.commands.section.results import read_results
+from plymotion.solver.report.section.results import read_results
+from plymotion.solver.workers import launch
 
 SECTION = """format = 1
 title = "Tube"

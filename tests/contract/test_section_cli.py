@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.fenicsx_side import interpreter
-from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.errors import InputError
 from plymotion.solver.package.section.io import read_section
+from plymotion.solver.workers import interpreter
+from plymotion.solver.workers.interpreter import find_interpreter
 
 BAR = """
 format = 1

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from fmu_samples import Instance, fmpy, slider
 
-from plymotion.solver.commands.exchange.fmu.write import LIBRARY
+from plymotion.solver.extras.fmu.write import LIBRARY
 
 __all__ = ["fmpy", "slider"]  # fixtures
 

@@ -11,7 +11,7 @@ from shell_specs import METAL, SCRIPTS
 
 from plymotion.preprocess import section
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.solver.fidelity.indicators.beam_theory import (
+from plymotion.solver.studies.fidelity.indicators.beam_theory import (
     Walls,
     local_frequency,
     ovalisation,

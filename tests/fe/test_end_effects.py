@@ -16,8 +16,8 @@ from solid_prism import held_compliance
 
 from plymotion.preprocess.materials import material_from_dict
 from plymotion.preprocess.section import analyse
-from plymotion.solver.fidelity.indicators.beam_theory import OTHER_END
 from plymotion.solver.inputs.section.shapes.library import expand
+from plymotion.solver.studies.fidelity.indicators.beam_theory import OTHER_END
 
 Record = Callable[[str, Any], None]
 FOAM = {"kind": "isotropic", "E": 70e6, "nu": 0.3, "rho": 60.0}

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.solver.commands.section.show import judged_peaks
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.package.section.corners import reentrant_corners
+from plymotion.solver.report.section.show import judged_peaks
 
 SIZES: dict[str, dict[str, Any]] = {
     "box": {"width": 0.03, "height": 0.02, "wall": 0.002},

@@ -8,16 +8,16 @@ import pytest
 from section_cases import section
 
 from plymotion.preprocess.section import analyse
-from plymotion.solver.commands.section.conventions import convert, transform
-from plymotion.solver.commands.section.writers import (
+from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.section.codes.other_codes import spec_of_another_code
+from plymotion.solver.report.section.conventions import convert, transform
+from plymotion.solver.report.section.writers import (
     turning_cells,
     write_beamdyn,
     write_becas,
     write_hawc2,
     write_vabs,
 )
-from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.codes.other_codes import spec_of_another_code
 
 
 @pytest.fixture(scope="module")

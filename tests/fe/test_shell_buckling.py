@@ -18,7 +18,7 @@ from shell_squares import lamina
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
 from plymotion.preprocess.shell.model.problem import ShellProblem
-from plymotion.solver.commands.shell.findings import case_findings
+from plymotion.solver.report.shell.findings import case_findings
 
 Record = Callable[[str, Any], None]
 QUADS = {"element": "quadrilateral"}

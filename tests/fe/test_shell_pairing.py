@@ -10,8 +10,8 @@ from shell_specs import plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem
-from plymotion.solver.commands.shell.show_json import shell_json
 from plymotion.solver.package.shell.cells import corner_counts
+from plymotion.solver.report.shell.show_json import shell_json
 
 pytestmark = pytest.mark.one_end
 QUADS = {"element": "quadrilateral"}

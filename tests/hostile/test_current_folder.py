@@ -15,9 +15,9 @@ import pytest
 from hostile_profile import count, tries
 from package_samples import cantilever
 
-from plymotion.solver.commands.fenicsx_side import interpreter
 from plymotion.solver.math.disk_cache import DiskCache
 from plymotion.solver.package import read_package, write_package
+from plymotion.solver.workers import interpreter
 
 posix = pytest.mark.skipif(os.name != "posix", reason="rights of files")
 

@@ -18,12 +18,12 @@ from hostile_profile import MISSED, WAIT_S, count, tries
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.package.section.io import read_section
 from plymotion.solver.results import read_summary
+from plymotion.solver.studies.sweep.file import read_sweep
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals
 PAUSED = """
 import os, sys, time
 import plymotion.solver.results.datasets as d
-from plymotion.solver.monitors.together import Monitors
+from plymotion.solver.checks.monitors.together import Monitors
 from plymotion.solver.__main__ import main
 where, go = sys.argv[1:3]
 watch, put, seen = Monitors.__call__, d.Datasets.put, []
@@ -192,7 +192,7 @@ def test_writing_stops_soon_after_a_signal(tmp_path, where):
 STARTS = """
 import signal
 from multiprocessing import util
-from plymotion.solver.commands.compile import compile_ahead
+from plymotion.solver.studies.compiling import compile_ahead
 start = util.spawnv_passfds
 def told(path, words, files):
     blocked = sorted(map(int, signal.pthread_sigmask(signal.SIG_BLOCK, [])))
@@ -280,8 +280,8 @@ def test_workers_hear_no_signal_before_they_ignore_it(tmp_path):
     """They are started with signals blocked, which is in force from their first instruction."""
     if not Path("/proc/self/status").is_file():
         pytest.skip("reads masks of signals from Linux")
-    from plymotion.solver.commands.executors import _Process
     from plymotion.solver.interrupts import shielded
+    from plymotion.solver.workers.executors import _Process
 
     with shielded():
         worker = _Process()

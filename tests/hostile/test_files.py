@@ -18,15 +18,15 @@ from shell_file_samples import plate
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.section.results import read_results
-from plymotion.solver.commands.sweep.file import believed_rows, read_sweep
 from plymotion.solver.errors import InputError, PackageError
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.common.container import content_sha256
 from plymotion.solver.package.common.identity import write_file_checksum
 from plymotion.solver.package.section.io import read_section, write_section
 from plymotion.solver.package.shell.io import read_shell, write_shell
+from plymotion.solver.report.section.results import read_results
 from plymotion.solver.results import read_result, write_result
+from plymotion.solver.studies.sweep.file import believed_rows, read_sweep
 
 REFUSED = (PackageError, InputError)
 

@@ -19,12 +19,12 @@ from hostile_profile import count, tries
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.commands.blade.stations import TEXT
-from plymotion.solver.commands.section.summary import Row, write_summary
-from plymotion.solver.commands.section.writers import write_beamdyn, write_hawc2
-from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.choice.plan_file import write_plan
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.common.toml_text import toml_text, toml_value
+from plymotion.solver.report.section.summary import Row, write_summary
+from plymotion.solver.report.section.writers import write_beamdyn, write_hawc2
+from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
+from plymotion.solver.studies.fidelity.choice.plan_file import write_plan
 
 # Ends of a string, of a comment, of a line, of a docstring; what an f-string or a format takes.
 NAMES = [
@@ -196,7 +196,7 @@ def test_toml_that_we_write_is_what_it_was(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_description_of_an_fmu_is_xml(name: str, tmp_path: Path) -> None:
-    from plymotion.solver.commands.exchange.fmu.write import description
+    from plymotion.solver.extras.fmu.write import description
     from plymotion.solver.inputs.case import load_case
     from plymotion.solver.inputs.case.reading.specs import write_case
     from plymotion.solver.run.coupled import Stepper

@@ -3,9 +3,9 @@
 import pytest
 
 from plymotion.solver.__main__ import main, parser
-from plymotion.solver.commands.executors import Local
-from plymotion.solver.commands.fenicsx_side.launch import start_of
 from plymotion.solver.inputs.scripts import scripts
+from plymotion.solver.workers.executors import Local
+from plymotion.solver.workers.launch import start_of
 
 
 @pytest.mark.parametrize("command", ["section", "shell"])

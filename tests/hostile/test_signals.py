@@ -15,10 +15,10 @@ from hostile_profile import WAIT_S, count
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.results import read_result
+from plymotion.solver.studies.sweep.file import read_sweep
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -35,8 +35,8 @@ vary = { end = { keys = ["solver.t_end"], values = [0.1, 0.2, 1e5] } }
 TOLD = """
 import sys, time
 import plymotion.solver.run.execution as r
-from plymotion.solver.commands.sweep import work
-from plymotion.solver.monitors.together import Monitors
+from plymotion.solver.studies.sweep import work
+from plymotion.solver.checks.monitors.together import Monitors
 from plymotion.solver.__main__ import main
 watch, write = Monitors.__call__, r.write_result
 def told(self, steps):

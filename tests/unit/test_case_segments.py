@@ -9,7 +9,6 @@ import pytest
 from segment_samples import cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
@@ -17,6 +16,7 @@ from plymotion.solver.inputs.case.checks.check import in_parts
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.execution import execute
+from plymotion.solver.studies.sweep.plan import read_plan
 
 CASE = """
 format = 1

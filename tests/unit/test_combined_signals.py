@@ -8,11 +8,11 @@ import pytest
 from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.reading.load import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.sweep.file import read_sweep
 
 # Two balls on a plane, thrown; the run "calm" has no gravity and half the speed along x.
 BALLS = (

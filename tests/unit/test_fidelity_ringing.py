@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plymotion.solver.fidelity.indicators.response import newmark, ringing
+from plymotion.solver.studies.fidelity.indicators.response import newmark, ringing
 
 
 def test_one_mode_rings_with_the_rate_over_its_frequency():

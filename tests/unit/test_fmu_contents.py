@@ -2,7 +2,7 @@
 
 from case_samples import HEAD, SOLVER
 
-from plymotion.solver.commands.exchange.fmu.write import write_contents
+from plymotion.solver.extras.fmu.write import write_contents
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.run.execution import execute, read_run

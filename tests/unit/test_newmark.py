@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.fidelity.indicators.response import BETA, GAMMA, newmark
+from plymotion.solver.studies.fidelity.indicators.response import BETA, GAMMA, newmark
 
 
 def one(value):

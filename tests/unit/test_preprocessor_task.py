@@ -5,8 +5,8 @@ import os
 import pytest
 
 import plymotion as pm
-from plymotion.solver.commands.fenicsx_side import launch
 from plymotion.solver.errors import InputError
+from plymotion.solver.workers import launch
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a script without suffix does not run there")

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plymotion.solver.commands.section.conventions import (
+from plymotion.solver.errors import InputError
+from plymotion.solver.report.section.conventions import (
     BLADE_AXES_LEADING_EDGE,
     BLADE_AXES_TRAILING_EDGE,
     CODES,
     convert,
     transform,
 )
-from plymotion.solver.errors import InputError
 
 FOLDER = Path(__file__).resolve().parents[1] / "reference" / "sections"
 SECTIONS = ("11_iso_channel_chen2010", "14_aniso_tube_45", "21_box_layup2_30_0")

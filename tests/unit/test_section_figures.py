@@ -8,16 +8,16 @@ import pytest
 from matplotlib.image import imread
 from section_samples import rectangle
 
-from plymotion.solver.commands.section.figures.drawing import (
+from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.section.schema import Ply, SectionFile
+from plymotion.solver.package.section.stress import cell_means, unit_stress
+from plymotion.solver.report.section.drawing import (
     CellField,
     detail_of,
     ply_colours,
     shape_of,
 )
-from plymotion.solver.commands.section.figures.section import draw_section, shear_flow
-from plymotion.solver.package.common.replaceable import RECORD
-from plymotion.solver.package.section.schema import Ply, SectionFile
-from plymotion.solver.package.section.stress import cell_means, unit_stress
+from plymotion.solver.report.section.figures import draw_section, shear_flow
 
 
 def with_material(kind: str, *plies: Ply) -> SectionFile:

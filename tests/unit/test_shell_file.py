@@ -12,11 +12,11 @@ import pytest
 from ply_stresses import shell_file_ply_stress
 from shell_file_samples import plate
 
-from plymotion.solver.commands.shell.show import shell_text
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.common.dataset import field_values, layout
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.package.shell.schema import ShellFile
+from plymotion.solver.report.shell.show import shell_text
 
 
 @pytest.fixture(scope="module")

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
-from plymotion.solver.commands.cases.packages import named_packages, needed_specs
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.inputs.case.sweep.sweep_keys import differences
 from plymotion.solver.inputs.case.tables.sweeps import Sweep, Variation
+from plymotion.solver.workers.packages import named_packages, needed_specs
 
 
 def points(**table):

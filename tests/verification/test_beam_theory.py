@@ -7,10 +7,12 @@ import pytest
 from beam_samples import reduced
 from fidelity_samples import pendulum, planned_run
 
-from plymotion.solver.fidelity.base.model import with_values
-from plymotion.solver.fidelity.delivery.execution import plan_of
-from plymotion.solver.fidelity.delivery.words import answer_text, entry
-from plymotion.solver.fidelity.indicators.beam_theory import (
+from plymotion.solver.inputs.case.tables.section_schema import DescribedSection
+from plymotion.solver.package import ModalPackage
+from plymotion.solver.studies.fidelity.base.model import with_values
+from plymotion.solver.studies.fidelity.delivery.execution import plan_of
+from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.studies.fidelity.indicators.beam_theory import (
     Walls,
     held_lengths,
     local_frequency,
@@ -19,8 +21,6 @@ from plymotion.solver.fidelity.indicators.beam_theory import (
     short_waves,
     warping_decay,
 )
-from plymotion.solver.inputs.case.tables.section_schema import DescribedSection
-from plymotion.solver.package import ModalPackage
 
 E, NU, RHO = 70e9, 0.3, 2700.0
 

@@ -8,10 +8,10 @@ from constraint_runs import new_run, prepared, run
 from mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
+from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.derivative import by_blocks, derivative
 from plymotion.solver.integrators.generic import integrate, new_integrator
-from plymotion.solver.monitors.singularity import SingularityMonitor
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 

@@ -9,9 +9,9 @@ import pytest
 from segment_samples import cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.commands.modes.found import find_modes
-from plymotion.solver.commands.modes.place import at_of
-from plymotion.solver.commands.modes.state import States
+from plymotion.solver.studies.modes.found import find_modes
+from plymotion.solver.studies.modes.place import at_of
+from plymotion.solver.studies.modes.state import States
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ import pytest
 from case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.report import make_report
@@ -22,6 +21,7 @@ from plymotion.solver.strength.fatigue import (
     fatigue_summary,
     rainflow_cycles,
 )
+from plymotion.solver.studies.sweep.file import read_sweep
 
 LINE = StressLife(np.array([400e6, 100e6]), np.array([1e3, 1e7]))
 SLOPE = math.log(1e7 / 1e3) / math.log(4.0)

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from fidelity_samples import pendulum, planned_run, true_signals
 
-from plymotion.solver.fidelity.base.comparison import difference, scales
-from plymotion.solver.fidelity.base.model import Rich
-from plymotion.solver.fidelity.base.plan import BodyPlan
-from plymotion.solver.fidelity.check.answer import Answer
-from plymotion.solver.fidelity.check.checking import Checking
-from plymotion.solver.fidelity.check.horizon import horizon
-from plymotion.solver.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.fidelity.delivery.words import answer_text, entry
-from plymotion.solver.fidelity.indicators.response import modal_loads
 from plymotion.solver.math.compiled import statistics
 from plymotion.solver.mechanism import build
+from plymotion.solver.studies.fidelity.base.comparison import difference, scales
+from plymotion.solver.studies.fidelity.base.model import Rich
+from plymotion.solver.studies.fidelity.base.plan import BodyPlan
+from plymotion.solver.studies.fidelity.check.answer import Answer
+from plymotion.solver.studies.fidelity.check.checking import Checking
+from plymotion.solver.studies.fidelity.check.horizon import horizon
+from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.studies.fidelity.indicators.response import modal_loads
 
 SCENES = {
     "stiff": (pendulum(t_end=0.2), "stiff"),

@@ -5,12 +5,12 @@ import pytest
 from fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.dynamics.evaluation.derivative import residuals
-from plymotion.solver.fidelity.base.comparison import difference, scales
-from plymotion.solver.fidelity.base.model import with_values
-from plymotion.solver.fidelity.delivery.execution import plan_of
-from plymotion.solver.fidelity.indicators.loaded import without_second_order
-from plymotion.solver.fidelity.indicators.response import samples
 from plymotion.solver.mechanism import build
+from plymotion.solver.studies.fidelity.base.comparison import difference, scales
+from plymotion.solver.studies.fidelity.base.model import with_values
+from plymotion.solver.studies.fidelity.delivery.execution import plan_of
+from plymotion.solver.studies.fidelity.indicators.loaded import without_second_order
+from plymotion.solver.studies.fidelity.indicators.response import samples
 
 
 @pytest.mark.parametrize("signal", ["force", "bending", "tip_y"])

@@ -6,12 +6,12 @@ import numpy as np
 from fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, masses_and_jacobians
-from plymotion.solver.fidelity.base.model import check_plan, vibration_labels
-from plymotion.solver.fidelity.base.plan import BodyPlan, Plan, kind_of
-from plymotion.solver.fidelity.check.checking import Checking
-from plymotion.solver.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.fidelity.delivery.words import answer_text, entry, fidelity_line
-from plymotion.solver.fidelity.indicators.responding import telling_times
+from plymotion.solver.studies.fidelity.base.model import check_plan, vibration_labels
+from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan, kind_of
+from plymotion.solver.studies.fidelity.check.checking import Checking
+from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry, fidelity_line
+from plymotion.solver.studies.fidelity.indicators.responding import telling_times
 
 
 def short(**fidelity):

@@ -2,10 +2,10 @@
 
 from fidelity_samples import Table, pendulum, planned_run
 
-from plymotion.solver.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.fidelity.delivery.words import answer_text, entry
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry
 
 
 def rigid_pendulum() -> Table:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from fidelity_samples import Z, link, pendulum, planned_run
 
-from plymotion.solver.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.fidelity.delivery.words import answer_text
+from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.delivery.words import answer_text
 
 
 def point(kind, at, component="z"):

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from fidelity_samples import INTERFACES, pendulum, planned_run, true_signals
 
-from plymotion.solver.fidelity.base.comparison import difference, scales
-from plymotion.solver.fidelity.base.model import with_values
-from plymotion.solver.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.check.answer import Answer
-from plymotion.solver.fidelity.delivery.execution import checked, plan_of
 from plymotion.solver.inputs.case.tables.shell_schema import ShellBody
+from plymotion.solver.studies.fidelity.base.comparison import difference, scales
+from plymotion.solver.studies.fidelity.base.model import with_values
+from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
+from plymotion.solver.studies.fidelity.check.answer import Answer
+from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
 
 SHELL = ShellBody.model_validate(
     {

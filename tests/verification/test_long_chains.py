@@ -6,6 +6,8 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import bricard, chain, four_bars, pendulum
 from two_body_samples import two_bodies
 
+from plymotion.solver.checks.monitors.observation import observe
+from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.elements.joints.table import DRIVES, NAMES
@@ -15,8 +17,6 @@ from plymotion.solver.dynamics.linear_algebra.dependence import REGULAR, is_tree
 from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.monitors.observation import observe
-from plymotion.solver.monitors.singularity import SingularityMonitor
 
 LINKS = 400
 

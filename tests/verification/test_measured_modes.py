@@ -8,7 +8,7 @@ import scipy.linalg
 from beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 from flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.commands.measured_modes import experimental_package, load_measurement
+from plymotion.solver.extras.measured_modes import experimental_package, load_measurement
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import flexible_body
 from plymotion.solver.package import ModalPackage

@@ -7,6 +7,8 @@ import pytest
 from constraint_runs import new_run, prepared
 from mechanism_samples import bricard, chain, four_bars
 
+from plymotion.solver.checks.monitors.observation import new_observation, note, observe
+from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.analysis.independence import CERTAIN, begin, new_independence
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
@@ -15,8 +17,6 @@ from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import Steps, integrate
-from plymotion.solver.monitors.observation import new_observation, note, observe
-from plymotion.solver.monitors.singularity import SingularityMonitor
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.preparation import prepare

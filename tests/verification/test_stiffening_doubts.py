@@ -10,6 +10,8 @@ from beam_samples import CLAMPED, reduced
 from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
 from plymotion.solver.checks.finished import FinishedRun
+from plymotion.solver.checks.monitors.geometric_stiffness import Loading, geometric_stiffness
+from plymotion.solver.checks.monitors.spin import SpinMonitor
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble
@@ -17,8 +19,6 @@ from plymotion.solver.dynamics.evaluation.derivative import derivative
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
-from plymotion.solver.monitors.geometric_stiffness import Loading, geometric_stiffness
-from plymotion.solver.monitors.spin import SpinMonitor
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH = 0.5

@@ -11,12 +11,12 @@ from ...errors import InputError
 from ...inputs.case.file import CASE_FILE
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
+from ...studies.exit_codes import DEFECT, report, worst
+from ..bodies.described import USER_ERROR
+from ..bodies.section import run_section
 from ..body_arguments import add_section
 from ..case_arguments import add_modes
-from ..described import USER_ERROR
-from ..ending import DEFECT, report, worst
-from ..modes.command import run_modes
-from ..section.command import run_section
+from ..cases.modes import run_modes
 from .layers import StationMesh
 from .station import write_station
 from .stations import (

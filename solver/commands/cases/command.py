@@ -3,19 +3,19 @@
 import argparse
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...errors import InputError, few, nearest
-from ...inputs.case.file import case_file, case_name
+from ...errors import InputError
+from ...inputs.case.file import case_file
+from ...interrupts import INTERRUPTED
 from ...math.cores import cores
 from ...math.digests import state_of, state_since
 from ...package.common.replaceable import RECORD as FILES
-from ...package.common.replaceable import refuse_link
-from ..ending import INCOMPLETE, INPUT, INTERRUPTED, worst
-from .finished import (
+from ...studies.cases import build_folder, chosen_runs, chosen_sweeps, turn
+from ...studies.exit_codes import INCOMPLETE, INPUT, worst
+from ...studies.finished import (
     RECORD,
     finished_before,
     note_finished,
@@ -24,109 +24,14 @@ from .finished import (
 )
 
 if TYPE_CHECKING:
-    from ...inputs.case.reading.load import Case
-
-# Which case, which of its runs and sweeps, which folder: for all commands with a case file.
-
-
-def build_folder(file: Path, *, coarse: bool = False) -> Path:
-    """Return build/<case>, or build/<case>-coarse, of a case file or the folder of one."""
-    return Path("build") / (case_name(case_file(file)) + ("-coarse" if coarse else ""))
-
-
-def chosen_runs(case: "Case", names: Sequence[str] | None) -> list[str]:
-    """Return the runs asked for in the order of the case; all of them if none is named."""
-    return _chosen(case, "--run", "run", names, case.runs) or list(case.runs)
-
-
-def chosen_sweeps(case: "Case", names: Sequence[str] | None) -> list[str]:
-    """Return the sweeps asked for in the order of the case."""
-    return _chosen(case, "--sweep", "sweep", names, case.top.sweeps)
-
-
-def chosen_run(case: "Case", name: str | None, *, only: bool = False) -> str:
-    """Return the run asked for; if none is named the first one, or with `only` the only one."""
-    if only and name is None and len(case.runs) > 1:
-        raise InputError(f"--run: expected one of {few(case.runs)}")
-    return chosen_runs(case, None if name is None else [name])[0]
-
-
-def _chosen(
-    case: "Case", option: str, kind: str, names: Sequence[str] | None, known: Iterable[str]
-) -> list[str]:
-    every = list(known)
-    for name in names or ():
-        if name not in every:
-            hint = nearest(name, every)
-            raise InputError(f"{option} {name}: {case.file} has no such {kind}{hint}")
-    return [name for name in every if name in (names or ())]
-
-
-# One command at a time works in the folder of a case; the others wait for it.
-
-POLL_S = 0.1
-
-
-@contextmanager
-def turn(folder: Path, *, quiet: bool = False) -> Iterator[None]:
-    """Lock a folder, which is made if missing; the end of the process, however it ends, unlocks it.
-
-    Without such locks (Windows), commands are not serialised.
-    """
-    refuse_link(folder / "any")
-    try:
-        import fcntl
-        import os
-    except ImportError:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield
-        return
-    made = _make(folder)
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        told = quiet
-        while True:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if not told:
-                    print(f"{folder}: waiting for another command", file=sys.stderr, flush=True)
-                told = True
-                time.sleep(POLL_S)
-            except OSError:  # a file system without locks
-                break
-        yield
-    finally:
-        os.close(descriptor)
-        _remove_empty(made)
-
-
-def _make(folder: Path) -> list[Path]:
-    """Make a folder and those above it; return the new ones, the innermost first."""
-    new = [each for each in (folder, *folder.parents) if not each.exists()]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError) as error:
-        raise InputError(f"--out {folder}: expected a folder, found a file") from error
-    return new
-
-
-def _remove_empty(folders: list[Path]) -> None:
-    """Remove folders in which a command that failed has left nothing."""
-    for folder in folders:
-        try:
-            folder.rmdir()
-        except OSError:
-            return
-
+    pass
 
 # The sweeps of a case that a command was asked for.
 
 
 def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace, jobs: int) -> int:
     """Compute sweeps whose bodies are built; return the worst exit code."""
-    from ..sweep.command import run_sweep  # the solver takes 0.2 s to import
+    from .sweep import run_sweep  # the solver takes 0.2 s to import
 
     codes = []
     for name in names:
@@ -160,7 +65,7 @@ def run_any(options: argparse.Namespace) -> int:
     """Take a case to its report, or integrate run files; return the worst exit code."""
     if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
         return run_case(options)
-    from ..run import run_runs
+    from .run import run_runs
 
     return run_runs(options)
 
@@ -195,7 +100,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     from ...inputs.case.reading.output_folder import MANIFEST
     from ...inputs.case.reading.source_files import source_files
     from ...inputs.case.reading.specs import write_case
-    from .packages import named_packages
+    from ...workers.packages import named_packages
 
     def say(text: str) -> None:
         """Tell of a stage, so that a long one is not silent."""
@@ -242,8 +147,8 @@ def _build(
     keep_going: bool,
 ) -> None:
     """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
-    from ..executors import Local
-    from .packages import BodiesFailed, build_packages, needed_specs
+    from ...workers.executors import Local
+    from ...workers.packages import BodiesFailed, build_packages, needed_specs
 
     for folder, specs in needed_specs(named).items():
         say(f"bodies: {len(specs)}")
@@ -262,7 +167,7 @@ def _integrated(
     out: Path, runs: Sequence[str], options: argparse.Namespace, jobs: int, say: Say
 ) -> tuple[int, str]:
     """Integrate runs and write their report; return the exit code and what was written."""
-    from ..run import run_files
+    from ...studies.runs import run_files
 
     say(f"runs: {len(runs)}")
     code = run_files(

@@ -3,7 +3,13 @@
 from ...math.digests import sources_sha256
 
 # Parts of solver/ that have no part in the motion of a mechanism.
-_APART = ("solver/__main__.py", "solver/commands/", "solver/report/")
+_APART = (
+    "solver/__main__.py",
+    "solver/commands/",
+    "solver/extras/",
+    "solver/report/",
+    "solver/workers/",
+)
 
 
 def solver_sha256() -> str:

@@ -1,0 +1,212 @@
+"""Watch a run for the states in which a linear flexible body stops being valid."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...dynamics.elements.bodies.floating_frame import centrifugal_matrix
+from ...dynamics.elements.joints.table import RIGID
+from ...dynamics.model.model import GROUND, Model
+from ...integrators.generic import Steps, StopRequest
+from ...integrators.generic.base import Dense
+from ...math.arrays import Array
+from ...results.codes import SPIN
+from ...results.finding import Finding
+
+
+@dataclass(frozen=True)
+class CarriedMass:
+    """A mass that moves with an interface of a flexible body and is not in its own M."""
+
+    body: int
+    phi: Array  # (3, m)
+    mass: float
+
+
+def carried_masses(model: Model) -> list[CarriedMass]:
+    """Rigid bodies fixed at the interfaces of flexible bodies.
+
+    Heavy point masses are such bodies (mechanism/building/virtual.py); T11 has the others.
+    """
+    found = []
+    for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
+        for side in (0, 1):
+            marker, other = (int(model.joint_marker[joint, s]) for s in (side, 1 - side))
+            body = int(model.marker_body[other])
+            if body != GROUND and model.n_mode[body] == 0:
+                found.append((marker, float(model.mass[body])))
+    carried = []
+    for marker, mass in found:
+        body = int(model.marker_body[marker])
+        if body != GROUND and model.n_mode[body] > 0:
+            m = int(model.n_mode[body])
+            s = int(model.marker_start[marker])
+            phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
+            carried.append(CarriedMass(body, phi, mass))
+    return carried
+
+
+@dataclass
+class SpinMonitor:
+    """Find the instant when spinning takes away the last stiffness of a linear body.
+
+    Criterion, for every flexible body: the smallest eigenvalue of
+    K_ij - w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), masses carried
+    at its interfaces included once, is positive. Bodies with geometric stiffening are left out.
+    """
+
+    model: Model
+    body_names: list[str]
+    stop: bool = True
+    findings: list[Finding] = field(default_factory=list)  # one for each invalid body
+
+    def __post_init__(self) -> None:
+        self._carried = carried_masses(self.model)
+        # A stiffened body does not lose its stiffness by spinning: see indicators.py.
+        stiffened = np.diff(self.model.second_start) > 0
+        self._flexible = [
+            i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
+        ]
+        self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
+        self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
+
+    def _spin_without_doubt(self, body: int) -> float:
+        """Spin below which the margin is positive about any axis: no eigenvalues needed there."""
+        K, _ = self._matrices(body, np.zeros(3))
+        # About three orthogonal axes the lost stiffness adds up to twice the whole w^2 (phi.phi).
+        largest = 0.5 * np.einsum("aajk->jk", self._lost[body])
+        inverse = np.linalg.inv(np.linalg.cholesky(K))
+        top = float(np.linalg.eigvalsh(inverse @ largest @ inverse.T)[-1])
+        return 1.0 / np.sqrt(top) if top > 0 else np.inf
+
+    def _matrices(self, body: int, w: Array) -> tuple[Array, Array]:
+        """Return modal stiffness and the stiffness lost by spinning, (m, m) each."""
+        m = int(self.model.n_mode[body])
+        two = int(self.model.square_start[body])
+        K = self.model.K_qq[two : two + m * m].reshape(m, m)
+        lost = centrifugal_matrix(w, self.model.T11[9 * two : 9 * (two + m * m)], m)
+        for c in self._carried:
+            if c.body == body:
+                along = c.phi.T @ w
+                lost = lost + c.mass * ((w @ w) * (c.phi.T @ c.phi) - np.outer(along, along))
+        return K, lost
+
+    def _lost_by_axes(self, body: int) -> Array:
+        """Return L (3, 3, m, m): the stiffness lost at w is the sum of w_a w_b L_ab."""
+        m, axes = int(self.model.n_mode[body]), np.eye(3)
+        L = np.zeros((3, 3, m, m))
+        for a in range(3):
+            L[a, a] = self._matrices(body, axes[a])[1]
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            both = self._matrices(body, axes[a] + axes[b])[1]
+            L[a, b] = L[b, a] = 0.5 * (both - L[a, a] - L[b, b])
+        return L
+
+    def spin(self, body: int, y: Array) -> Array:
+        """Angular velocity (3,) of the body's frame, body components [rad/s]."""
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        return y[j + 3 : j + 6]
+
+    def matrices(self, body: int, y: Array) -> tuple[Array, Array]:
+        """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
+        return self._matrices(body, self.spin(body, y))
+
+    def margin(self, body: int, y: Array) -> float:
+        """Smallest eigenvalue of the softened modal stiffness [1/s2]."""
+        K, lost = self._matrices(body, self.spin(body, y))
+        return float(np.linalg.eigvalsh(K - lost)[0])
+
+    def critical_spin(self, body: int, direction: Array) -> float:
+        """Spin about `direction` (3,) at which the margin vanishes [rad/s]; inf if never."""
+        K, lost = self._matrices(body, direction / np.linalg.norm(direction))
+        inverse = np.linalg.inv(np.linalg.cholesky(K))
+        largest = float(np.linalg.eigvalsh(inverse @ lost @ inverse.T)[-1])
+        return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
+
+    def check(self, y: Array) -> list[int]:
+        """Return the bodies that are invalid in state y."""
+        return [i for i in self._flexible if self.margin(i, y) <= 0.0]
+
+    def _found(self, body: int, t: float, y: Array) -> Finding:
+        w = self.spin(body, y)
+        name = self.body_names[body]
+        critical = self.critical_spin(body, w)
+        text = (
+            f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
+            "natural frequency of the body in its frame, with the masses that it carries "
+            f"({critical:.4g} rad/s). A linear body has no stiffness at this speed: results after "
+            "this time are invalid. Set geometric_stiffening = true, use a stiffer or shorter "
+            f"body, or reduce the speed{self._feedback()}. "
+            'on_invalid = "warn" continues the run'
+        )
+        spin = float(np.linalg.norm(w))
+        self.findings.append(SPIN.finding(text, body=name, t=t, value=spin))
+        return self.findings[-1]
+
+    def _feedback(self) -> str:
+        """Another cause of motion that is too fast, where there is one."""
+        if not (self.model.quantities.period > 0.0).any():
+            return ""
+        return (
+            "; if a sampled controller moves it, compare with a shorter sample_time: its loop may "
+            "be unstable"
+        )
+
+    def at_start(self, t: float, y: Array) -> Finding | None:
+        """Check the start; return what is found if the run should not begin."""
+        found = [self._found(i, t, y) for i in self.check(y)]
+        return found[0] if found and self.stop else None
+
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Check the steps just taken; called by `integrate`."""
+        first = {}  # body -> step in which it becomes invalid
+        invalid = {finding.body for finding in self.findings}
+        for i in self._flexible:
+            if self.body_names[i] not in invalid:
+                step = self._first_invalid(i, steps)
+                if step is not None:
+                    first[i] = step
+        request = None
+        for i, step in sorted(first.items(), key=lambda entry: entry[1]):
+            if self.stop and step > min(first.values()):
+                break
+            dense = steps.dense_output(step)
+            t = self._crossing(i, steps.t[step], steps.t[step + 1], dense)
+            found = self._found(i, t, dense(t))
+            if self.stop and (request is None or t < request.t_stop):
+                request = StopRequest(t, found.text, found.code)
+        return request
+
+    def safe_spin(self, body: int) -> float:
+        """Spin of a body that is not critical about any axis [rad/s]; inf: none is."""
+        return self._safe_spin[body]
+
+    def safe_spins(self) -> Array:
+        """Spins below which a body needs no look, (nb,) [rad/s]; inf: none at any spin."""
+        safe = np.full(self.model.n_body, np.inf)
+        for body, spin in self._safe_spin.items():
+            safe[body] = spin
+        return safe
+
+    def _first_invalid(self, body: int, steps: Steps) -> int | None:
+        """Return the first step at whose end a body is invalid; None if there is none."""
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        w = steps.y[1:, j + 3 : j + 6]
+        doubtful = np.flatnonzero(np.einsum("ka,ka->k", w, w) >= self._safe_spin[body] ** 2)
+        if doubtful.size == 0:
+            return None
+        K, _ = self._matrices(body, np.zeros(3))
+        w = w[doubtful]
+        lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
+        invalid = doubtful[np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0]
+        return int(invalid[0]) if invalid.size else None
+
+    def _crossing(self, body: int, low: float, high: float, dense: Dense) -> float:
+        """Bisect a step for the time at which the margin passes zero."""
+        while high - low > 1e-9 * max(1.0, abs(high)):
+            middle = 0.5 * (low + high)
+            if self.margin(body, dense(middle)) > 0.0:
+                low = middle
+            else:
+                high = middle
+        return float(high)

@@ -1,0 +1,1 @@
+"""Commands on sections, shells, solids and packages."""

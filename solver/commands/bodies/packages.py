@@ -1,0 +1,65 @@
+"""The commands on modal packages: packages, info, validate, experimental."""
+
+import argparse
+import math
+import sys
+
+from ...extras.measured_modes import experimental_package, load_measurement, write_measured
+from ...package import validate
+from ...package.body.io import read_package
+from ...studies.exit_codes import INCOMPLETE
+from ...workers.executors import executor_of
+from ...workers.packages import BodiesFailed, build_packages, named_packages, needed_specs
+
+
+def run_packages(options: argparse.Namespace) -> int:
+    """Build the packages of run and sweep files; return 0, or 3 if a body could not be built."""
+    code = 0
+    named = {file: named_packages(file) for file in options.files}
+    for folder, specs in needed_specs(named).items():
+        try:
+            build_packages(
+                specs,
+                folder,
+                executor=lambda: executor_of(options, threads=True),
+                quiet=options.quiet,
+            )
+        except BodiesFailed as error:
+            print(f"error: {error}", file=sys.stderr)
+            code = INCOMPLETE
+    return code
+
+
+def run_info(options: argparse.Namespace) -> int:
+    """Show the content of a package."""
+    package = read_package(options.package)
+    print(f"{package.body}: {package.nodes_B.shape[0]} nodes, {package.n_mode} modes")
+    print(f"  reference condition {package.reference_condition}")
+    print(f"  mass {package.invariants.mass:.6g} kg, inertia {package.invariants.mass_form}")
+    labels = package.mode_labels or package.mode_kinds
+    for label, frequency in zip(labels, package.frequencies, strict=True):
+        print(f"  {label:24s} {frequency:12.5g} rad/s {frequency / (2.0 * math.pi):12.5g} Hz")
+    for interface in package.interfaces:
+        x, y, z = interface.position_B
+        print(f"  interface {interface.name:12s} at ({x:.6g}, {y:.6g}, {z:.6g}) m")
+    return 0
+
+
+def run_validate(options: argparse.Namespace) -> int:
+    """Check packages; return 2 if one has errors."""
+    failed = 0
+    for path in options.package:
+        findings = validate(path)
+        for item in findings:
+            print(f"{path}: {item.level}: {item.dataset}: {item.message}")
+        if any(item.level == "error" for item in findings):
+            failed = 2
+        else:
+            print(f"{path}: valid")
+    return failed
+
+
+def run_experimental(options: argparse.Namespace) -> int:
+    """Make a package from measured modes."""
+    package = experimental_package(load_measurement(options.file))
+    return write_measured(options.out, package, options.file)

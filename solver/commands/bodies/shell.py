@@ -1,0 +1,138 @@
+"""The command `plymotion shell`: numbers, shell files and figures from descriptions."""
+
+import argparse
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...inputs.shell.expand import load_shell
+from ...package.common.identity import check_provenance
+from ...package.common.materials import MaterialError
+from ...package.shell.io import read_shell
+from ...package.shell.schema import ShellFile
+from ...report.shell.show import shell_text
+from ...report.shell.show_json import shell_json
+from ...workers.described import Made, Request, entries_of
+from .described import (
+    drawn,
+    file_lines,
+    run_described,
+    show_each,
+)
+
+MOST_MODES = 6  # with a figure of their own
+
+
+def _read(file: Path) -> ShellFile:
+    shell = read_shell(file)
+    check_provenance(file, shell.provenance)
+    return shell
+
+
+def run_shell(options: argparse.Namespace) -> int:
+    """Make and show the requested results; returns the exit code."""
+
+    def table_of(one: Made) -> dict[str, Any]:
+        shell = _read(one.file)
+        if options.figures:
+            figures_of(shell, one.file)
+        try:
+            return shell_json(shell)
+        except MaterialError as error:
+            raise InputError(f"{one.file}: {error}") from error
+
+    def text_of(one: Made) -> str:
+        shell = _read(one.file)
+        try:
+            text = shell_text(shell)
+        except MaterialError as error:
+            raise InputError(f"{one.file}: {error}") from error
+        figures = [] if options.figures is False else figures_of(shell, one.file)
+        return f"{text}\n{file_lines(one, figures)}"
+
+    def show(made: list[Made], _: list[Request]) -> int:
+        return show_each(made, table_of, text_of, as_json=options.json)
+
+    return run_described(
+        "shell",
+        entries_of(options.files),
+        options,
+        [f"--{word}" for word in ("verify", "force") if getattr(options, word)],
+        spec_of=lambda entry: _with_buckling(load_shell(entry.file), entry.file, options.buckling),
+        show=show,
+    )
+
+
+def _with_buckling(spec: dict[str, Any], file: Path, count: int | None) -> dict[str, Any]:
+    """The specification with a request for load factors, if there is one on the command line."""
+    if count is None:
+        return spec
+    if not spec["loads"]:
+        raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
+    return {
+        **spec,
+        "buckling": {"in_plane": True, "error": True, **spec.get("buckling", {}), "count": count},
+    }
+
+
+def figures_of(shell: ShellFile, file: Path) -> list[Path]:
+    """Draw load cases and modes beside the shell file, or return figures that are up to date."""
+    names = _figure_names(shell)
+    if not names:
+        return []
+
+    def draw() -> list[Path]:
+        from ...report.shell.figures import (  # imported here: matplotlib is slow to import
+            Picture,
+            draw_shapes,
+        )
+
+        shapes = [*((case, "m") for case in shell.cases.displacements_G)]
+        titles = [f"{shell.name}: {name}" for name in shell.cases.names]
+        if shell.modes is not None:
+            hertz = shell.modes.frequencies_hz
+            for row in _drawn_modes(shell):
+                shapes.append((shell.modes.shapes_G[row], ""))
+                number = row - shell.modes.n_zero + 1
+                titles.append(f"{shell.name}: mode {number}, {hertz[row]:.5g} Hz")
+        if shell.buckling is not None:
+            for row in _drawn_buckling(shell):
+                shapes.append((shell.buckling.shapes_G[row], ""))
+                case = shell.cases.names[shell.buckling.case[row]]
+                factor = shell.buckling.factors[row]
+                titles.append(f"{shell.name}: buckling under {case}, factor {factor:.5g}")
+        pictures = [
+            Picture(title, name, shape[:, :3], unit)
+            for title, name, (shape, unit) in zip(titles, names, shapes, strict=True)
+        ]
+        return draw_shapes(shell.mesh.nodes_G, shell.mesh.cells, pictures, file.parent)
+
+    return drawn(draw, [file.parent / f"{name}.png" for name in names], file)
+
+
+def _drawn_modes(shell: ShellFile) -> range:
+    """Rows of the lowest modes with strain energy."""
+    if shell.modes is None:
+        return range(0)
+    first = shell.modes.n_zero
+    return range(first, min(first + MOST_MODES, len(shell.modes.frequencies)))
+
+
+def _drawn_buckling(shell: ShellFile) -> list[int]:
+    """Row of the first load factor of each load case."""
+    if shell.buckling is None:
+        return []
+    return [int(row) for row in np.unique(shell.buckling.case, return_index=True)[1]]
+
+
+def _figure_names(shell: ShellFile) -> list[str]:
+    modes = [f"mode-{number + 1}" for number in range(len(_drawn_modes(shell)))]
+    buckled = []
+    if shell.buckling is not None:
+        cases = [shell.cases.names[case] for case in shell.buckling.case]
+        buckled = [f"{cases[row]}-buckling" for row in _drawn_buckling(shell)]
+    parts = (f"{shell.name}-{name}" for name in (*shell.cases.names, *modes, *buckled))
+    return [re.sub(r"[^\w.+-]+", "-", part).strip("-.") for part in parts]

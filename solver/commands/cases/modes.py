@@ -1,0 +1,237 @@
+"""The command `plymotion modes`."""
+
+import argparse
+import json
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...inputs.case.reading.specs import dump
+from ...math.arrays import Array
+from ...package.common.replaceable import refuse_foreign
+from ...package.common.temporary import write_text
+from ...report.table import aligned
+from ...studies.modes.campbell import Diagram, Spins, draw
+from ...studies.modes.found import (
+    Found,
+    entries,
+    find_modes,
+    response_of,
+    span_of,
+    write_linear,
+    write_response,
+)
+from ...studies.modes.place import at_of
+from ...studies.modes.shapes import draw_shapes
+from ...studies.modes.state import States, read_spec
+
+# Modes as a table for the screen.
+
+_SHARE = 0.05  # of the energy, from which a body is named
+_COLUMNS = 8  # branches on the screen
+_BODIES = 3  # named for a mode
+
+
+def modes_text(content: dict[str, Any], count: int) -> str:
+    """Return the table of modes of the content of modes.json."""
+    modes = content["modes"]
+    whirl = any(m["fixed_axes_angular_frequency"] is not None for m in modes)
+    head = ["mode", "frequency", "", "damping", "fixed axes", "main coordinate", "bodies"]
+    units = ["", "[Hz]", "[rad/s]", "[-]", "[rad/s]", "", "share of kinetic energy"]
+    rows = [[str(m["number"]), *_numbers(m), _whirl(m), m["main"], _bodies(m)] for m in modes]
+    table = [head, units, *rows[:count]]
+    if not whirl:
+        table = [row[:4] + row[5:] for row in table]
+    left = tuple(range(len(table[0]) - 2, len(table[0])))
+    lines = [_title(content), "", aligned(table, left=left)]
+    if len(rows) > count:
+        lines.append(f"... and {len(rows) - count} more, see modes.json")
+    lines += ["", *_constraints(content), *(f"note: {note}" for note in content["notes"])]
+    return "\n".join(line for line in lines)
+
+
+def campbell_text(content: dict[str, Any]) -> str:
+    """Return the tables of a Campbell diagram of the content of campbell.json."""
+    fixed = content["axes"] == "fixed"
+    key = "fixed_axes_angular_frequency" if fixed else "angular_frequency"
+    branches, speeds = content["branches"][:_COLUMNS], content["speeds"]
+    table = [["speed", *(f"{b['branch']}" for b in branches)]]
+    table.append(["[rad/s]", *("[Hz]" for _ in branches)])
+    for s, speed in enumerate(speeds):
+        table.append([f"{speed:.6g}", *(_frequency(b[key][s], b["growth"][s]) for b in branches)])
+    seen = "at rest" if fixed else "that turn with the mechanism"
+    lines = [
+        f"{content['case']}, run {content['run']}: frequencies seen from axes {seen}",
+        "",
+        aligned(table, left=()),
+        "",
+        *(f"{b['branch']:4d}  {b['main']}" for b in branches),
+    ]
+    if len(content["branches"]) > _COLUMNS:
+        lines.append(f"... {len(content['branches']) - _COLUMNS} more in campbell.csv")
+    if any(g for b in branches for g in b["growth"]):
+        lines.append("* unstable")
+    lines += ["", *_crossings(content), *(f"note: {note}" for note in content["notes"])]
+    return "\n".join(lines)
+
+
+def _crossings(content: dict[str, Any]) -> list[str]:
+    table = [
+        ["crossing", "branch", "speed", "", "frequency"],
+        ["", "", "[rad/s]", "[1/min]", "[Hz]"],
+    ]
+    for x in content["crossings"]:
+        hz = x["angular_frequency"] / (2.0 * pi)
+        rates = [f"{x['speed']:.6g}", f"{x['rpm']:.6g}", f"{hz:.6g}"]
+        table.append([f"{x['harmonic']}P", str(x["branch"]), *rates])
+    return [aligned(table, left=())] if content["crossings"] else ["no crossings with harmonics"]
+
+
+def _frequency(w: float | None, growth: float | None) -> str:
+    if w is None:
+        return "-"
+    return f"{abs(w) / (2.0 * pi):.6g}{'*' if growth else ''}"
+
+
+def _title(content: dict[str, Any]) -> str:
+    axes = ""
+    if content["spin"] is not None and content["spin"]["speed"]:
+        x, y, z = content["spin"]["axis"]
+        speed = content["spin"]["speed"]
+        axes = f", in axes that turn at {speed:.6g} rad/s about ({x:.3g}, {y:.3g}, {z:.3g})"
+    return f"{content['case']}, run {content['run']}: modes about {content['state']}{axes}"
+
+
+def _numbers(mode: dict[str, Any]) -> list[str]:
+    if mode["kind"] == "zero":
+        return ["0", "0", "-"]
+    if mode["kind"] == "real":
+        rate = mode["eigenvalue"][0]
+        return ["-", f"{rate:+.5g} 1/s", "-"]
+    damping = mode["damping_ratio"]
+    return [
+        f"{mode['frequency_hz']:.6g}",
+        f"{mode['angular_frequency']:.7g}",
+        f"{damping:.4g}" if abs(damping) > 1e-9 else "0",
+    ]
+
+
+def _whirl(mode: dict[str, Any]) -> str:
+    w = mode["fixed_axes_angular_frequency"]
+    return "" if w is None else f"{w:+.7g}"
+
+
+def _bodies(mode: dict[str, Any]) -> str:
+    shares = sorted(mode["bodies"].items(), key=lambda item: -item[1])
+    told = [f"{name} {100 * share:.0f} %" for name, share in shares if share >= _SHARE]
+    return ", ".join(told[:_BODIES])
+
+
+def _constraints(content: dict[str, Any]) -> list[str]:
+    c = content["constraints"]
+    lines = [f"{content['degrees_of_freedom']} degrees of freedom; {c['text']}"]
+    zeros = sum(m["kind"] == "zero" for m in content["modes"])
+    if zeros:
+        lines.append(f"{zeros} motions without stiffness: frequency 0")
+    return lines
+
+
+# The command `plymotion modes`.
+
+
+def run_modes(options: argparse.Namespace) -> int:
+    """Linearise a run about a state; return 0."""
+    at = at_of(options.at)
+    span = None if options.response is None else span_of(options.response)
+    spec, build = read_spec(
+        options.case,
+        options.run,
+        packages=options.packages,
+        coarse=options.coarse,
+        quiet=options.quiet,
+    )
+    folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
+    axis = None if options.axis is None else np.array(options.axis)
+    try:
+        states = States(spec)
+    except InputError as error:
+        raise InputError(f"{options.case}, run {spec.run}: {error}") from error
+    if at.kind == "spin" and at.speeds is not None and at.speeds.size > 1:
+        return _campbell(options, states, at.speeds, axis, folder)
+    found = find_modes(states, states.at(at, axis))
+    content = modes_content(states, found)
+    response = None
+    if span is not None:
+        response = response_of(found, span, options.input, options.output)
+    refuse_foreign(folder / "modes.json")
+    folder.mkdir(parents=True, exist_ok=True)
+    write_linear(folder, states, found)
+    files = ["modes.json", "linear.npz", "linear.mat"]
+    if response is not None:
+        write_response(folder, response)
+        files += ["response.csv", "response.png"]
+    files += draw_shapes(folder, states, found, options.shapes)
+    write_text(folder / "modes.json", dump(content))
+    if options.json:
+        print(json.dumps(content, indent=2))
+    else:
+        print(modes_text(content, options.count))
+        print(f"{folder}: {', '.join(files)}")
+    return 0
+
+
+def _campbell(
+    options: argparse.Namespace, states: States, speeds: Array, axis: Array | None, folder: Path
+) -> int:
+    """Follow the modes over speed."""
+    spins = Spins(states, axis)
+    diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
+    content = diagram.content()
+    refuse_foreign(folder / "campbell.json")
+    folder.mkdir(parents=True, exist_ok=True)
+    draw(folder / "campbell.png", diagram)
+    write_text(folder / "campbell.csv", diagram.csv())
+    write_text(folder / "campbell.json", dump(content))
+    print(json.dumps(content, indent=2) if options.json else campbell_text(content))
+    if not options.json:
+        print(f"{folder}: campbell.png, campbell.csv, campbell.json")
+    return 0
+
+
+def modes_content(states: States, found: Found) -> dict[str, Any]:
+    """Return the content of modes.json."""
+    state, rank = found.state, found.space.rank
+    spin = None
+    if state.spin is not None:
+        spin = {
+            "axis": state.spin.axis.tolist(),
+            "point": state.spin.point.tolist(),
+            "speed": state.spin.rate,
+        }
+    return {
+        "case": states.spec.case,
+        "run": states.spec.run,
+        "state": state.words,
+        "t": state.t,
+        "spin": spin,
+        "degrees_of_freedom": found.space.n_free,
+        "constraints": {
+            "rows": rank.rows,
+            "rank": rank.value,
+            "smallest_counted": rank.last,
+            "largest_dropped": rank.first,
+            "doubtful": rank.doubtful,
+            "text": rank.text,
+        },
+        "difference_error": found.space.error,
+        "modes": entries(found, states.built.body_names),
+        "notes": list(found.notes),
+    }
+
+
+def _label(text: str) -> str:
+    """Return `--at` as part of a folder's name."""
+    return text.replace("=", "").replace(":", "-")

@@ -1,0 +1,160 @@
+"""The commands `plymotion plan` and `chart`: the model of a run, chosen by its accuracy."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError
+from ...inputs.case import load_case
+from ...inputs.case.file import case_file
+from ...inputs.case.reading.specs import write_case
+from ...package.common.replaceable import refuse_foreign
+from ...package.common.temporary import write_text
+from ...report.fidelity import ladder_file
+from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
+from ...run.inputs_digest import plan_file
+from ...studies.cases import build_folder, chosen_run
+from ...studies.exit_codes import INCOMPLETE
+from ...studies.fidelity.delivery.execution import answered
+from ...studies.fidelity.delivery.ladder import Ladder, Rung, ladder
+from ...studies.fidelity.delivery.words import answer_text, entry
+from ...workers.packages import build_needed
+
+# The command `plymotion plan`: the model of a run, chosen by its accuracy.
+
+
+def run_file_of(options: argparse.Namespace) -> Path:
+    """Check a case, write its run files, build the packages, and return one run file.
+
+    Raises
+    ------
+    InputError
+        The case is wrong, has no such run, or its run has no [fidelity]; a package cannot be
+        built.
+    """
+    file = case_file(options.case)
+    case = load_case(file, sweeps=())
+    run = chosen_run(case, options.run)
+    if case.runs[run].fidelity is None:
+        raise InputError(
+            f"{file}: run {run} has no [fidelity]: expected a table with accuracy and "
+            "signals (docs/fidelity.md)"
+        )
+    folder: Path = options.out or build_folder(file)
+    write_case(case, folder, options.packages)
+    run_file = folder / "runs" / f"{run}.json"
+    if options.packages is None:
+        build_needed([run_file])
+    return run_file
+
+
+def run_plan(options: argparse.Namespace) -> int:
+    """Print the plan of a run; return the exit code."""
+    answer = answered(run_file_of(options), again=True, check=not options.no_check)
+    if options.json:
+        print(json.dumps(entry(answer), indent=2))
+    else:
+        print(answer_text(answer))
+    return INCOMPLETE if answer.verdict == "not met" else 0
+
+
+# The command `plymotion chart`: error against CPU time of the models of one run.
+
+NAMES = 6.5  # size of the names of models [pt]
+
+
+def run_chart(options: argparse.Namespace) -> int:
+    """Draw the chart of a run and print its table; return the exit code.
+
+    Raises
+    ------
+    InputError
+        The model of the plan or its check could not run.
+    """
+    file = run_file_of(options)
+    figure = options.figure or plan_file(file).with_suffix(".png")
+    for path in (figure, ladder_file(file.parent.parent, file.stem)):
+        refuse_foreign(path)  # before the work
+    answer = answered(file)
+    if answer.trial is None or answer.check is None or answer.estimate is None:
+        raise InputError(f"{file}: no chart without a check: {answer.reason}")
+    found = ladder(answer)
+    print(f"{'CPU time':>11}  {'error':>8}  model")
+    for rung in (*found.front(), found.chosen, found.check):
+        print(f"{rung.cpu:9.3f} s  {rung.error:8.1e}  {rung.name}")
+    data = {**found.entry(), "plan": answer.plan.table()}
+    write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
+    path = draw_ladder(
+        figure,
+        found,
+        f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}",
+        delivered=answer.finest is None,
+    )
+    print(f"Chart: {path}")
+    return 0
+
+
+def draw_ladder(path: Path, found: Ladder, title: str, *, delivered: bool = True) -> Path:
+    """Draw error against CPU time: all models, their front, the chosen one, the check.
+
+    `delivered` tells whether the result of the check is delivered, not that of a finer run.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with house_style():
+        from matplotlib.ticker import LogFormatter
+
+        canvas = Canvas(7.5, 4.6)
+        (axis,) = canvas.panels(1, 1)
+        shown = [rung for rung in found.rungs if rung.error > 0.0]
+        axis.loglog(*_points(shown), "o", color=GREY, markersize=4, label="models")
+        front = [rung for rung in found.front() if rung.error > 0.0]
+        axis.loglog(*_points(front), "-", color=GREY, linewidth=1.0, label="front")
+        chosen = found.chosen
+        axis.loglog(*_points([chosen]), "D", color=colour(0), markersize=8, label="chosen")
+        axis.loglog(
+            [chosen.cpu], [found.estimate], "_", color=colour(0), markersize=16, label="estimate"
+        )
+        label = "check, delivered" if delivered else "check"
+        axis.loglog(*_points([found.check]), "s", color=colour(2), markersize=8, label=label)
+        axis.axhline(found.asked, color=WARNING, linewidth=1.0)
+        axis.text(
+            0.99,
+            found.asked,
+            "asked",
+            color=WARNING,
+            ha="right",
+            va="bottom",
+            fontsize=8,
+            transform=axis.get_yaxis_transform(),
+        )
+        for along in (axis.xaxis, axis.yaxis):
+            along.set_major_formatter(LogFormatter())  # 1e-3: formulas are not drawn as such
+            along.set_minor_formatter(LogFormatter())
+        axis.set(xlabel="CPU time of a run [s]", ylabel="error / largest value")
+        axis.set_title(title, color=INK)
+        axis.legend(loc="lower left", markerscale=0.7)  # the front goes from upper left down
+        _name(axis, front)
+        return canvas.save(path)
+
+
+def _name(axis: Any, rungs: list[Rung]) -> None:
+    """Write the names of models beside their points, as far as they do not cover each other."""
+    points = 72.0 / axis.figure.dpi
+    known: list[tuple[float, float, float]] = []
+    for rung in sorted(rungs, key=lambda rung: rung.cpu):
+        x, y = points * axis.transData.transform((rung.cpu, rung.error))
+        end = x + 0.6 * NAMES * len(rung.name)
+        if all(abs(y - height) > 1.3 * NAMES or x > last or end < at for at, last, height in known):
+            known.append((x, end, y))
+            axis.annotate(
+                rung.name,
+                (rung.cpu, rung.error),
+                (4, 4),
+                textcoords="offset points",
+                fontsize=NAMES,
+            )
+
+
+def _points(rungs: list[Rung]) -> tuple[list[float], list[float]]:
+    return [rung.cpu for rung in rungs], [rung.error for rung in rungs]

@@ -1,0 +1,120 @@
+"""The commands `plymotion sweep` and `plymotion merge`."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from ...errors import InputError
+from ...interrupts import INTERRUPTED
+from ...package.common.replaceable import refuse_foreign, refuse_link
+from ...package.common.shares import share
+from ...package.common.temporary import write_text
+from ...studies.exit_codes import INCOMPLETE
+from ...studies.sweep.file import CSV, FILE, SweepResult, result_of, sweep_csv
+from ...studies.sweep.member import FAILED, PENDING, STOPPED
+from ...studies.sweep.plan import read_plan
+from ...studies.sweep.show import draw_sweep, tell
+from ...studies.sweep.work import Work, settled
+from ...workers.executors import executor_of
+
+SHARDS = "sweep-*-of-*.h5"
+
+
+def run_sweep(options: argparse.Namespace) -> int:
+    """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
+    plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
+    folder = _folder(options)
+    for name in (FILE, CSV):
+        refuse_foreign(folder / name)  # before the work
+    planned = settled(plan)
+    file, known = folder / FILE, [folder / FILE, *sorted(folder.glob(SHARDS))]
+    if options.shard:
+        members = share(plan.members, options.shard)
+        if not members:
+            raise InputError(
+                "--shard {}/{}: expected at most {} shares, one for each member".format(
+                    *options.shard, len(plan.members)
+                )
+            )
+        plan = plan.part(members)
+        file = folder / "sweep-{}-of-{}.h5".format(*options.shard)
+        known = [folder / FILE, file]
+    work = Work(plan, file, [] if options.fresh else known, show=not options.quiet)
+    begin = time.perf_counter()
+    through = work.compute(lambda: executor_of(options))
+    result = result_of(plan, work.rows)
+    if not through:
+        return _interrupted(result, file)
+    seconds = time.perf_counter() - begin
+    if options.shard:
+        tell(result, work.kept, seconds, file, "", planned)
+        return _incomplete(result)
+    try:
+        told = _tabulated(folder, result, options)
+    except KeyboardInterrupt:
+        return _interrupted(result, file)
+    if not told:
+        tell(result, work.kept, seconds, file, f", {CSV}", planned)
+    return _incomplete(result)
+
+
+def _interrupted(result: SweepResult, file: Path) -> int:
+    total = len(result.rows)
+    print(
+        f"{result.name}: interrupted; {total - result.count(PENDING)} of {total} members are in "
+        f"{file}, the same command continues from there",
+        file=sys.stderr,
+    )
+    return INTERRUPTED
+
+
+def _incomplete(result: SweepResult) -> int:
+    return INCOMPLETE if result.count(FAILED, STOPPED) else 0
+
+
+def run_merge(options: argparse.Namespace) -> int:
+    """Merge the files of shards into one; return 0, or 3 if members are missing or incomplete."""
+    plan = read_plan(options.sweep, allow_doubtful=True)
+    folder = _folder(options)
+    shards = sorted(folder.glob(SHARDS))
+    if not shards:
+        raise InputError(f"{folder}: no files {SHARDS}; expected those of `sweep --shard k/N`")
+    file = folder / FILE
+    begin = time.perf_counter()
+    work = Work(plan, file, [file, *shards], show=False)
+    work.save()
+    result = result_of(plan, work.rows)
+    missing = result.count(PENDING)
+    if missing:
+        tell(result, work.kept, time.perf_counter() - begin, file, "")
+        print(
+            f"{plan.name}: {missing} of {len(plan.members)} members are in none of {len(shards)} "
+            f"shards; `plymotion sweep {options.sweep}` computes them",
+            file=sys.stderr,
+        )
+        return INCOMPLETE
+    if not _tabulated(folder, result, options):
+        tell(result, work.kept, time.perf_counter() - begin, file, f", {CSV}")
+    return _incomplete(result)
+
+
+def _folder(options: argparse.Namespace) -> Path:
+    folder: Path = options.out or options.sweep.with_suffix("")
+    refuse_link(folder / FILE)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _tabulated(folder: Path, result: SweepResult, options: argparse.Namespace) -> bool:
+    """Draw figures and write the table, last: it is the sign of a complete sweep.
+
+    Return whether the table was printed.
+    """
+    text = sweep_csv(result)
+    if options.figures:
+        draw_sweep(folder, result)
+    write_text(folder / CSV, text)
+    if options.csv:
+        print(text, end="")
+    return bool(options.csv)

@@ -1,1 +1,0 @@
-"""Solids: parts from CAD, their inertia, frequencies and load cases on the screen."""

@@ -1,0 +1,310 @@
+"""Write an FMU: description, library for this machine, run and packages, in one archive."""
+
+import hashlib
+import json
+import os
+import platform
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import plymotion
+from plymotion import __version__
+
+from ...errors import InputError, printable
+from ...inputs.case.tables.record import package_entries
+from ...mechanism.building.python_functions import calling_forces
+from ...package.common.temporary import temporary_sibling
+from ...run.coupled import Stepper
+from ...run.coupled.stepper import DRIVE_ORDER, FORCE_ORDER
+from ...run.execution import read_run
+
+# modelDescription.xml of an FMU: variables with units, what the library can do.
+
+# Name in FMI, and exponents of the base units, by the unit of a signal.
+UNITS: dict[str, tuple[str, dict[str, int]]] = {
+    "m": ("m", {"m": 1}),
+    "rad": ("rad", {"rad": 1}),
+    "m/s": ("m/s", {"m": 1, "s": -1}),
+    "rad/s": ("rad/s", {"rad": 1, "s": -1}),
+    "m/s2": ("m/s2", {"m": 1, "s": -2}),
+    "N": ("N", {"kg": 1, "m": 1, "s": -2}),
+    "N m": ("N.m", {"kg": 1, "m": 2, "s": -2}),
+    "Pa": ("Pa", {"kg": 1, "m": -1, "s": -2}),
+    "-": ("1", {}),
+}
+DEGREES = {"rad": ("deg", 57.29577951308232), "rad/s": ("deg/s", 57.29577951308232)}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One Real variable; its value reference is its place in the list."""
+
+    name: str
+    unit: str
+    description: str
+    start: float | None  # of an input; None: an output
+
+
+def variables_of(stepper: Stepper) -> list[Variable]:
+    """Return the inputs, then the outputs."""
+    found = [
+        Variable(given.name, given.unit, _meaning(given.drive), float(given.start[0]))
+        for given in stepper.inputs
+    ]
+    for name, sensor in stepper.outputs.items():
+        found.append(Variable(f"signals.{name}", sensor.unit, sensor.description, None))
+    return found
+
+
+def _meaning(drive: bool) -> str:
+    return "value that the drive prescribes" if drive else "size of the force or torque"
+
+
+def description(
+    stepper: Stepper, identifier: str, guid: str, title: str, solver: tuple[float, float]
+) -> bytes:
+    """Return the XML text.
+
+    Parameters
+    ----------
+    identifier : name of the library
+    title : modelName
+    solver : end of the run and interval of its outputs [s], as defaults of the experiment
+    """
+    variables = variables_of(stepper)
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=_words(title),
+        guid=guid,
+        description="Flexible multibody mechanism; needs Plymotion on the machine that runs it",
+        generationTool=f"Plymotion {__version__}",
+        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        variableNamingConvention="flat",
+    )
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=identifier,
+        needsExecutionTool="true",
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        canNotUseMemoryManagementFunctions="true",
+    )
+    _units(ET.SubElement(root, "UnitDefinitions"), variables)
+    categories = ET.SubElement(root, "LogCategories")
+    for category in ("logStatusWarning", "logStatusError"):
+        ET.SubElement(categories, "Category", name=category)
+    end, interval = solver
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=repr(end),
+        stepSize=repr(interval),
+    )
+    outputs = _model_variables(ET.SubElement(root, "ModelVariables"), variables)
+    structure = ET.SubElement(root, "ModelStructure")
+    for part in ("Outputs", "InitialUnknowns") if outputs else ():
+        unknowns = ET.SubElement(structure, part)
+        for index in outputs:
+            ET.SubElement(unknowns, "Unknown", index=str(index))
+    ET.indent(root)
+    return bytes(ET.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
+
+
+def _words(text: str) -> str:
+    """Return a text of the user in one line, without characters that XML does not have."""
+    return printable(" ".join(text.split()))
+
+
+def _units(parent: ET.Element, variables: list[Variable]) -> None:
+    for unit in dict.fromkeys(variable.unit for variable in variables):
+        if unit not in UNITS:
+            raise InputError(f"unit {unit!r} of a signal: expected one of {', '.join(UNITS)}")
+        name, exponents = UNITS[unit]
+        element = ET.SubElement(parent, "Unit", name=name)
+        ET.SubElement(element, "BaseUnit", {base: str(n) for base, n in exponents.items()})
+        if unit in DEGREES:
+            shown, factor = DEGREES[unit]
+            ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
+
+
+def _model_variables(parent: ET.Element, variables: list[Variable]) -> list[int]:
+    """Add the variables, then the parameters; return the places of the outputs, from 1."""
+    outputs = []
+    for reference, variable in enumerate(variables):
+        causality = "output" if variable.start is None else "input"
+        scalar = ET.SubElement(
+            parent,
+            "ScalarVariable",
+            name=variable.name,
+            valueReference=str(reference),
+            causality=causality,
+            variability="continuous",
+        )
+        if variable.description:
+            scalar.set("description", _words(variable.description))
+        real = ET.SubElement(scalar, "Real", unit=UNITS[variable.unit][0])
+        if variable.start is None:
+            scalar.set("initial", "calculated")
+            outputs.append(reference + 1)
+        else:
+            real.set("start", repr(variable.start))
+    for reference, (name, usual) in enumerate(
+        (("drive_order", DRIVE_ORDER), ("force_order", FORCE_ORDER))
+    ):
+        scalar = ET.SubElement(
+            parent,
+            "ScalarVariable",
+            name=name,
+            valueReference=str(reference),
+            causality="parameter",
+            variability="fixed",
+            initial="exact",
+            description="of the polynomial that carries an input on during a step",
+        )
+        ET.SubElement(scalar, "Integer", start=str(usual), min="0", max="2")
+    return outputs
+
+
+# Folder `resources` of an FMU: the run, its packages, names of the inputs, where the solver is.
+#
+# runs/RUN.json           as `check` wrote it, with packages of this folder
+# bodies/*.vtkhdf         each package once
+# inputs.txt              one name per line, in the order of their value references
+# solver.txt              the Python interpreter; the folder of a checkout, or nothing
+
+INPUTS, SOLVER = "inputs.txt", "solver.txt"
+
+
+def run_of(folder: Path) -> Path:
+    """Return the run file. Raises InputError if there is none, or more than one."""
+    found = list((folder / "runs").glob("*.json"))
+    if len(found) != 1:
+        raise InputError(f"{folder}: resources of an FMU: expected one run, found {len(found)}")
+    return found[0]
+
+
+def write_contents(run_file: Path, folder: Path) -> Path:
+    """Write run and packages into `folder`; return the run file there."""
+    table = json.loads(run_file.read_text(encoding="utf-8"))
+    (folder / "bodies").mkdir(parents=True)
+    (folder / "runs").mkdir()
+    table.pop("check_packages", None)
+    copied: dict[str, str] = {}  # one copy of a package that several bodies or runs share
+    for entry in package_entries(table):
+        file = entry["file"]
+        if file not in copied:
+            copied[file] = f"bodies/{len(copied)}-{Path(file).name}"
+            shutil.copyfile(run_file.parent.parent / file, folder / copied[file])
+        entry["file"] = copied[file]
+    run = folder / "runs" / run_file.name
+    run.write_text(json.dumps(table), encoding="utf-8")
+    package = Path(plymotion.__file__).resolve().parent
+    checkout = (package.parent / "pyproject.toml").is_file()
+    home = str(package.parent) if checkout else ""
+    (folder / SOLVER).write_text(f"{sys.executable}\n{home}\n", encoding="utf-8")
+    return run
+
+
+def write_inputs(names: Sequence[str], folder: Path) -> None:
+    """Write the names of the inputs."""
+    (folder / INPUTS).write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
+
+
+# Write an FMU: description, library for this machine, run and packages, in one archive.
+
+LIBRARY = Path(__file__).with_name("library.c")
+PLATFORMS = {
+    ("Linux", "x86_64"): ("linux64", ".so"),
+    ("Linux", "aarch64"): ("aarch64-linux", ".so"),
+    ("Darwin", "x86_64"): ("darwin64", ".dylib"),
+    ("Darwin", "arm64"): ("aarch64-darwin", ".dylib"),
+}
+
+
+def write_fmu(run_file: Path, out: Path, inputs: Sequence[str] | None = None) -> Stepper:
+    """Write the FMU of a run file of `check`, whose packages are built.
+
+    Parameters
+    ----------
+    inputs : names of drives and forces that are inputs; None: all
+
+    Raises
+    ------
+    InputError
+        No C compiler, another operating system, a run that cannot be made an FMU.
+    """
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as name:
+        folder = Path(name)
+        resources = folder / "resources"
+        run = write_contents(run_file, resources)
+        spec = read_run(run)
+        for name in calling_forces(spec.mechanism):
+            raise InputError(
+                f"forces.{name}.code: an FMU does not run Python files of the user; expected a "
+                "controller or an expression"
+            )
+        stepper = Stepper(spec, inputs)
+        write_inputs([given.name for given in stepper.inputs], resources)
+        title = f"{spec.case}, {spec.run}"
+        identifier = re.sub(r"\W", "_", f"{spec.case}_{spec.run}", flags=re.ASCII)
+        identifier = identifier if identifier[0].isalpha() else f"m_{identifier}"
+        solver = spec.mechanism.solver
+        times = float(solver.t_end), float(solver.output_step)
+        guid = _guid(resources)
+        text = description(stepper, identifier, guid, title, times)
+        (folder / "modelDescription.xml").write_bytes(text)
+        _compile(folder / "binaries", identifier, guid)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with temporary_sibling(out) as temporary:
+            _archive(folder, temporary)
+    return stepper
+
+
+def _guid(resources: Path) -> str:
+    """Return a GUID that is the same for the same contents."""
+    digest = hashlib.sha256()
+    for file in sorted(path for path in resources.rglob("*") if path.is_file()):
+        digest.update(file.relative_to(resources).as_posix().encode() + file.read_bytes())
+    found = digest.hexdigest()
+    return f"{{{found[:8]}-{found[8:12]}-{found[12:16]}-{found[16:20]}-{found[20:32]}}}"
+
+
+def _compile(folder: Path, identifier: str, guid: str) -> None:
+    machine = platform.system(), platform.machine()
+    if machine not in PLATFORMS:
+        known = ", ".join(" ".join(pair) for pair in PLATFORMS)
+        raise InputError(f"--to fmu: {' '.join(machine)}: expected one of {known}")
+    place, suffix = PLATFORMS[machine]
+    target = folder / place / f"{identifier}{suffix}"
+    target.parent.mkdir(parents=True)
+    compiler = shlex.split(os.environ.get("CC") or "cc")
+    options = ["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-D_GNU_SOURCE"]
+    command = [*compiler, *options, f'-DGUID="{guid}"', str(LIBRARY), "-o", str(target), "-lm"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise InputError(
+            f"--to fmu: {compiler[0]}: {error.strerror}; expected a C compiler, cc or that of "
+            "the variable CC"
+        ) from error
+    if done.returncode != 0:
+        raise InputError(f"--to fmu: {compiler[0]} fails: {done.stderr.strip()[-1000:]}")
+
+
+def _archive(folder: Path, out: Path) -> None:
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in sorted(path for path in folder.rglob("*") if path.is_file()):
+            archive.write(file, file.relative_to(folder).as_posix())

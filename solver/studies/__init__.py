@@ -1,0 +1,1 @@
+"""A case file from its check to its report: `plymotion case.toml`."""

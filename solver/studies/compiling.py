@@ -1,0 +1,196 @@
+"""Compile the step loop before the first run, so that runs in parallel need not each do it."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from ..checks.monitors.singularity import SingularityMonitor
+from ..dynamics.analysis.independence import new_independence
+from ..dynamics.analysis.projection import least_energy, projected
+from ..dynamics.analysis.rank import difference, new_spectrum
+from ..dynamics.elements.bodies.marker import single_motion
+from ..dynamics.elements.forces.table import KINDS as FORCE_KINDS
+from ..dynamics.elements.joints.table import KINDS, N_PARAMETER
+from ..dynamics.evaluation import series
+from ..dynamics.evaluation.dense_equations import assemble, energies, masses_and_jacobians
+from ..dynamics.evaluation.derivative import derivative, residuals
+from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
+from ..dynamics.evaluation.laws import law_at
+from ..dynamics.model.coordinates import move_rows, moved, position_rates
+from ..dynamics.model.model import Model, state_size
+from ..dynamics.model.workspace import spare_work
+from ..inputs.case.sources import solver_sha256
+from ..integrators.closures import right_hand_side
+from ..integrators.compiled.newton.pencil import (
+    factorise_pencil,
+    new_frozen,
+    new_pencil,
+    solve_pencil,
+)
+from ..integrators.explicit_stepping import RungeKutta8Loop
+from ..integrators.generalized_alpha import GeneralizedAlpha
+from ..integrators.generic import RungeKutta8, integrate
+from ..integrators.radau import Radau
+from ..integrators.step_loop import StepLoop
+from ..math.arrays import Array
+from ..math.compiled import COMPILED, content, statistics, store
+from ..math.expressions.program import value_at
+from ..math.expressions.tree import ONE
+from ..math.laws import polynomial
+from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
+from ..mechanism.assembly.assembly import assemble_model
+from ..mechanism.assembly.tables import ForceTable, JointTable, MarkerTable, rigid_body
+from ..signals.points import rotation_vectors
+from ..workers.executors import Local
+from .fidelity.indicators.response import newmark
+
+
+def compile_ahead(*, everything: bool = False) -> str:
+    """Call every function that runs of `radau` and the explicit methods need; say what was done.
+
+    In two processes, which share what they have compiled by way of the cache. `everything`:
+    generalized-alpha and planning as well.
+    """
+    if not COMPILED:
+        return "Numba is not used: runs take plain NumPy"
+    begin = time.perf_counter()
+    rounds: list[tuple[Callable[[], None], ...]] = [
+        (_compile_evaluation, _compile_matrices),
+        (_compile_radau, _compile_others),
+    ]
+    if everything:
+        rounds.append((_compile_alpha, _compile_planning))
+    made, kept = 0, True
+    workers, complete = Local(2), False
+    try:
+        for parts in rounds:
+            for done in [workers.submit(k, _statistics_of, part) for k, part in enumerate(parts)]:
+                count, can_be_kept = done.result()
+                made, kept = made + count, kept and can_be_kept
+        complete = True
+    finally:
+        workers.close(at_once=not complete)
+    words = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
+    if kept:
+        store.write(_done(), {"name": "compiled ahead"}, b"")
+    return words if kept else f"{words}; no folder for them can be written: not kept"
+
+
+def compile_once() -> None:
+    """Call `compile_ahead` unless it was called before, with these sources and this Numba."""
+    if COMPILED and store.read(_done()) is None:
+        compile_ahead()
+
+
+def _done() -> str:
+    """Return the key of the entry that tells that all functions are in the cache."""
+    return content.digest("compiled ahead", solver_sha256(), content.environment())
+
+
+def _statistics_of(part: Callable[[], None]) -> tuple[int, bool]:
+    """Do one part; return how many functions it has compiled, and whether they can be kept."""
+    before = len(statistics.compiled)
+    part()
+    return len(statistics.compiled) - before, statistics.kept
+
+
+def _hinge() -> tuple[Model, Array]:
+    """A body on a hinge, and its state."""
+    body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
+    markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
+    model = assemble_model([body], markers, [JointTable("hinge", "revolute", 0, 1)])
+    y = np.zeros(state_size(model))
+    y[3] = 1.0
+    return model, y
+
+
+def _compile_matrices() -> None:
+    """Newton's matrices, real and complex, and their solution."""
+    model, _ = _hinge()
+    frozen = new_frozen(model)
+    frozen.M[:], frozen.J[:] = np.eye(6), 1.0
+    for one in (1.0, 1.0 + 0.0j):
+        pencil = new_pencil(model, one)
+        factorise_pencil(model, frozen, pencil, one, one, 1.0)
+        solve_pencil(model, frozen, pencil, one)
+
+
+def _compile_radau() -> None:
+    _step_loop(Radau)
+
+
+def _compile_alpha() -> None:
+    _step_loop(GeneralizedAlpha)
+
+
+def _compile_planning() -> None:
+    """What plans of [fidelity] and checks call outside of runs."""
+    model, y = _hinge()
+    n, t = model.n_vel, np.arange(2.0)
+    states, zero = np.tile(y, (2, 1)), np.zeros((2, n))
+    residuals(model, t, states, zero, np.zeros((2, model.n_constraint)))
+    M, _ = masses_and_jacobians(model, t, states)
+    move_rows(model, states, zero)
+    newmark(t, zero, M, np.arange(2), np.eye(n), np.eye(n), None)
+
+
+def _step_loop(kind: type[StepLoop]) -> None:
+    """Take one step, then several in one call."""
+    model, y = _hinge()
+    one = kind(model, 0.0, y, 1e-3, first_step=1e-3)
+    one.step()
+    one.dense_output()(5e-4)
+    integrate(kind(model, 0.0, y, 1e-3, first_step=1e-3), [0.0, 5e-4, 1e-3])
+
+
+def _compile_others() -> None:
+    """Accelerations, projection, explicit methods, monitors, and calls outside of the loops."""
+    model, y = _hinge()
+    projected(model, 0.0, y)
+    reads_reactions(model)
+    measure_into(model, spare_work(model), y)
+    _step_loop(RungeKutta8Loop)
+    for made in (
+        RungeKutta8Loop(model, 0.0, y, 1e-3),
+        RungeKutta8(right_hand_side(model), 0.0, y, 1e-3),
+    ):
+        passage = SingularityMonitor(model, ["hinge"], "projection")
+        passage.at_start(0.0, y)
+        integrate(made, [0.0, 1e-3], watch=passage)
+        passage.explain(1e-3, y)
+    rows = new_independence(model)
+    difference(model, new_spectrum(rows), rows.C, rows.C)
+    least_energy(model, 0.0, y, np.zeros(1, dtype=np.int64), np.zeros(1))
+    derivative(model, 0.0, y)
+    series.along_solution(model, np.zeros(1), y[None])
+    position_rates(model, y[:7], y[7:13])
+    moved(model, y[:7], y[7:13])
+    single_motion(model, 1, y)
+    series.marker_motions(model, 1, y[None])
+    series.marker_places(model, y)
+    rotation_matrix(y[3:7])
+    rotation_vectors(rotation_matrices(y[None, 3:7]))
+    vectors_to_matrices(y[None, 7:10])
+    law_at(model, -1, 0.0)
+    value_at(ONE)
+
+
+def _compile_evaluation() -> None:
+    """All kinds of joints and force elements."""
+    body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
+    markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
+    law = polynomial([0.0])
+    joints = [JointTable(kind, kind, 0, 1, law, (1.0,) * N_PARAMETER) for kind in KINDS]
+    forces = [ForceTable(kind, kind, 0, 1, law=law) for kind in FORCE_KINDS]
+    model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0, forces=forces)
+    y = np.zeros(state_size(model))
+    y[3] = 1.0
+    t, states = np.zeros(1), y[None]
+    energies(model, assemble(model, 0.0, y), y)
+    series.balance(model, t, states)
+    series.momenta(model, states)
+    series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
+    series.force_sizes(model, 0, t, states, np.zeros((1, model.n_constraint)))
+    series.mass_matrices(model, 0, t, states)
+    series.driven_speeds(model, t, states[0])

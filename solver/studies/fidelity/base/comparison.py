@@ -1,0 +1,177 @@
+"""How two histories of a signal are compared: scales, and signals that are zero by symmetry."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ....dynamics.analysis.scales import extent
+from ....inputs.case.tables.combining import KINDS, parts
+from ....math.arrays import Array
+from ....mechanism import BuiltMechanism
+from ....signals import Sensor, sensors
+from .model import FAINT, with_values
+
+
+def difference(metric: str, one: Array, two: Array) -> Array:
+    """Return the difference of histories (..., k) by a metric of `[fidelity]`, (...)."""
+    if metric == "extremum":
+        high = np.abs(one.max(axis=-1) - two.max(axis=-1))
+        return np.asarray(np.maximum(high, np.abs(one.min(axis=-1) - two.min(axis=-1))))
+    gap = np.asarray(one - two)
+    if metric == "rms":
+        return np.asarray(np.sqrt(np.mean(gap**2, axis=-1)))
+    return np.asarray(np.abs(gap).max(axis=-1))
+
+
+def scales(metric: str, values: Array) -> Array:
+    """Return the largest value of signals (o, k), or their root mean square, (o,); 1 where zero."""
+    sizes = np.sqrt(np.mean(values**2, axis=-1)) if metric == "rms" else np.abs(values).max(axis=-1)
+    return np.where(sizes > 0.0, sizes, 1.0)
+
+
+SILENT = 1e-12  # of the size of the mechanism: a length; of 1 rad: an angle
+LENGTHS, ANGLES = ("position", "deflection"), ("orientation", "rotation")
+# Of the largest relative. Packages are symmetric to rounding only: modes of a plane have 1e-10 of
+# their size across it, and forces across the plane of planar pendulums 7e-10 of those in it.
+SMALL = FAINT
+# Of the tolerance times the largest relative: planar pendulums have forces across their plane of
+# 0.2 to 1.5 times that, which a tighter tolerance removes.
+NOISE = 3.0
+RELATIVE = ": "  # between the name of a signal and that of its relative
+
+
+@dataclass(frozen=True)
+class Relatives:
+    """What tells whether signals are rounding.
+
+    Attributes
+    ----------
+    names : of the signals that are asked for
+    table : these signals, what they are combined of, and their relatives
+    least : size up to which each is rounding in any case
+    factors : of relatives, by signal: their size times this is comparable
+    """
+
+    names: list[str]
+    table: dict[str, Any]
+    least: dict[str, float]
+    factors: dict[str, dict[str, float]]
+
+    def sensors(self, built: BuiltMechanism) -> dict[str, Sensor]:
+        """Return the sensors of all of them, those asked for first."""
+        wanted = [*self.names, *(name for of in self.factors.values() for name in of)]
+        markers = dict(built.signal_marker)  # a relative is one of the same place
+        for name in set(wanted) - set(markers):
+            if (place := name.partition(RELATIVE)[0]) in markers:
+                markers[name] = markers[place]
+        built = replace(built, signal_marker=markers)
+        found = sensors(built, self.table, wanted=set(wanted))
+        return {name: found[name] for name in dict.fromkeys(wanted)}
+
+    def judged(
+        self,
+        signals: Mapping[str, Array],
+        rtol: float = 0.0,
+        quiet: npt.NDArray[np.bool_] | None = None,
+    ) -> tuple[Array, Array]:
+        """Return the signals asked for (o, k), with zeros for those that are rounding, and (o,)
+        what those that are rounding or noise are compared with; 0: their own size.
+
+        Parameters
+        ----------
+        rtol : of the run: its noise is of this size
+        quiet : (o,) the signals that are rounding by the linear response; only these can be noise
+        """
+        found = np.array([signals[name] for name in self.names])
+        sizes = np.zeros(len(found))
+        for o, name in enumerate(self.names):
+            near = max(
+                (
+                    f * float(np.abs(signals[n]).max(initial=0.0))
+                    for n, f in self.factors[name].items()
+                ),
+                default=0.0,
+            )
+            whole = max(near, self.least[name] / SILENT)
+            size = float(np.abs(found[o]).max(initial=0.0))
+            if size < max(self.least[name], SMALL * near):
+                found[o], sizes[o] = 0.0, whole
+            elif quiet is not None and quiet[o] and size < NOISE * rtol * whole:
+                sizes[o] = whole
+        return found, sizes
+
+
+def relatives(names: list[str], mechanism: Any, built: BuiltMechanism, y0: Array) -> Relatives:
+    """Return the relatives of signals of a mechanism in state y0 (n,), which gives its size."""
+    size = extent(built.model, y0)
+    table = dict(mechanism.signals)
+    least: dict[str, float] = {}
+    factors: dict[str, dict[str, float]] = {}
+    for name in names:
+        least[name], factors[name] = 0.0, {}
+        for part, by in _parts(name, table):
+            signal = table[part]
+            least[name] = max(least[name], SILENT * _size(signal, size) * by)
+            if part != name and not _size(signal, size):
+                factors[name][part] = by
+            for key, other, factor in _others(signal, mechanism, size):
+                table[part + RELATIVE + key] = other
+                factors[name][part + RELATIVE + key] = factor * by
+    return Relatives(list(names), table, least, factors)
+
+
+def kind_of_signal(name: str, signals: Mapping[str, Any]) -> str:
+    """Return the kind of a signal; of a combined one that of its first part."""
+    return str(signals[[part for part, _ in _parts(name, signals)][-1]].kind)
+
+
+def _parts(name: str, signals: Mapping[str, Any], by: float = 1.0) -> Iterator[tuple[str, float]]:
+    """Yield a signal and all that it is combined of, with the factors of their sizes in it."""
+    signal = signals[name]
+    yield name, by
+    if signal.kind in KINDS:
+        for part in reversed(parts(signal)):
+            yield from _parts(part, signals, by / (signal.divide_by or 1.0))
+
+
+def _size(signal: Any, size: float) -> float:
+    """Return what a length or an angle is small against, in its own unit; 0: another quantity."""
+    is_length = signal.kind in LENGTHS
+    is_angle = signal.kind in ANGLES
+    if signal.kind == "joint":
+        is_angle = signal.coordinate.startswith("angle")
+        is_length = not is_angle
+    return (size * is_length + 1.0 * is_angle) / (signal.divide_by or 1.0)
+
+
+def _others(signal: Any, mechanism: Any, size: float) -> Iterator[tuple[str, Any, float]]:
+    """Yield name, signal and factor of the relatives of a signal."""
+    kind = signal.kind
+    if kind in ("deflection", "rotation") and signal.frame is None:
+        yield kind, with_values(signal, component="magnitude"), 1.0
+    elif kind in ("velocity", "angular_velocity", "acceleration"):
+        yield kind, with_values(signal, component="magnitude"), 1.0
+        turns = {"velocity": ("angular_velocity", size), "angular_velocity": ("velocity", 1 / size)}
+        if kind in turns:
+            other, factor = turns[kind]
+            yield other, with_values(signal, kind=other, component="magnitude"), factor
+    elif kind == "reaction":
+        of = {place.partition(".")[0] for place in mechanism.joints[signal.joint].between}
+        for joint, table in mechanism.joints.items():
+            if of - {"ground"} & {place.partition(".")[0] for place in table.between}:
+                for quantity in ("force", "moment"):
+                    factor = 1.0 if quantity == signal.quantity else size
+                    factor = 1.0 / factor if signal.quantity == "force" else factor
+                    there = {"joint": joint, "quantity": quantity, "component": "magnitude"}
+                    yield f"{quantity} of {joint}", with_values(signal, **there), factor
+    elif kind == "resultant":
+        for component in ("F1", "F2", "F3", "M1", "M2", "M3"):
+            factor = 1.0 if component[0] == signal.component[0] else size
+            factor = 1.0 / factor if signal.component[0] == "F" else factor
+            yield component, with_values(signal, component=component), factor
+    elif kind == "ply_stress":
+        for component in ("11", "22", "33", "23", "13", "12"):
+            yield component, with_values(signal, component=component), 1.0

@@ -1,0 +1,231 @@
+"""The model and the check of a plan: packages with the chosen modes, and other solver settings."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....math.arrays import Array
+from ....package import ModalPackage
+from ....package.body.selection import axial_load, inertia_loads, vibrations, with_statics
+from ....package.body.transform import changed_basis, rigid
+from ....run.outcome import RunSpec
+from .plan import BodyPlan, Plan, kind_of
+
+if TYPE_CHECKING:
+    from ....inputs.case.tables.schema import Mechanism
+
+DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag behind their loads
+STATIC = 6  # static shapes of a body where a model without them cannot be assembled
+TIGHT = 3e-5  # tolerance of a check at most
+TIGHTEST = 2.5e-10
+# So many times below that of the model. With 4, both runs missed the same high vibrations: joint
+# forces of slider-cranks had four times the error that the check showed.
+TIGHTER = 30.0
+# Where the tolerance of the model follows from the size of small deflections, which is a
+# conservative estimate. A check of slider-cranks takes 3 instead of 5 s.
+TIGHTER_AMPLIFIED = 10.0
+FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
+# Vibrations that a check would leave out: it takes them too. A second check for their sake took as
+# long as the first one, and the budget was used up before the request could be accepted.
+FEW = 3
+SMALL = 1e-7  # singular value of a load shape that a check leaves out, relative to the largest
+# Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
+REMARKS = ("static-modes-dependent", "mesh-coarse-for-modes")
+MOST_STATIC = 16  # static shapes of a check
+
+
+@dataclass(frozen=True)
+class Rich:
+    """The rich package of a body with the quasi-static response to the loads of the run.
+
+    Attributes
+    ----------
+    eta : (k, m) K^-1 p at k output times
+    further : returns the response (s, m) to the loads that the deformation adds
+    """
+
+    package: ModalPackage
+    eta: Array
+    further: Callable[[], Array]
+
+    def rest(self, kept: list[int], *, stiffening: bool = False) -> Array:
+        """Static shapes (m, r) that the response needs beside the modes `kept`, largest first.
+
+        Left singular vectors in the norm of the strain energy, times their singular values. With
+        geometric stiffening, the response to the loads that it adds is part of the response.
+        """
+        root = np.linalg.cholesky(self.package.stiffness).T
+        left = root @ self._needed(stiffening=stiffening).T
+        if kept:
+            Q = np.linalg.qr(root[:, kept])[0]
+            left = left - Q @ (Q.T @ left)
+        U, s, _ = np.linalg.svd(left, full_matrices=False)
+        return np.asarray(np.linalg.solve(root, U * s))
+
+    def _needed(self, *, stiffening: bool) -> Array:
+        return np.concatenate([self.eta, self.further()]) if stiffening else self.eta
+
+    def responding(self, *, stiffening: bool) -> Array:
+        """Columns (m, r) of the unit matrix: the modes that respond."""
+        largest = np.abs(self._needed(stiffening=stiffening)).max(axis=0, initial=0.0)
+        size = np.sqrt(np.diag(self.package.stiffness)) * largest
+        return np.eye(len(size))[:, size > FAINT * float(size.max(initial=0.0))]
+
+    def energies(self, shapes: Array) -> Array:
+        """Square roots of the strain energies of shapes (m, r), (r,)."""
+        return np.asarray(np.sqrt((shapes * (self.package.stiffness @ shapes)).sum(axis=0)))
+
+
+def vibration_labels(package: ModalPackage) -> tuple[str, ...]:
+    """Return the labels of the vibrations of a package."""
+    return tuple(package.mode_labels[i] for i in vibrations(package).tolist())
+
+
+def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:
+    """Return the rows of vibrations by label; those that the package does not have are left out."""
+    return [i for i in vibrations(package).tolist() if package.mode_labels[i] in labels]
+
+
+def energy(package: ModalPackage, q: Array) -> float:
+    """Return the root of the sum of q' K q over rows of q (k, m)."""
+    return float(np.sqrt(((q @ package.stiffness) * q).sum()))
+
+
+def body_package(
+    rich: Rich, kept: list[int], static: int, *, ringing: bool, stiffening: bool
+) -> ModalPackage:
+    """Return the package of a body with some vibrations and static shapes."""
+    package = _without_remarks(rich.package)
+    if not kept and not static:
+        return rigid(package)
+    shapes = rich.rest(kept, stiffening=stiffening)
+    worth = rich.energies(shapes)
+    whole = energy(package, rich.eta)
+    chosen = shapes[:, : min(static, int(np.sum(worth > 1e-9 * whole)))]
+    loads = package.stiffness @ chosen
+    if stiffening and static:
+        loads = np.column_stack([axial_load(package), inertia_loads(package)[:, 0], loads])
+    return with_statics(package, kept, loads, (), None if ringing else DAMPED)
+
+
+def _without_remarks(package: ModalPackage) -> ModalPackage:
+    """Return a package without the remarks on requested modes, of which a plan takes a few."""
+    found = package.provenance.get("warnings", [])
+    kept = [item for item in found if item["code"] not in REMARKS]
+    return replace(package, provenance={**package.provenance, "warnings": kept})
+
+
+def model_packages(
+    plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
+) -> dict[str, ModalPackage]:
+    """Return the packages of the model of a plan."""
+    found = {}
+    for name, body in plan.bodies.items():
+        rich = (check if body.mesh == "check" else model)[name]
+        if body.whole:
+            basis = rich.responding(stiffening=plan.stiffening)
+            found[name] = changed_basis(_without_remarks(rich.package), basis)
+            continue
+        kept = rows(rich.package, body.vibrations)
+        found[name] = body_package(
+            rich, kept, body.static, ringing=body.ringing, stiffening=plan.stiffening
+        )
+    return found
+
+
+def check_plan(
+    plan: Plan,
+    ranked: Mapping[str, tuple[str, ...]],
+    check: Mapping[str, Rich],
+    more: int = 2,
+    tighter: float = TIGHTER,
+) -> Plan:
+    """Return the plan of a check: more vibrations, all load shapes, no damping, tight.
+
+    Parameters
+    ----------
+    ranked : labels of the vibrations of each body, by their indicators, largest first
+    more : vibrations that are added by rank; the lowest unused one, and that of each kind that
+        responds, are added to them, and the rest of these kinds if they are few
+    tighter : tolerance of the plan over that of its check
+    """
+    second = any(rich.package.second_order is not None for rich in check.values())
+    stiffening = plan.stiffening or second
+    bodies = {}
+    for name, body in plan.bodies.items():
+        package = check[name].package
+        known = vibration_labels(package)
+        unused = [label for label in ranked[name] if label not in body.vibrations]
+        added = [label for label in unused if label in known][:more]
+        # The lowest of all, and of each kind that responds: the model's package has no more of it.
+        left = [label for label in known if label not in (*body.vibrations, *added)]
+        kinds = {kind_of(label) for label in ranked[name]}
+        lowest = {kind_of(label): label for label in reversed(left) if kind_of(label) in kinds}
+        added += dict.fromkeys([*left[:1], *lowest.values()])
+        rest = [x for x in left if x not in added and kind_of(x) in kinds]
+        added += rest if len(rest) <= FEW else []
+        kept = tuple(label for label in known if label in (*body.vibrations, *added))
+        rich = check[name]
+        worth = rich.energies(rich.rest(rows(package, kept), stiffening=stiffening))
+        largest = float(np.linalg.norm(rich.energies(rich.rest([]))))
+        static = min(int(np.sum(worth > SMALL * max(largest, 1e-300))), MOST_STATIC)
+        bodies[name] = BodyPlan(kept, static, True, "check")
+    rtol = max(min(TIGHT, plan.rtol / tighter), TIGHTEST)
+    return Plan(bodies, stiffening, rtol, plan.inputs_sha256)
+
+
+def covers(
+    check: Plan,
+    wanted: Plan,
+    plan: Plan,
+    ranked: Mapping[str, tuple[str, ...]],
+    packages: Mapping[str, Rich],
+) -> bool:
+    """Tell whether the check of an earlier plan is one of this plan, which was promoted to it.
+
+    It has a vibration more of every kind that responds, unless its package has no more of it.
+
+    Parameters
+    ----------
+    wanted : what `check_plan` returns for the plan
+    packages : of the check
+    """
+    if check == wanted:
+        return True
+    if check.rtol > wanted.rtol * (1.0 + 1e-9) or (wanted.stiffening and not check.stiffening):
+        return False
+    for name, body in plan.bodies.items():
+        has = check.bodies[name]
+        if set(body.vibrations) - set(has.vibrations) or body.static > has.static:
+            return False
+        for kind in {kind_of(label) for label in ranked[name]}:
+            known = [x for x in vibration_labels(packages[name].package) if kind_of(x) == kind]
+            more = set(known) & set(has.vibrations) - set(body.vibrations)
+            if not more and set(known) - set(has.vibrations):
+                return False
+    return True
+
+
+def planned(
+    spec: RunSpec, plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
+) -> RunSpec:
+    """Return a run with the model of a plan."""
+    packages = {**spec.packages, **model_packages(plan, model, check)}
+    solver = with_values(
+        spec.mechanism.solver,
+        rtol=plan.rtol,
+        geometric_stiffening=plan.stiffening,
+        atol_position=None,
+        atol_velocity=None,
+    )
+    mechanism: Mechanism = with_values(spec.mechanism, solver=solver)
+    return replace(spec, mechanism=mechanism, packages=packages)
+
+
+def with_values(table: Any, **values: Any) -> Any:
+    """Return a copy of a checked table (a model, or its record) with other values."""
+    if hasattr(table, "model_copy"):
+        return table.model_copy(update=values)
+    return type(table)(**{**vars(table), **values})

@@ -1,0 +1,369 @@
+"""Runs of the model of a plan and of its check, within the budget of the request."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ....math.arrays import Array
+from ....run.timing import work_s
+from ..base.comparison import kind_of_signal
+from ..base.model import (
+    STATIC,
+    TIGHTER,
+    TIGHTER_AMPLIFIED,
+    Rich,
+    check_plan,
+    covers,
+    vibration_labels,
+)
+from ..base.plan import Plan, kind_of, outline
+from ..choice.choice import accuracy_over_rtol
+from .answer import Answer, not_compared
+from .horizon import horizon
+from .shares import promoted, promotions, split
+from .trial import Trial, attempted, distance
+
+POWER, POWER_OF_REACTIONS = 3.0, 2.5
+
+
+def power_of(kind: str) -> float:
+    """Return the power by which contributions of vibrations to a kind of signal decrease."""
+    return POWER_OF_REACTIONS if kind == "reaction" else POWER
+
+
+def exhausted(
+    check: Plan, ranked: Mapping[str, tuple[str, ...]], package: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[str, ...]]:
+    """Return, by body, the kinds of which a check has all vibrations of its package.
+
+    Parameters
+    ----------
+    ranked : labels of the vibrations that respond, by body; other kinds are left out
+    package : labels of all vibrations of the packages of the check, by body
+    """
+    found = {}
+    for name, body in check.bodies.items():
+        responding = dict.fromkeys(kind_of(label) for label in ranked[name])
+        left = {kind_of(label) for label in package[name] if label not in body.vibrations}
+        kinds = tuple(kind for kind in responding if kind not in left)
+        if kinds:
+            found[name] = kinds
+    return found
+
+
+def unseen(
+    check: Trial,
+    ranked: Mapping[str, tuple[str, ...]],
+    packages: tuple[Mapping[str, Rich], Mapping[str, Rich]],
+    metric: str,
+    run: Callable[[Plan], Trial | None],
+    powers: Array,
+) -> tuple[Array | None, str]:
+    """Return what vibrations above those of the packages contribute to the signals (o,), and where.
+
+    None if the check does not have all vibrations of a kind.
+
+    Parameters
+    ----------
+    packages : rich packages of the model and of the check, by body
+    powers : (o,) of the number of a vibration, by which its contribution decreases
+    """
+    model, finer = ({n: vibration_labels(r.package) for n, r in p.items()} for p in packages)
+    kinds = exhausted(check.plan, ranked, finer)
+    poor, share = check.plan, np.zeros(len(powers))
+    for name, these in kinds.items():
+        if len(model[name]) < len(finer[name]):
+            poor = poor.with_body(name, mesh="model")
+            counts = [[_count(labels[name], kind) for labels in (model, finer)] for kind in these]
+            for m, n in counts:
+                share = np.maximum(share, [tail(m, n, p) for p in powers])
+    if poor == check.plan:
+        return None, ""
+    words = ", ".join(f"{' and '.join(these)} of {name}" for name, these in kinds.items())
+    other = run(poor)
+    return (None if other is None else share * distance(metric, other, check)), words
+
+
+def tail(m: int, n: int, power: float = POWER) -> float:
+    """Return the contribution of vibrations above n, over that of m + 1 to n."""
+    known = float((np.arange(m + 1, n + 1) ** -power).sum())
+    return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
+
+
+def _count(labels: tuple[str, ...], kind: str) -> int:
+    return sum(kind_of(label) == kind for label in labels)
+
+
+def mesh_error(
+    model: Trial, shells: Iterable[str], metric: str, run: Callable[[Plan], Trial | None]
+) -> tuple[Array | None, str]:
+    """Return the estimated error of the meshes of shells (o,), and the bodies in words.
+
+    No bodies: none has the finer mesh. None with bodies: the budget is used up.
+    """
+    plan = model.plan
+    finer = [n for n in shells if plan.bodies[n].mesh == "check" and not plan.bodies[n].rigid]
+    for name in finer:
+        plan = plan.with_body(name, mesh="model")
+    other = run(plan) if finer else None
+    error = None if other is None else distance(metric, other, model)
+    return error, " and ".join(finer)
+
+
+MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
+SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
+SECOND_COST = 4.0  # CPU time of a second check over that of the first: more modes, 0.3 of its rtol
+SPLIT_COST = 0.5  # of the budget that is left, for all runs of a split
+
+
+@dataclass
+class Checking:
+    """Checks the plan of an answer and promotes it.
+
+    Attributes
+    ----------
+    accuracy, metric : of the request
+    budget : CPU seconds
+    may_promote : the plan may be changed
+    """
+
+    answer: Answer
+    accuracy: float
+    metric: str
+    budget: float
+    may_promote: bool = True
+    begin: float = field(default_factory=work_s)
+
+    def __post_init__(self) -> None:
+        indicators = self.answer.study.indicators
+        signals = self.answer.spec.mechanism.signals
+        kinds = {name: kind_of_signal(name, signals) for name in self.answer.names}
+        by_kind, by_size = accuracy_over_rtol(indicators, kinds)
+        self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
+        self.powers = np.array([power_of(kinds[name]) for name in self.answer.names])
+        self.ranked = {name: indicators.ranked(name) for name in self.answer.plan.bodies}
+        self._stuck = False  # nothing is left to promote towards the last check
+        self._known: list[Trial] = []  # of the last split: one of them may be the next model
+
+    def left(self) -> float:
+        """CPU seconds that are left of the budget."""
+        return self.budget - (work_s() - self.begin)
+
+    @contextmanager
+    def _timed(self, part: str) -> Iterator[None]:
+        begin = work_s()
+        yield
+        cpu = self.answer.cpu
+        cpu[part] = cpu.get(part, 0.0) + work_s() - begin
+
+    def run(self, plan: Plan) -> Trial | None:
+        """Run a plan; None if it cannot be assembled or, after the first check, without budget."""
+        answer = self.answer
+        for trial in self._known:
+            if trial.plan == plan:
+                return trial
+        if self.left() <= 0.0 and answer.check is not None:
+            return None
+        study = answer.study
+        quiet = study.indicators.quiet
+        found = attempted(answer.spec, plan, study.model, study.check, answer.names, quiet)
+        if found is not None and found.complete:
+            answer.tried.append((outline(plan), found.cpu, found.signals))
+            self._known.append(found)
+        return found
+
+    def assemble(self) -> None:
+        """Give flexible bodies static shapes if the model of the plan cannot be assembled.
+
+        A quasi-static start under large loads needs them, whatever they contribute to the signals.
+        """
+        answer = self.answer
+        with self._timed("model"):
+            if self.run(answer.plan) is None:
+                bodies = {
+                    name: body if body.rigid else replace(body, static=max(body.static, STATIC))
+                    for name, body in answer.plan.bodies.items()
+                }
+                answer.plan = replace(answer.plan, bodies=bodies)
+
+    def _check_plan(self, more: int = 2) -> Plan:
+        check = self.answer.study.check
+        return check_plan(self.answer.plan, self.ranked, check, more, self.tighter)
+
+    def settled(self) -> bool:
+        """Run model and check; tell whether the request is met, or nothing can help."""
+        answer = self.answer
+        with self._timed("model"):
+            answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
+        with self._timed("check"):
+            wanted, last = self._check_plan(), answer.check
+            covered = self._covered(wanted)
+            if not covered and (last is None or self._stuck or self._agree()):
+                answer.check = self.run(wanted) or last
+                covered = answer.check is not last
+        answer.rounds += 1
+        answer.verdict = "not met"
+        if answer.check is None:
+            answer.reason = "no check: the budget is used up, or its model cannot be assembled"
+            return True
+        if answer.trial is None:
+            answer.reason = "the model of the plan cannot be assembled"
+            return True
+        answer.estimate = distance(self.metric, answer.trial, answer.check)
+        if self._close and covered:
+            if self.may_promote and not self._stuck and not self._second_fits:
+                answer.reason = f"the check differs by {self._estimate:.2g}, which is near the "
+                answer.reason += "accuracy"
+                return False  # a richer model takes less time than a richer check
+            self._second()
+        early = not_compared(answer.trial, answer.check)
+        answer.reason = early or f"the check differs by {self._estimate:.2g}"
+        if answer.check.finished.solution.code:  # a finding: a promoted model does not change it
+            return True
+        if not covered and self._estimate <= MARGIN * self.accuracy:
+            answer.reason = "the model has all that its last check has, and no run checks it"
+            return False
+        return self._met() if self._estimate <= MARGIN * self.accuracy else False
+
+    @property
+    def _close(self) -> bool:
+        """The estimate is so near the accuracy that one check is not enough."""
+        return self.accuracy * SECOND_CHECK < self._estimate <= MARGIN * self.accuracy
+
+    @property
+    def _second_fits(self) -> bool:
+        assert self.answer.check is not None
+        return SECOND_COST * self.answer.check.cpu <= self.left()
+
+    def _agree(self) -> bool:
+        """Tell whether the model agrees with the last check: a richer one is worth its time."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.check is not None
+        found = distance(self.metric, answer.trial, answer.check)
+        return float(found.max(initial=0.0)) <= MARGIN * self.accuracy
+
+    @property
+    def _estimate(self) -> float:
+        assert self.answer.estimate is not None
+        return float(self.answer.estimate.max(initial=0.0))
+
+    def _second(self) -> None:
+        """Compare with a richer check; keep the larger estimate and deliver the richer run."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.estimate is not None
+        with self._timed("check"):
+            wanted = self._check_plan(more=4)
+            second = self.run(replace(wanted, rtol=0.3 * wanted.rtol))
+        if second is not None and second.complete:
+            answer.check = second
+            again = distance(self.metric, answer.trial, second)
+            answer.estimate = np.maximum(answer.estimate, again)
+
+    def _met(self) -> bool:
+        """Estimate what both packages lack; tell whether this settles the request."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.check is not None
+        assert answer.estimate is not None
+        with self._timed("check"):
+            both = answer.study.model, answer.study.check
+            more, blind = unseen(
+                answer.check, self.ranked, both, self.metric, self.run, self.powers
+            )
+        lacking = f"no package has more vibrations ({blind})"
+        if blind and more is None:
+            answer.reason = f"{lacking}, and no run shows what is missing above them: the budget "
+            answer.reason += "is used up"
+            return True
+        if more is not None:
+            answer.estimate = np.hypot(answer.estimate, more)  # they peak at other times
+        if self._estimate > MARGIN * self.accuracy:
+            answer.reason = (
+                f"{lacking}; with what is missing above them the error is about "
+                f"{self._estimate:.2g}"
+            )
+            # More of the packages does not help if they lack too much.
+            return more is not None and float(more.max()) > MARGIN * self.accuracy
+        if reason := self._meshes():
+            answer.reason = reason
+            return True
+        answer.verdict, answer.reason = "met", ""
+        if self.metric == "pointwise" and self.left() > 0.0:
+            with self._timed("horizon"):
+                answer.horizon = horizon(answer.trial, answer.names, self.accuracy)
+        return True
+
+    def _meshes(self) -> str:
+        """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.estimate is not None
+        bodies = answer.spec.mechanism.bodies
+        shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
+        with self._timed("check"):
+            error, names = mesh_error(answer.trial, shells, self.metric, self.run)
+        if not names:
+            return ""
+        if error is None:
+            return f"no run shows the error of the mesh of {names}: the budget is used up"
+        answer.estimate = np.hypot(answer.estimate, error)
+        if self._estimate <= MARGIN * self.accuracy:
+            return ""
+        return (
+            f"the two meshes of {names} differ by {float(error.max()):.2g}; `refine` of the body "
+            "makes both finer"
+        )
+
+    def promote(self) -> bool:
+        """Promote what has the largest shares of the difference; False if nothing is left.
+
+        All at once if the runs that tell the shares would take most of the budget.
+        """
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.check is not None
+        self._known.clear()
+        check, ranked = answer.check, self.ranked
+        count = sum(1 for _ in promotions(answer.plan, check.plan, ranked))
+        answer.shares = []
+        if count * answer.trial.cpu <= SPLIT_COST * self.left():
+            with self._timed("split"):
+                answer.shares = split(answer.trial, check, ranked, self.metric, self.run)
+        more = promoted(
+            answer.plan, check.plan, ranked, answer.shares, self._estimate, self.accuracy
+        )
+        if more != answer.plan:
+            answer.plan, self._stuck = more, False
+            return True
+        if self._stuck:
+            return False
+        self._stuck = self._close or not self._covered(self._check_plan())
+        return self._stuck
+
+    def _covered(self, wanted: Plan) -> bool:
+        """Tell whether the last check is one of the plan, for which `wanted` would be made."""
+        answer = self.answer
+        return answer.check is not None and covers(
+            answer.check.plan, wanted, answer.plan, self.ranked, answer.study.check
+        )
+
+    def refuse(self) -> None:
+        """Run all modes of the packages of the check, if the budget allows as much as a check.
+
+        Load shapes that the base motion does not need stand for vibrations above those of the
+        package: joint forces of the shaken cantilever have half the error.
+        """
+        answer = self.answer
+        if answer.check is None or not answer.check.complete or self.left() < answer.check.cpu:
+            return
+        plan = answer.check.plan
+        for name in plan.bodies:
+            plan = plan.with_body(name, whole=True)
+        if plan == answer.check.plan:  # rigid bodies alone
+            return
+        with self._timed("check"):
+            answer.finest = self.run(plan)

@@ -1,0 +1,195 @@
+"""A run with `[fidelity]`: plan, run, check, promotion or refusal, delivery."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ....package import ModalPackage
+from ....package.body.selection import vibrations
+from ....results import RunResult
+from ....run.execution import package_of, read_run
+from ....run.inputs_digest import inputs_sha256, plan_file, plan_sha256, still
+from ....run.outcome import RunSpec
+from ....run.timing import Stopwatch, work_s
+from ..base.comparison import kind_of_signal
+from ..base.model import STATIC, vibration_labels
+from ..base.plan import BodyPlan
+from ..check.answer import Answer, beyond_theory
+from ..check.checking import Checking
+from ..choice.choice import chosen
+from ..choice.plan_file import kept_plan, write_plan
+from ..indicators.indicators import study
+from .ladder import tried_models
+from .words import entry, remarks
+
+RUNS = ("model", "check", "split")  # what planning spends time on, after the plan
+ROUNDS = 8  # most of them have no check of their own, and the budget ends them
+
+
+def flexible_names(spec: RunSpec) -> list[str]:
+    """Return the flexible bodies that a plan is about: those that the case does not make rigid."""
+    bodies = spec.mechanism.bodies
+    return [n for n, b in bodies.items() if b.kind != "rigid" and not b.rigid]
+
+
+def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
+    """Return a plan from indicators alone, without the run of the model and the check.
+
+    Parameters
+    ----------
+    spec : a run with `[fidelity]`, with the rich packages of its model
+    check : the rich packages of its check
+
+    Raises
+    ------
+    InputError
+        A mechanism that cannot move.
+    """
+    fidelity = spec.mechanism.fidelity
+    assert fidelity is not None
+    signals = fidelity.signals or list(spec.mechanism.signals)
+    names = flexible_names(spec)
+    found = study(spec, check, names, signals)
+    begin = work_s()
+    kinds = {name: kind_of_signal(name, spec.mechanism.signals) for name in signals}
+    least = {name: BodyPlan() for name in names}
+    if found.base.reason:  # rigid bodies contradict each other
+        for name in names:
+            rows = vibrations(spec.packages[name])[:1]
+            labels = tuple(spec.packages[name].mode_labels[i] for i in rows.tolist())
+            least[name] = BodyPlan(labels, STATIC)
+    plan, losses = chosen(found.indicators, found.model, fidelity.accuracy, kinds, least)
+    cpu = {**found.cpu, "plan": work_s() - begin, **dict.fromkeys(RUNS, 0.0)}
+    return Answer(spec, signals, found, plan, losses, cpu)
+
+
+def checked(answer: Answer, *, promote: bool = True) -> Answer:
+    """Run the model of a plan and its check; promote what is too coarse.
+
+    `promote` is False for a plan that the user has edited: it is checked as it is.
+    """
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    budget = fidelity.budget - sum(answer.cpu.values())
+    checking = Checking(answer, fidelity.accuracy, fidelity.metric, budget, promote)
+    if promote:
+        checking.assemble()
+    while not checking.settled():
+        if checking.left() <= 0.0:
+            answer.reason += "; the budget is used up"
+            break
+        if not promote or answer.rounds >= ROUNDS:
+            break
+        if not checking.promote():
+            answer.reason += "; nothing is left to promote"
+            break
+    if answer.verdict != "met":
+        checking.refuse()
+    if answer.delivered is not None:
+        answer.beyond = beyond_theory(answer.delivered)
+    return answer
+
+
+def read_planned(
+    file: Path, spec: RunSpec | None = None, *, allow_doubtful: bool = False
+) -> tuple[RunSpec, dict[str, ModalPackage]]:
+    """Read a run file with `[fidelity]`, its packages of the model and those of the check.
+
+    Parameters
+    ----------
+    spec : the run, if it has been read
+    allow_doubtful : as in `read_package`
+
+    Raises
+    ------
+    InputError, PackageError
+        See `read_run`.
+    """
+    spec = spec or read_run(file, allow_doubtful=allow_doubtful)
+    table = json.loads(file.read_text(encoding="utf-8"))
+    check = dict(spec.packages)  # bodies from files have one package
+    for body, of_check in table.get("check_packages", {}).items():
+        whose = f"the check of bodies.{body} of case {spec.case}, run {spec.run}"
+        path = file.parent.parent / of_check["file"]
+        check[body] = package_of(
+            path,
+            of_check.get("inputs_sha256"),
+            whose,
+            "run",
+            allow_doubtful=allow_doubtful,
+        )
+    return spec, check
+
+
+def answered(
+    file: Path,
+    *,
+    again: bool = False,
+    check: bool = True,
+    spec: RunSpec | None = None,
+    digest: str | None = None,
+    allow_doubtful: bool = False,
+) -> Answer:
+    """Return the answer of a run with `[fidelity]`, and write its plan.
+
+    A plan file of the same inputs is used as it is, whether it was edited or not.
+
+    Parameters
+    ----------
+    again : make the plan again in any case
+    check : run model and check
+    spec, digest : what `read_run` and `inputs_sha256` return for the file, if known
+    allow_doubtful : as in `read_package`
+    """
+    before = inputs_sha256(file) if digest is None else digest
+    spec, packages = read_planned(file, spec, allow_doubtful=allow_doubtful)
+    where = plan_file(file)
+    digest = still(file, before)
+    known = {
+        name: {
+            "model": vibration_labels(spec.packages[name]),
+            "check": vibration_labels(packages[name]),
+        }
+        for name in flexible_names(spec)
+    }
+    of_file = plan_sha256(where)
+    given = None if again or not digest else kept_plan(where, known, digest)
+    answer = plan_of(spec, packages)
+    if given is not None:
+        answer.plan, answer.plan_sha256 = given, of_file
+        return checked(answer, promote=False) if check else answer
+    if check:
+        answer = checked(answer)
+    answer.plan = replace(answer.plan, inputs_sha256=digest)
+    write_plan(where, answer.plan, remarks(answer))
+    answer.plan_sha256 = plan_sha256(where)
+    return answer
+
+
+def delivered(
+    file: Path, spec: RunSpec, digest: str, *, allow_doubtful: bool = False
+) -> tuple[RunResult, dict[str, Any]]:
+    """Return result and summary of a run file with `[fidelity]`; see `run_file`.
+
+    Parameters
+    ----------
+    spec, digest : what `read_run` and `inputs_sha256` return for the file
+    """
+    clock = Stopwatch()
+    answer = answered(file, spec=spec, digest=digest, allow_doubtful=allow_doubtful)
+    trial = answer.delivered
+    assert trial is not None
+    clock.lap("integrate")
+    result, summary = trial.outcome()
+    clock.lap("recover")
+    summary["cost"]["seconds"] = clock.seconds
+    tried = tried_models(answer)
+    summary["fidelity"] = {
+        **entry(answer),
+        "plan_sha256": answer.plan_sha256,
+        "ladder": tried.entry() if tried else None,
+    }
+    summary["inputs_sha256"] = answer.plan.inputs_sha256
+    return result, summary

@@ -1,0 +1,228 @@
+"""The answer of a plan as an engineer reads it, and its entry in summary.json."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ....errors import counted
+from ..base.plan import Plan
+from ..check.answer import Answer
+from ..indicators.beam_theory import beam_theory
+
+JOINTS = "the joints: rigid, with the friction and clearance that the case describes"
+NOT_CHECKED = (
+    "the cross-sections and materials of the bodies: both packages have the same",
+    JOINTS,
+    "the theory: beams and shells of small strain in both runs; geometrically exact theories "
+    "may differ pointwise by more than 1e-3 in vibrating signals",
+)
+BETWEEN = (
+    "the surface of shells between the nodes of mesh files: finer meshes split their flat cells"
+)
+DELIVERED = {
+    "check": "the check",
+    "all modes": "the run with all modes of the packages",
+    "model": "the chosen model",
+}
+NONE = 1e-9  # indicated cost that is not printed
+MEASURED = "bodies from files: one package, so its mesh and its modes"
+
+
+def not_checked(answer: Answer) -> list[str]:
+    """Return what neither the plan nor the check looks at."""
+    bodies = answer.spec.mechanism.bodies
+    files = [name for name in answer.plan.bodies if bodies[name].kind == "package"]
+    shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
+    found = list(NOT_CHECKED) if answer.plan.bodies else [JOINTS]
+    if files:
+        found.append(f"{MEASURED} ({', '.join(files)})")
+    if shells:
+        found.append(f"{BETWEEN} ({', '.join(shells)})")
+    return found
+
+
+def entry(answer: Answer) -> dict[str, Any]:
+    """Return the entry `fidelity` of summary.json."""
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    indicators = answer.study.indicators
+    return {
+        "asked": fidelity.accuracy,
+        "metric": fidelity.metric,
+        "scale": dict(zip(answer.names, indicators.scale.tolist(), strict=True)),
+        "plan": answer.plan.table(),
+        "losses": dict(zip(answer.names, answer.losses.tolist(), strict=True)),
+        "estimate": estimate_entry(answer),
+        "delivered": {"run": answer.delivered_name, "error_at_most": answer.delivered_at_most},
+        "shares": [share.entry() for share in answer.shares],
+        "rounds": answer.rounds,
+        "cpu": dict(answer.cpu),
+        "verdict": answer.verdict,
+        "reason": answer.reason,
+        "base": answer.study.base.reason or "rigid",
+        "horizon": answer.horizon,
+        "theories": theories(answer),
+        "beyond_theory": answer.beyond,
+        "not_checked": not_checked(answer),
+    }
+
+
+def theories(answer: Answer) -> list[str]:
+    """Return, for each flexible beam of the plan, whether a beam is enough or a shell is needed."""
+    fidelity, mechanism = answer.spec.mechanism.fidelity, answer.spec.mechanism
+    assert fidelity is not None
+    found = [
+        beam_theory(mechanism, name, body, answer.study.model[name], answer.study.indicators)
+        for name, body in answer.plan.bodies.items()
+    ]
+    return [one.words(fidelity.accuracy) for one in found if one is not None]
+
+
+def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
+    """Return the estimated errors of the model; None: not checked, or a run ended early."""
+    if answer.estimate is None:
+        return None
+    return {name: e if np.isfinite(e) else None for name, e in answer.estimates.items()}
+
+
+def fidelity_line(found: Mapping[str, Any]) -> str:
+    """Return the entry of summary.json in one line."""
+    estimate = "no estimate of the error"
+    values = [*(found["estimate"] or {}).values()]
+    if values and None not in values:
+        estimate = f"estimated error of the chosen model {max(values):.1e}"
+    run = found.get("delivered", {}).get("run", "none")
+    most = [*found.get("delivered", {}).get("error_at_most", {}).values()]
+    if run != "none":
+        bound = f"at most about {max(most):.1e}" if most and None not in most else "not estimated"
+        estimate += f"; delivered: {DELIVERED[run]}, error {bound}"
+    reason = f", {found['reason']}" if found["reason"] else ""
+    return f"accuracy {found['asked']:g} {found['verdict']}: {estimate}{reason}"
+
+
+def remarks(answer: Answer) -> list[str]:
+    """Return the lines at the top of a plan file."""
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    return [
+        f"Plan of run {answer.spec.run} of case {answer.spec.case}, accuracy "
+        f"{fidelity.accuracy:g} ({fidelity.metric}).",
+        f"Verdict: {answer.verdict}" + (f", {answer.reason}." if answer.reason else "."),
+        "A run uses this file as long as its inputs are the same. It may be edited: an edited plan",
+        "is checked, but not changed.",
+    ]
+
+
+def answer_text(answer: Answer) -> str:
+    """Return the answer in words."""
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    lines = [
+        f"{answer.spec.case}, run {answer.spec.run}: {', '.join(answer.names)} to "
+        f"{fidelity.accuracy:g} of the largest value ({fidelity.metric})",
+        "",
+    ]
+    if answer.study.base.reason:
+        lines += [f"The bodies cannot all be rigid: {answer.study.base.reason}", ""]
+    lines += _model(answer.plan)
+    if omissions := _omissions(answer):
+        lines += ["", *omissions]
+    lines.append("")
+    lines += [f"{text[0].upper()}{text[1:]}." for text in theories(answer)]
+    if answer.estimate is None:
+        lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
+    else:
+        run = DELIVERED.get(answer.delivered_name, "")
+        for o, (name, value) in enumerate(answer.estimates.items()):
+            model = f"{value:.1e}" if np.isfinite(value) else "not estimated"
+            most = answer.delivered_at_most[name]
+            bound = "not estimated" if most is None else f"at most about {most:.1e}"
+            zero = _zero(answer, o)
+            lines.append(
+                f"Estimated error of {name}: chosen model {model}; delivered run {bound}{zero}"
+            )
+        words = {"met": "The request is met", "not met": "The request is NOT met"}
+        reason = f": {answer.reason}" if answer.reason else ""
+        result = f"The result of {run} is delivered." if run else "No result is delivered."
+        lines.append(f"{words[answer.verdict]}{reason}. {result}")
+    lines += [f"Beyond the theory of both runs: {text}." for text in answer.beyond]
+    if answer.horizon is not None:
+        lines.append(
+            f"After t = {answer.horizon:.4g} s the motion is too sensitive for this accuracy: a "
+            "change of the masses by 1e-6 has grown to it (chaos, or vibrations that lose step). "
+            "The estimate holds for this very run only."
+        )
+    if answer.shares:
+        lines += ["", "Shares of the error of the last plan that was too coarse:"]
+        for share in answer.shares[:6]:
+            body = f" of {share.body}" if share.body else ""
+            lines.append(f"  {share.kind}{body}: {share.value:.1e}")
+    cpu = ", ".join(f"{name} {value:.2f}" for name, value in answer.cpu.items())
+    if answer.trial is not None:
+        cpu += f"; a run of the chosen model {answer.trial.cpu:.2f}"
+    lines += ["", f"CPU seconds: {cpu}", "Not checked:"]
+    lines += [f"  - {text}" for text in not_checked(answer)]
+    return "\n".join(lines)
+
+
+def _zero(answer: Answer, o: int) -> str:
+    """Say of a signal that it is zero but for rounding or noise, and what its error is of; ""."""
+    check = answer.check
+    if check is None or not check.sizes[o] > 0.0:
+        return ""
+    return (
+        f"; the signal is zero to rounding or noise: errors are of {check.sizes[o]:.2g}, the "
+        "size of what it is near"
+    )
+
+
+def _model(plan: Plan) -> list[str]:
+    if not plan.bodies:
+        return [
+            "Model: all bodies are rigid, the tolerance alone is chosen",
+            f"  rtol = {plan.rtol:.2g}",
+        ]
+    lines = ["Model:"]
+    for name, body in plan.bodies.items():
+        if body.rigid:
+            lines.append(f"  {name}: rigid")
+            continue
+        kept = counted(len(body.vibrations), "vibration")
+        if body.vibrations:
+            kept += f" ({', '.join(body.vibrations)})"
+        ring = "undamped" if body.ringing else "damped"
+        shapes = f", {counted(body.static, 'static shape')}, {ring}"
+        mesh = {"model": "first package", "check": "second package, with the finer mesh"}[body.mesh]
+        lines.append(f"  {name}: {kept}{shapes if body.static else ', no static shapes'}; {mesh}")
+    lines.append(f"  geometric stiffening: {'on' if plan.stiffening else 'off'}")
+    lines.append(f"  rtol = {plan.rtol:.2g}")
+    return lines
+
+
+def _omissions(answer: Answer) -> list[str]:
+    """Return what each omission costs by the indicators."""
+    indicators, plan = answer.study.indicators, answer.plan
+    static = {name: body.static > 0 for name, body in plan.bodies.items()}
+    worth = indicators.worth(static)
+    if not plan.bodies:
+        return []
+    lines = ["Indicated cost of what the model leaves out (of the largest value of a signal):"]
+    for name, body in plan.bodies.items():
+        mine = [
+            (float(worth[j]), mode.label)
+            for j, mode in enumerate(indicators.modes)
+            if mode.body == name
+            and mode.label not in body.vibrations
+            and (mode.vibration or not body.static)
+        ]
+        left = [(value, label) for value, label in sorted(mine, reverse=True)[:3] if value > NONE]
+        text = ", ".join(f"{label} {value:.1e}" for value, label in left)
+        lines.append(f"  {name}: {text or 'nothing that responds'}")
+    if not plan.stiffening:
+        worst = float(indicators.stiffening.max(initial=0.0))
+        lines.append(f"  geometric stiffening: {worst:.1e}")
+    for name, ratio in indicators.spin.items():
+        if ratio > 0.25:
+            lines.append(f"  {name} spins at {ratio:.2f} of its first clamped frequency")
+    return lines

@@ -1,0 +1,240 @@
+"""Indicators of a plan: what the omission of modes, static shapes and stiffening costs."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from ....checks.monitors.geometric_stiffness import Loading, geometric_stiffness
+from ....checks.monitors.spin import SpinMonitor
+from ....dynamics.analysis.scales import extent, shape_sizes
+from ....dynamics.model.coordinates import move_rows
+from ....math.arrays import Array
+from ....mechanism import BuiltMechanism
+from ....package import ModalPackage
+from ....package.body.selection import vibrations
+from ....run.outcome import RunSpec
+from ....run.timing import work_s
+from ....signals import Recording, Sensor, sensors
+from ..base.base import Base, base_motion
+from ..base.comparison import difference, kind_of_signal, relatives, scales
+from ..base.model import Rich
+from .effects import Effects, effects
+from .loaded import Loaded, fixed_packages, loaded
+from .response import Response, elastic_columns, response
+
+PARALLEL = 1.0 - 1e-12  # cosine of axes that are the same
+
+
+def stiffening_loss(
+    found: Response,
+    again: BuiltMechanism,
+    measured: Mapping[str, Sensor],
+    second: Mapping[str, Sensor],
+    parts: Effects,
+) -> Array:
+    """Return the change of signals (o, s) by stiffening and second-order motion at q = eta."""
+    rows, model = found.at, found.model
+    t, y = found.t[rows], found.y[rows].copy()
+    change = np.einsum("snm,sm->sn", found.motions[:, : model.n_vel], found.eta[rows])
+    move_rows(model, y, change)
+    one, two = Recording(model, t, y), Recording(again.model, t, y)
+    lost = np.array([second[name].values(two) - measured[name].values(one) for name in measured])
+    lost = np.where(np.isfinite(lost), lost, 0.0)
+    turned = np.zeros((len(rows), len(found.elastic)))
+    loaded = Loading(model)(t, y, (one.rates, one.multipliers))
+    for i, columns in enumerate(elastic_columns(model)):
+        if len(columns) and again.model.second_start[i + 1] > again.model.second_start[i]:
+            Kg = geometric_stiffness(model, again.model, i, t, y, loaded)
+            own = np.searchsorted(found.elastic, columns)
+            turned[:, own] = np.einsum("sij,sj->si", Kg, found.eta[rows][:, own])
+    extra = np.linalg.solve(found.K, turned.T).T  # (s, m)
+    eta = found.eta[rows]
+    slope = np.divide(
+        parts.static[:, rows], eta, out=np.zeros((len(lost), *eta.shape)), where=eta != 0.0
+    )
+    return np.asarray(lost - np.einsum("osm,sm->os", slope, extra))
+
+
+def spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str, float]:
+    """Return the largest spin of bodies over their first clamped frequency."""
+    spin = SpinMonitor(built.model, built.body_names, stop=False)
+    out = {}
+    for i, name in enumerate(built.body_names):
+        if name not in names or not built.model.n_mode[i]:
+            continue
+        w = np.array([spin.spin(i, found.y[k]) for k in found.at.tolist()])
+        speed = np.linalg.norm(w, axis=1)
+        largest, seen = 0.0, np.zeros((0, 3))
+        for k in np.argsort(-speed, kind="stable").tolist():
+            if speed[k] <= largest * spin.safe_spin(i):  # that of any axis is higher
+                break
+            axis = w[k] / speed[k]
+            if not (np.abs(seen @ axis) > PARALLEL).any():  # it was faster about this one
+                largest = max(largest, float(speed[k] / spin.critical_spin(i, axis)))
+                seen = np.vstack([seen, axis])
+        out[name] = largest
+    return out
+
+
+def amplified_errors(found: Response, parts: Effects, scale: Array) -> Array:
+    """Return the error (o,) of the signals over the tolerance of the integrator, of the scale.
+
+    A tolerance of 1 permits errors of the modes that displace a body by the size of the mechanism.
+    What the modes of a body add to a signal has that size over their displacement as its error.
+    """
+    model, q = found.model, found.history[0]
+    size, first, worst = extent(model, found.y[0]), 0, np.zeros(len(scale))
+    for i in range(model.n_body):
+        m = int(model.n_mode[i])
+        mine = slice(first, first + m)
+        moved = float(np.linalg.norm(q[:, mine] * shape_sizes(model, i), axis=1).max(initial=0.0))
+        first += m
+        if moved > 0.0:
+            added = np.abs(parts.response[:, :, mine].sum(axis=2)).max(axis=1) / scale
+            worst = np.maximum(worst, added * size / moved)
+    return worst
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode of a rich package: body, label, and whether it is a vibration."""
+
+    body: str
+    label: str
+    vibration: bool
+
+
+@dataclass(frozen=True)
+class Indicators:
+    """Losses by mode and kind.
+
+    Attributes
+    ----------
+    names : signals
+    scale : (o,) size of each signal
+    modes : m of the modes that respond
+    effects : their contributions
+    stiffening : (o,) loss without geometric stiffening, of the scale
+    spin : largest spin over the first frequency of the clamped body, by body
+    amplified : (o,) error of each signal over the tolerance that causes it
+    quiet : (o,) the signals that are rounding; their scale is the size of what they are near
+    """
+
+    names: list[str]
+    metric: str
+    scale: Array
+    modes: list[Mode]
+    effects: Effects
+    stiffening: Array
+    spin: dict[str, float]
+    amplified: Array
+    quiet: npt.NDArray[np.bool_]
+
+    def loss(self, lost: Array) -> Array:
+        """Return the error (..., o) that lost contributions (..., o, k) cause, of the scale."""
+        whole = self.effects.whole
+        return difference(self.metric, whole, whole - lost) / self.scale
+
+    def worth(self, static: Mapping[str, bool]) -> Array:
+        """Return the loss of each mode alone, the largest of all signals, (m,)."""
+        lost = self.effects.response - self.effects.static * self._has(static)
+        size = np.abs(lost).max(axis=1) / self.scale[:, None]
+        return np.asarray(size.max(axis=0, initial=0.0))
+
+    def _has(self, static: Mapping[str, bool]) -> Array:
+        return np.array([float(static.get(mode.body, False)) for mode in self.modes])
+
+    def ranked(self, body: str) -> tuple[str, ...]:
+        """Return the labels of the vibrations of a body, largest loss first."""
+        worth = self.worth({})
+        order = np.argsort(-worth, kind="stable")
+        mine = [self.modes[i] for i in order.tolist()]
+        return tuple(mode.label for mode in mine if mode.body == body and mode.vibration)
+
+
+@dataclass(frozen=True)
+class Study:
+    """The base motion, the rich packages with their quasi-static response, the indicators.
+
+    Attributes
+    ----------
+    of_check : returns the rich packages of the check, which indicators do not need
+    cpu : seconds of the base motion and of the indicators
+    """
+
+    base: Base
+    model: dict[str, Rich]
+    of_check: Callable[[], dict[str, Rich]]
+    indicators: Indicators
+    cpu: dict[str, float]
+
+    @cached_property
+    def check(self) -> dict[str, Rich]:
+        """The rich packages of the check."""
+        return self.of_check()
+
+
+def study(
+    spec: RunSpec, check: Mapping[str, ModalPackage], names: list[str], signals: list[str]
+) -> Study:
+    """Return what a plan is made from.
+
+    Parameters
+    ----------
+    spec : the run with the rich packages of the model
+    check : rich packages of the check
+    names : flexible bodies that the plan is about
+    signals : names of the signals that must be accurate
+    """
+    begin = work_s()
+    base = base_motion(spec, names)
+    moved = work_s()
+    fixed = fixed_packages(spec, base, names)
+
+    def of(packages: Mapping[str, ModalPackage]) -> Loaded:
+        return loaded(spec, base, {name: packages[name] for name in names}, fixed)
+
+    model = of(spec.packages)
+    found = _indicators(spec, base, model, signals)
+    cpu = {"base": moved - begin, "indicators": work_s() - moved}
+    return Study(base, model.rich, lambda: of(check).rich, found, cpu)
+
+
+def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) -> Indicators:
+    fidelity = spec.mechanism.fidelity
+    assert fidelity is not None
+    built, modes = model.built, []
+    for name in built.body_names:
+        if name in model.rich:
+            package = model.rich[name].package
+            moving = set(vibrations(package).tolist())
+            modes += [
+                Mode(name, package.mode_labels[j], j in moving) for j in model.modes[name].tolist()
+            ]
+    deformed = spec.mechanism.solver.start != "positions"
+    found = response(base, built.model, model.p, deformed=deformed)
+    wanted = {name: spec.mechanism.signals[name] for name in signals}
+    compared = relatives(signals, spec.mechanism, built, found.y[0])
+    measured = compared.sensors(built)
+    kinds = {name: kind_of_signal(name, compared.table) for name in measured}
+    every = effects(found, measured, kinds)
+    whole, sizes = compared.judged(dict(zip(measured, every.whole, strict=True)))
+    quiet = np.asarray(sizes > 0.0)
+    scale = np.where(quiet, sizes, scales(fidelity.metric, whole))
+    count = len(signals)  # relatives follow
+    parts = Effects(every.base[:count], every.response[:count], every.static[:count])
+    measured = {name: measured[name] for name in signals}
+    stiffened = np.zeros(len(signals))
+    again = model.stiffened
+    if again is not None:
+        second = sensors(again, spec.mechanism.signals, wanted=wanted)
+        lost = stiffening_loss(found, again, measured, second, parts)
+        stiffened = np.abs(lost).max(axis=1) / scale
+    spin = spins(built, found, list(model.rich))
+    amplified = amplified_errors(found, parts, scale)
+    return Indicators(
+        list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified, quiet
+    )

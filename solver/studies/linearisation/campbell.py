@@ -1,0 +1,220 @@
+"""Campbell diagram: modes followed over speed, and their crossings with harmonics of the speed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator, PPoly
+
+from ...math.arrays import Array, IntArray
+from .modes import Modes
+from .tracking import Match, Vectors, match
+
+ALIKE = 0.8  # overlap of the shapes of neighbouring speeds below which the step is halved
+_HALVINGS = 6
+_SECANTS = 5  # solutions for the speed of a crossing
+_CROSSED = 1e-7  # its accuracy, of the speed
+
+
+class Point(NamedTuple):
+    """Modes at one speed; numbers are those that are followed."""
+
+    speed: float  # [rad/s]
+    modes: Modes
+    vectors: Vectors
+    fixed: Array  # (k,) angular frequencies seen from axes at rest; nan: no whirl
+    main: list[str]  # (k,) names of main coordinates
+
+
+class Crossing(NamedTuple):
+    """A mode whose frequency is a multiple of the speed."""
+
+    branch: int
+    harmonic: int
+    speed: float  # [rad/s]
+    frequency: float  # [rad/s]
+
+
+@dataclass(frozen=True)
+class Campbell:
+    """Branches of modes over speed; nan where a branch has no mode."""
+
+    speeds: Array  # (s,) [rad/s]
+    frequencies: Array  # (s, b) seen from axes that turn [rad/s]
+    fixed: Array  # (s, b) seen from axes at rest [rad/s]
+    damping: Array  # (s, b)
+    growth: Array  # (s, b) [1/s] of modes that grow, else 0
+    overlaps: Array  # (s - 1, b) with the speed before
+    names: list[str]  # (b,) main coordinates where the branch begins
+    modes: IntArray  # (s, b) number of the mode, -1: none
+    points: tuple[Point, ...]
+
+    def followed(self, fixed: bool) -> Array:
+        """Return the frequencies (s, b) of the diagram: from axes at rest, or those that turn."""
+        return np.abs(self.fixed) if fixed else self.frequencies
+
+
+def follow(at: Callable[[float, Point | None], Point], speeds: Array, most: int) -> Campbell:
+    """Return the branches of the lowest modes over speed.
+
+    Parameters
+    ----------
+    at : returns the modes at a speed, given those of a speed nearby
+    speeds : (s,) rising; the step between two is halved where shapes change too much
+    most : how many modes are followed
+    """
+    points = [at(float(speeds[0]), None)]
+    matches: list[Match] = []
+    for low, high in pairwise(speeds.tolist()):
+        _advance(at, points, matches, low, high, most, _HALVINGS)
+    return _branches(points, matches, most)
+
+
+def _advance(
+    at: Callable[[float, Point | None], Point],
+    points: list[Point],
+    matches: list[Match],
+    low: float,
+    high: float,
+    most: int,
+    halvings: int,
+) -> None:
+    before = points[-1]
+    point = at(high, before)
+    found = match(before.vectors, point.vectors)
+    if halvings and _worst(before, found, most) < ALIKE:
+        middle = 0.5 * (low + high)
+        _advance(at, points, matches, low, middle, most, halvings - 1)
+        _advance(at, points, matches, middle, high, most, halvings - 1)
+        return
+    points.append(point)
+    matches.append(found)
+
+
+def _worst(before: Point, found: Match, most: int) -> float:
+    """Return the least overlap of the lowest modes that oscillate."""
+    overlaps = [
+        found.overlap[k] for k in _lowest(before.modes, most) if before.modes.frequencies[k] > 0.0
+    ]
+    return float(min(overlaps, default=1.0))
+
+
+def _lowest(modes: Modes, most: int) -> list[int]:
+    """Return the numbers of the lowest modes without those that stand still."""
+    return [k for k in range(modes.eigenvalues.size) if not modes.still[k]][:most]
+
+
+def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> Campbell:
+    columns: list[list[int]] = []  # by branch: number of its mode at each speed
+    overlaps: list[list[float]] = []
+    for k in _lowest(points[0].modes, most):
+        columns.append([k])
+        overlaps.append([])
+    for s, (point, found) in enumerate(zip(points[1:], matches, strict=True), 1):
+        taken = set()
+        for column, alike in zip(columns, overlaps, strict=True):
+            k = column[-1]
+            j = int(found.successor[k]) if k >= 0 else -1
+            if j >= 0 and point.modes.still[j]:
+                j = -1
+            column.append(j)
+            alike.append(float(found.overlap[k]) if j >= 0 else np.nan)
+            taken.add(j)
+        alive = sum(column[-1] >= 0 for column in columns)
+        for j in _lowest(point.modes, most):
+            if j not in taken and alive < most:
+                columns.append([-1] * s + [j])
+                overlaps.append([np.nan] * s)
+                alive += 1
+    modes = np.array(columns, dtype=np.int64).reshape(-1, len(points)).T
+    rows = [(p.modes.frequencies, p.fixed, p.modes.damping, p.modes.growth) for p in points]
+    tables = [
+        np.array([np.where(n >= 0, row[q][n], np.nan) for row, n in zip(rows, modes, strict=True)])
+        for q in range(4)
+    ]
+    names = []
+    for numbers in columns:
+        s = next(s for s, k in enumerate(numbers) if k >= 0)
+        names.append(points[s].main[numbers[s]])
+    return Campbell(
+        speeds=np.array([p.speed for p in points]),
+        frequencies=tables[0],
+        fixed=tables[1],
+        damping=tables[2],
+        growth=tables[3],
+        overlaps=np.array(overlaps).reshape(-1, len(points) - 1).T,
+        names=names,
+        modes=modes,
+        points=tuple(points),
+    )
+
+
+def crossings(
+    diagram: Campbell,
+    at: Callable[[float, Point | None], Point],
+    harmonics: int,
+    *,
+    fixed: bool,
+) -> list[Crossing]:
+    """Return where branches cross the lines w = n W, n = 1 .. harmonics, by rising speed.
+
+    A crossing between two speeds is found on a monotone cubic through the branch, and improved
+    by the secant method.
+    """
+    found = []
+    for branch in range(diagram.frequencies.shape[1]):
+        w = diagram.followed(fixed)[:, branch]
+        known = np.flatnonzero(np.isfinite(w))
+        if known.size < 2:
+            continue
+        curve = PchipInterpolator(diagram.speeds[known], w[known])
+        for n in range(1, harmonics + 1):
+            off = w - n * diagram.speeds
+            for s, s_next in pairwise(known.tolist()):
+                if off[s] * off[s_next] < 0.0 or (off[s_next] == 0.0 and off[s] != 0.0):
+                    found.append(_crossing(diagram, at, curve, branch, n, s, s_next, fixed=fixed))
+    return sorted(found, key=lambda c: (c.speed, c.harmonic))
+
+
+def _crossing(
+    diagram: Campbell,
+    at: Callable[[float, Point | None], Point],
+    curve: PchipInterpolator,
+    branch: int,
+    n: int,
+    s: int,
+    s_next: int,
+    *,
+    fixed: bool,
+) -> Crossing:
+    low, high = float(diagram.speeds[s]), float(diagram.speeds[s_next])
+    line = curve.c.copy()
+    line[-1] -= n * curve.x[:-1]
+    line[-2] -= n
+    roots = [r for r in PPoly(line, curve.x).roots(extrapolate=False).tolist() if low <= r <= high]
+    speed = roots[0] if roots else 0.5 * (low + high)
+    before, row = diagram.points[s], diagram.modes[s, branch]
+
+    def off(speed: float) -> float:
+        """Frequency minus that of the harmonic at a speed; nan if the mode is not found."""
+        point = at(speed, before)
+        k = int(match(before.vectors, point.vectors).successor[row])
+        if k < 0:
+            return float("nan")
+        return abs(float((point.fixed if fixed else point.modes.frequencies)[k])) - n * speed
+
+    w = diagram.followed(fixed)[:, branch]
+    known = (low, float(w[s]) - n * low), (high, float(w[s_next]) - n * high)
+    last = max(known, key=lambda pair: abs(pair[0] - speed))
+    for _ in range(_SECANTS):  # the secant method
+        found = off(speed)
+        if not np.isfinite(found) or found == last[1]:
+            break
+        better = speed - found * (speed - last[0]) / (found - last[1])
+        last = speed, found
+        speed = min(max(better, low), high)
+        if abs(speed - last[0]) <= _CROSSED * high:
+            break
+    return Crossing(branch, n, speed, n * speed)

@@ -1,0 +1,236 @@
+"""The equations of motion linearised about a state, with the constraints eliminated.
+
+    eta' = Z+ T Z eta + zeta
+    zeta' = (Z+ (da(Z, B) + T_u B) + Zdot' S B) eta + Z+ (da(0, Z) + T_u Z) zeta
+
+The displacement is x = Z eta, the change of velocity u = Z zeta + B eta, with Z the free motions
+and B what the constraints ask of the velocities of a displaced state. In a state that moves, the
+free motions change: Zdot = (1 - Z Z+) (B + T Z), zero in steady spin. da are derivatives of the
+accelerations that solve (12), so that they contain inertia, gyroscopic terms, following loads and
+the change of the constraint forces. Auxiliary states of controllers and friction follow. A drive
+enters by its acceleration, with two states: what its coordinate and its rate are beside their law.
+Reasons: docs/adr/0020.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...dynamics.analysis.rank import FreeMotions, Rank, free_motions
+from ...dynamics.analysis.scales import extent
+from ...dynamics.evaluation.dense_equations import assemble
+from ...dynamics.evaluation.laws import law_values
+from ...dynamics.evaluation.series import along_solution, balance
+from ...dynamics.model.model import Model
+from ...math.arrays import Array, IntArray
+from ...signals import Recording, Sensor
+from .differences import Direction, Instant, derivatives
+from .turning import turning_axes
+
+_STEADY = 1e-6  # change of the free motions in steady spin, relative to the spin's velocities
+
+
+class Source(NamedTuple):
+    """A law of time that may be an input: a drive, an actuator or a load."""
+
+    name: str
+    law: int  # number in the model
+    unit: str  # of its value
+    drive: bool  # it enters by its acceleration
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u about a state.
+
+    x = [eta, zeta, auxiliary states, drives, their rates].
+    """
+
+    A: Array  # (n, n)
+    B: Array  # (n, n_in)
+    C: Array  # (n_out, n)
+    D: Array  # (n_out, n_in)
+    free: FreeMotions  # Z, its inverse and the rank
+    velocity: Array  # (n_vel, n_free) B of u = Z zeta + B eta
+    mass: Array  # (n_vel, n_vel) mass matrix of the state
+    inertia_scale: Array  # (n_vel,) of the model
+    y: Array  # (n_y,) the state about which
+    auxiliary: IntArray  # (n_a,) numbers of the auxiliary states that have a rate
+    acceleration: Array  # (n_vel,) of that state, in the axes of the linearisation
+    auxiliary_rates: Array  # (n_a,) of that state
+    forces: Array  # (n_vel,) that act on it
+    inputs: tuple[Source, ...]
+    outputs: tuple[tuple[str, str], ...]  # name and unit
+    error: float  # estimate of the relative error of A
+
+    @property
+    def n_free(self) -> int:
+        """Number of free motions."""
+        return self.free.Z.shape[1]
+
+    @property
+    def rank(self) -> Rank:
+        """Rank of the constraint rows."""
+        return self.free.rank
+
+    @property
+    def A_free(self) -> Array:
+        """A without the states of drives, (m, m), m = 2 n_free + n_a."""
+        m = 2 * self.n_free + self.auxiliary.size
+        return self.A[:m, :m]
+
+    def displacements(self, columns: Array) -> Array:
+        """Return x (n_vel, k) for columns (m, k) of states without drives."""
+        return np.asarray(self.free.Z @ columns[: self.n_free])
+
+    def velocities(self, columns: Array) -> Array:
+        """Return u (n_vel, k) for columns (m, k) of states without drives."""
+        n = self.n_free
+        return np.asarray(self.free.Z @ columns[n : 2 * n] + self.velocity @ columns[:n])
+
+
+def linearise(
+    model: Model,
+    t: float,
+    y: Array,
+    W_G: Array,
+    *,
+    sensors: Mapping[str, Sensor] | None = None,
+    sources: Sequence[Source] = (),
+) -> StateSpace:
+    """Return the equations of motion linearised about state y (n,) at time t.
+
+    Parameters
+    ----------
+    W_G : (3,) angular velocity of the axes in which displacements are seen, global [rad/s]
+    sensors : outputs
+    sources : inputs
+    """
+    sensors = sensors or {}
+    y = y.copy()
+    y[-1] = 0.0
+    free = free_motions(assemble(model, t, y), model.inertia_scale)
+    model = model._replace(alpha=0.0, beta=0.0, penalty=0.0, redundant=free.rank.redundant)
+    at = Instant(model, t, y, law_values(model, t))
+    size = extent(model, y)
+    Z, left = free.Z, free.Z_left
+    auxiliary = moving_states(model)
+    drives = [s for s in sources if s.drive]
+    n, n_a, n_d = Z.shape[1], auxiliary.size, len(drives)
+
+    def answers(directions: list[Direction], column: int) -> Array:
+        """Motions (n_vel, k) that restore Phi (column 0) or Phidot (1) along directions."""
+        weights = np.ones(2 * model.n_constraint)
+        found = derivatives(at, _constraints, directions, size, weights).values
+        return np.asarray(-free.P @ found.reshape(2, -1, len(directions))[column])
+
+    B = np.zeros_like(Z)
+    if model.n_constraint and (y[model.n_pos :].any() or at.laws[:, 1].any()):
+        B = answers([at.direction(x) for x in Z.T], 1)
+    X, Xp = np.zeros((model.n_vel, n_d)), np.zeros((model.n_vel, n_d))
+    values = [_one_law(at.laws, s.law, 0) for s in drives]
+    if drives:
+        X = answers([at.direction(laws=value) for value in values], 0)
+        moved = [at.direction(x, laws=value) for x, value in zip(X.T, values, strict=True)]
+        Xp = answers(moved, 1)
+    # One direction for each state: displacement, change of velocity, laws, auxiliary states.
+    x = np.hstack([Z, np.zeros_like(Z), np.zeros((model.n_vel, n_a)), X, np.zeros_like(X)])
+    u = np.hstack([B, Z, np.zeros((model.n_vel, n_a)), Xp, X])
+    directions = [at.direction(*pair) for pair in zip(x.T, u.T, strict=True)]
+    for k, j in enumerate(auxiliary):
+        only = np.zeros(model.n_aux)
+        only[j] = 1.0
+        directions[2 * n + k] = at.direction(states=only)
+    for k, s in enumerate(drives):
+        for order, m in ((0, 2 * n + n_a + k), (1, 2 * n + n_a + n_d + k)):
+            directions[m] = directions[m]._replace(laws=_one_law(at.laws, s.law, order))
+    directions += [
+        at.direction(laws=_one_law(at.laws, s.law, 2 if s.drive else 0)) for s in sources
+    ]
+    first = model.n_pos + model.n_vel
+    kept = [*range(model.n_pos, first), *(first + auxiliary)]
+
+    def evaluation(m: Model, times: Array, states: Array) -> Array:
+        rates = along_solution(m, times, states)[0][:, kept]
+        recording = Recording(m, times, states)
+        return np.column_stack([rates, *(s.values(recording) for s in sensors.values())])
+
+    weights = np.concatenate([np.sqrt(model.inertia_scale), np.zeros(n_a + len(sensors))])
+    found = derivatives(at, evaluation, directions, size, weights)
+    da, ds, dy = np.split(found.values, [model.n_vel, model.n_vel + n_a])
+    frame = turning_axes(model, y, W_G)
+    n_state = 2 * n + n_a + 2 * n_d
+    A, into = np.zeros((n_state, n_state)), np.zeros((n_state, len(sources)))
+    A[:n] = left @ (u + frame.T @ x)
+    A[n : 2 * n] = left @ (da[:, :n_state] + frame.T_u @ u)
+    # Free motions change along a motion: Zdot, without a component in Z.
+    beside = np.eye(model.n_vel) - Z @ left
+    change = _without_noise(beside @ (B + frame.T @ Z), B).T * model.inertia_scale
+    A[:n] += change @ beside @ x
+    A[n : 2 * n] += change @ beside @ u
+    A[2 * n : 2 * n + n_a], into[2 * n : 2 * n + n_a] = ds[:, :n_state], ds[:, n_state:]
+    A[n_state - 2 * n_d : n_state - n_d, n_state - n_d :] = np.eye(n_d)
+    into[n : 2 * n] = left @ da[:, n_state:]
+    for k, s in enumerate(sources):
+        if s.drive:
+            into[n_state - n_d + drives.index(s), k] = 1.0
+    rest = along_solution(model, np.full(1, t), y[None])[0][0, kept]
+    errors = left @ found.errors[: model.n_vel, : 2 * n]
+    return StateSpace(
+        A=A,
+        B=into,
+        C=dy[:, :n_state],
+        D=dy[:, n_state:],
+        free=free,
+        velocity=B,
+        mass=assemble(model, t, y).M,
+        inertia_scale=model.inertia_scale,
+        y=y,
+        auxiliary=auxiliary,
+        acceleration=rest[: model.n_vel] + frame.T_u @ y[model.n_pos : first],
+        auxiliary_rates=rest[model.n_vel :],
+        forces=assemble(model, t, y).f,
+        inputs=tuple(sources),
+        outputs=tuple((name, s.unit) for name, s in sensors.items()),
+        error=_relative(left @ da[:, : 2 * n], errors, left @ rest[: model.n_vel]),
+    )
+
+
+def moving_states(model: Model) -> IntArray:
+    """Return the numbers of the auxiliary states that have a rate of their own.
+
+    Those that count turns of an angle, and those that are sampled, do not change in a small motion.
+    """
+    q = model.quantities
+    return np.flatnonzero((q.rate >= 0) & (q.of_coordinate < 0))
+
+
+def _constraints(model: Model, t: Array, y: Array) -> Array:
+    """Phi and Phidot of states, (k, 2 n_c)."""
+    found = balance(model, t, y)
+    return np.hstack([found.Phi, found.Phi_d])
+
+
+def _one_law(laws: Array, law: int, order: int) -> Array:
+    """Change of the value (0), rate (1) or acceleration (2) of one law, (n_law, 3)."""
+    out = np.zeros_like(laws)
+    out[law, order] = 1.0
+    return out
+
+
+def _without_noise(Z_d: Array, B: Array) -> Array:
+    """Return Zdot (n_vel, n) with columns of zeros where it is the round-off of B."""
+    size, scale = np.linalg.norm(Z_d, axis=0), np.linalg.norm(B, axis=0)
+    return np.where(size > _STEADY * max(float(scale.max(initial=0.0)), 1e-300), Z_d, 0.0)
+
+
+def _relative(values: Array, errors: Array, rest: Array) -> float:
+    """Return the largest estimated error of a column over its size, beyond the round-off of `rest`.
+
+    A large acceleration that does not depend on the state leaves nothing but round-off.
+    """
+    size = np.linalg.norm(values, axis=0)
+    least = max(1e-9 * max(float(size.max(initial=0.0)), 1.0), 1e-8 * float(np.linalg.norm(rest)))
+    return float(np.max(np.linalg.norm(errors, axis=0) / np.maximum(size, least), initial=0.0))

@@ -1,0 +1,174 @@
+"""The run that `plymotion modes` works on, and the states that `--at` names."""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...dynamics.evaluation.spinning import Spin
+from ...dynamics.model.model import Model
+from ...errors import InputError, PackageError
+from ...inputs.case import load_case
+from ...inputs.case.file import case_file
+from ...inputs.case.reading.specs import write_case
+from ...math.arrays import Array
+from ...mechanism import BuiltMechanism, build
+from ...mechanism.consistent.initial import Start, consistent_state
+from ...mechanism.starting.equilibrium import resting_state
+from ...mechanism.starting.relative_equilibrium import (
+    Steady,
+    given_spin,
+    hub_axis,
+    relative_equilibrium,
+    spin_about,
+)
+from ...mechanism.starting.start import starting_state
+from ...run.execution import read_run
+from ...run.integration import complete
+from ...run.outcome import RunSpec
+from ...run.preparation import prepare
+from ...workers.packages import build_packages, specs_of
+from ..cases import build_folder, chosen_run
+from ..linearisation.turning import common_spin
+from .place import At
+
+# The case that `plymotion modes` works on: its run, with packages built if out of date.
+
+
+def read_spec(
+    file: Path, run: str | None, *, packages: Path | None, coarse: bool, quiet: bool
+) -> tuple[RunSpec, Path]:
+    """Return a run with its packages, and the folder build/<case> of its results.
+
+    Parameters
+    ----------
+    file : cases/<name>/case.toml, or a run file build/<case>/runs/<run>.json
+    run : name of the run; None: the only one, or the first
+    packages : folder of ready packages; None: build/<case>/bodies, built there if out of date
+
+    Raises
+    ------
+    InputError, PackageError
+        An unknown run; what `check` and `run` find; packages that cannot be built.
+    """
+    if file.suffix == ".json":
+        spec = read_run(file)
+        if run is not None and run != spec.run:
+            raise InputError(f"--run {run}: {file} is run {spec.run}; expected a case file")
+        return spec, file.parent.parent
+    file = case_file(file)
+    case = load_case(file, coarse=coarse, sweeps=())
+    name = chosen_run(case, run)
+    build = build_folder(file, coarse=coarse)
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
+        out = Path(temporary)
+        write_case(case, out, packages or build / "bodies")
+        if packages is None:
+            specs = specs_of(out, [name])
+            build_packages(specs, build / "bodies", quiet=quiet)
+        try:
+            return read_run(out / "runs" / f"{name}.json"), build
+        except PackageError as error:
+            raise PackageError(f"{error}; `plymotion {file}` builds the packages") from None
+
+
+# The states that `--at` names, other than a range of speeds.
+
+
+@dataclass(frozen=True)
+class State:
+    """A state about which the equations are linearised."""
+
+    model: Model  # with the laws of time that hold there
+    t: float  # [s]
+    y: Array  # (n,)
+    spin: Spin | None  # at which the whole mechanism turns
+    words: str  # for titles
+    given_spin: bool = False  # asked for by its spin
+
+
+class States:
+    """States of a run."""
+
+    def __init__(self, spec: RunSpec) -> None:
+        self.spec = spec
+        self.built: BuiltMechanism = build(spec.mechanism, spec.packages)
+
+    def at(self, at: At, axis: Array | None) -> State:
+        """Return the state of `--at`; `axis` (3,) is that of the command line.
+
+        Raises
+        ------
+        InputError
+            A time outside the run, no equilibrium, no axis of a spin.
+        """
+        if at.kind == "spin" and at.speeds is not None:
+            spin = self.spin(axis)._replace(rate=float(at.speeds[0]))
+            return self.turning(spin, self.start())
+        if at.kind == "time" and at.time > 0.0:
+            return self._later(at.time)
+        if at.kind == "time" and at.time < 0.0:
+            raise InputError(f"--at t={at.time:g}: expected {self._span()}")
+        if at.kind == "equilibrium":
+            return self._equilibrium()
+        built, solver = self.built, self.spec.mechanism.solver
+        names = built.joint_names, built.body_names
+        given = given_spin(solver)
+        y = starting_state(built.model, built.start, solver.start, *names, given, built.light)
+        return self._moving(0.0, y, "start")
+
+    def start(self) -> Start:
+        """Return the start of the case with its joints closed."""
+        built = self.built
+        n = built.model.n_vel
+        free = Start(built.start.positions, np.zeros(n), np.zeros(n, dtype=bool))
+        y = consistent_state(built.model, free, built.joint_names)
+        return Start(y[: built.model.n_pos], free.velocities, free.given)
+
+    def spin(self, axis: Array | None) -> Spin:
+        """Return the axis of a spin, at speed zero: of the command line, the case or the hub."""
+        given = given_spin(self.spec.mechanism.solver)
+        if axis is not None:
+            point = given.point if given is not None else np.zeros(3)
+            return spin_about(axis, point, 0.0)
+        if given is not None:
+            return given._replace(rate=0.0)
+        return spin_about(*hub_axis(self.built), 0.0)
+
+    def turning(self, spin: Spin, start: Start) -> State:
+        """Return the relative equilibrium at a spin near a start. Raises InputError."""
+        built = self.built
+        if spin.rate == 0.0:
+            model, y = resting_state(built.model, start, built.body_names)
+            return State(model, 0.0, y, spin, "rest")
+        names = built.joint_names, built.body_names
+        found: Steady = relative_equilibrium(built.model, start, spin, *names)
+        return State(found.model, 0.0, found.y, spin, f"spin {spin.rate:g} rad/s", given_spin=True)
+
+    def _span(self) -> str:
+        return f"a time from 0 to solver.t_end = {self.spec.mechanism.solver.t_end:g} s"
+
+    def _equilibrium(self) -> State:
+        spin = given_spin(self.spec.mechanism.solver)
+        if spin is not None and spin.rate != 0.0:
+            return self.turning(spin, self.start())
+        model, y = resting_state(self.built.model, self.start(), self.built.body_names)
+        return State(model, 0.0, y, None, "equilibrium")
+
+    def _later(self, t: float) -> State:
+        """Integrate the run up to t."""
+        solver = self.spec.mechanism.solver
+        if t > solver.t_end * (1.0 + 1e-9):
+            raise InputError(f"--at t={t:g}: expected {self._span()}")
+        spec = self.spec.changed({"solver.t_end": t, "solver.output_step": t})
+        finished = complete(prepare(spec.mechanism, spec.packages, ()))
+        solution = finished.solution
+        if solution.status != "finished":
+            raise InputError(
+                f"--at t={t:g}: the run ended at {solution.t[-1]:.4g} s: {solution.message}"
+            )
+        return self._moving(t, solution.y[-1], f"t = {t:g} s")
+
+    def _moving(self, t: float, y: Array, words: str) -> State:
+        return State(self.built.model, t, y, common_spin(self.built.model, t, y), words)

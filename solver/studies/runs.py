@@ -1,0 +1,277 @@
+"""The command `plymotion run`: one run or several, in one process or more."""
+
+import json
+import multiprocessing
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, PackageError, few
+from ..inputs.case.checks.messages import ERRORS, out_of_range
+from ..interrupts import (
+    INTERRUPTED,
+    asked,
+    ending_words,
+    handle,
+    note,
+    of_a_signal,
+    passed_to_children,
+)
+from ..package.common.replaceable import refuse_foreign
+from ..results import RunResult
+from ..results.summary import damping_lines, invalid_words
+from ..run.execution import run_file
+from ..run.inputs_digest import up_to_date
+from ..run.outcome import RunSpec
+from ..run.timing import timing_text
+from .exit_codes import DEFECT, INCOMPLETE, INPUT, report, worst
+
+# One run file, with `[fidelity]` or without: what commands and the Python interface call.
+
+
+def run_one(
+    file: Path,
+    out: Path,
+    *,
+    progress: bool = True,
+    import_s: float = 0.0,
+    allow_python: bool = False,
+    allow_doubtful: bool = False,
+) -> dict[str, Any]:
+    """Execute a run file; return its summary. See `run_file`."""
+    return run_file(
+        file,
+        out,
+        progress=progress,
+        import_s=import_s,
+        allow_python=allow_python,
+        allow_doubtful=allow_doubtful,
+        planned=partial(_planned, file, allow_doubtful),
+    )
+
+
+def _planned(
+    file: Path, allow_doubtful: bool, spec: RunSpec, digest: str
+) -> tuple[RunResult, dict[str, Any]]:
+    """Execute a run with `[fidelity]`."""
+    from .fidelity.delivery.execution import delivered  # most runs need no planner
+
+    return delivered(file, spec, digest, allow_doubtful=allow_doubtful)
+
+
+# The command `plymotion run`: one run or several, in one process or more.
+
+DONE = "done"
+
+
+@dataclass
+class Outcome:
+    """What became of one run file."""
+
+    code: int
+    text: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+    def tell(self) -> None:
+        """Print it."""
+        for line in self.text:
+            print(line, flush=True)
+        for line in self.errors:
+            print(f"error: {line}", file=sys.stderr, flush=True)
+
+
+@dataclass(frozen=True)
+class _Task:
+    file: Path
+    out: Path
+    progress: bool
+    timing: bool
+    doubtful: bool = False  # allowed
+    import_s: float = 0.0
+    allow_python: bool = False
+
+
+def run_files(
+    files: Sequence[Path],
+    *,
+    out: Path | None = None,
+    out_dir: Path | None = None,
+    update: bool = False,
+    jobs: int = 1,
+    timing: bool = False,
+    quiet: bool = False,
+    allow_python: bool = False,
+    allow_doubtful: bool = False,
+) -> int:
+    """Integrate the runs of run files and print what became of them; return the worst exit code.
+
+    Parameters
+    ----------
+    out : folder for the results of one run
+    out_dir : folder for a folder per run; None: above the run files
+    update : only runs whose inputs or solver have changed
+    jobs : processes
+    allow_python : run the Python functions that a case names as controllers
+    allow_doubtful : warn of packages that `validate` would refuse, if they can be used
+    """
+    import_s = time.process_time()
+    doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
+    if doubled:
+        raise InputError(f"run files of the same name: {few(sorted(doubled))}")
+    tasks, codes = [], []
+    for file in files:
+        folder = out or (out_dir or file.parent.parent) / file.stem
+        for name in ("result.vtkhdf", "summary.json"):
+            refuse_foreign(folder / name)  # before the work
+        known = up_to_date(file, folder) if update else None
+        if known is not None:
+            print(f"{file.stem}: up to date")
+            codes.append(_code(known))
+            continue
+        tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
+        import_s = 0.0
+    jobs = min(jobs, len(tasks))
+    outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
+    for outcome in outcomes:
+        outcome.tell()
+        codes.append(outcome.code)
+    return worst(codes)
+
+
+def _outcome(task: _Task) -> Outcome:
+    """Do one run."""
+    try:
+        summary = run_one(
+            task.file,
+            task.out,
+            progress=task.progress,
+            import_s=task.import_s,
+            allow_python=task.allow_python,
+            allow_doubtful=task.doubtful,
+        )
+    except InputError as error:
+        lines = str(error).splitlines()
+        named = any(str(task.file) in line for line in lines)
+        return Outcome(INPUT, errors=lines if named else [f"{task.file}: {x}" for x in lines])
+    except PackageError as error:  # names the file of the package
+        return Outcome(INPUT, errors=str(error).splitlines())
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return Outcome(INPUT, errors=[f"{where}{error.strerror or error}"])
+    except KeyboardInterrupt:
+        return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
+    except Exception as error:
+        if of_a_signal(error):
+            return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
+        if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
+            return Outcome(INPUT, errors=[message])
+        return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
+    return Outcome(_code(summary), _lines(summary, task.timing))
+
+
+def _out_of_range(file: Path) -> str:
+    return out_of_range(str(file), json.loads(file.read_text(encoding="utf-8"))["mechanism"])
+
+
+def _code(summary: dict[str, Any]) -> int:
+    if summary["status"] == "interrupted":
+        return INTERRUPTED
+    refused = summary.get("fidelity", {}).get("verdict") == "not met"
+    return INCOMPLETE if refused or _ending(summary) != DONE else 0
+
+
+def _ending(summary: dict[str, Any]) -> str:
+    """Return how a run ended, in a word or two."""
+    if not summary["completed"]:
+        return str(summary["status"])
+    return invalid_words(summary) or DONE
+
+
+def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
+    cost = summary["cost"]
+    ending = _ending(summary)
+    words = ending if ending == DONE or not summary["completed"] else f"{ending}, ended"
+    text = [
+        f"{summary['run']}: {words} at t = {summary['t_end']:.4g} s, "
+        f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
+    ]
+    if "fidelity" in summary:
+        from .fidelity.delivery.words import fidelity_line
+
+        text.append(f"  {fidelity_line(summary['fidelity'])}")
+    text += [f"  {line}" for line in damping_lines(summary["damping"])]
+    text += [f"  {w['level']} [{w['code']}] {w['message']}" for w in summary["warnings"]]
+    return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
+
+
+def _here(tasks: list[_Task]) -> Iterator[Outcome]:
+    for task in tasks:
+        outcome = _outcome(task)
+        yield outcome
+        if asked() and task is not tasks[-1]:
+            yield Outcome(INTERRUPTED)
+            return
+
+
+def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
+    """Do runs in processes; after Ctrl-C those under way end and the others do not begin."""
+    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    stop = context.Event()
+    pool = ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(stop,))
+
+    def children() -> list[int]:
+        return [child.pid for child in multiprocessing.active_children() if child.pid is not None]
+
+    with passed_to_children(stop, children), pool:
+        waiting: set[Future[Outcome]] = {pool.submit(_in_worker, _quiet(task)) for task in tasks}
+        while waiting:
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                try:
+                    outcome = future.result()
+                except BrokenProcessPool:
+                    raise InputError(
+                        "a process that integrated a run died (out of memory?): use --jobs 1"
+                    ) from None
+                yield outcome
+
+
+def _quiet(task: _Task) -> _Task:
+    return replace(task, progress=False, import_s=0.0)
+
+
+_stop: Any = None
+_busy = False
+
+
+def _begin(stop: Any) -> None:
+    """Prepare a worker: the first signal ends its run, later ones do not disturb the writing."""
+    global _stop
+    _stop = stop
+
+    told: list[int] = []
+
+    def interrupted(number: int, *_: Any) -> None:
+        note(number)
+        told.append(number)
+        if _busy and len(told) == 1:
+            raise KeyboardInterrupt
+
+    handle(interrupted)
+
+
+def _in_worker(task: _Task) -> Outcome:
+    global _busy
+    if _stop.is_set():
+        return Outcome(INTERRUPTED)
+    _busy = True
+    try:
+        return _outcome(task)
+    finally:
+        _busy = False

@@ -1,0 +1,136 @@
+"""The plan of a sweep with [fidelity]: made at its base, checked at members drawn at random."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...package import ModalPackage
+from ...package.common.temporary import write_text
+from ...results.codes import PLAN_TOO_COARSE
+from ...run.outcome import RunSpec
+from ..fidelity.check.answer import Answer
+from ..fidelity.choice.plan_file import kept_plan, write_plan
+from ..fidelity.delivery.members import checked_member, joined, of_model, shared_plan
+from ..fidelity.delivery.words import estimate_entry
+from .member import Packages
+from .model_plan import base_mechanism, known_vibrations
+from .plan import Plan
+
+RECORD = "fidelity.json"
+
+
+def record_file(sweep: Path) -> Path:
+    """Return where the checks of a plan of a sweep file are."""
+    return sweep.with_suffix(f".{RECORD}")
+
+
+def settle(plan: Plan) -> list[str]:
+    """Make the plan of a sweep, or read the one that is there; return what is known of it.
+
+    A plan of the same inputs is kept. One that was edited is checked again, and not changed.
+
+    Raises
+    ------
+    InputError, PackageError
+        The base cannot move; its packages cannot be read; a plan file that is wrong.
+    """
+    assert plan.fidelity is not None
+    packages, file = Packages(plan), plan.model_plan_file
+    base = _spec(plan, packages, plan.fidelity["base"], None)
+    check = {**base.packages, **packages.named(plan.fidelity["base_check"])}
+    digest = plan.digest()
+    given = kept_plan(file, known_vibrations(base), digest)
+    record = _record(record_file(plan.file))
+    if given is not None and record.get("plan") == given.table():
+        return list(record["lines"])
+    members = [
+        (int(drawn["member"]), _member(plan, packages, int(drawn["member"]), drawn["check"]))
+        for drawn in plan.fidelity["drawn"]
+    ]
+    answer = checked_member(base, check, given) if given else shared_plan(base, check)
+    model = answer.plan
+    found = {k: checked_member(*member, model) for k, member in members}
+    if given is None and any(one.verdict != "met" for one in found.values()):
+        for k, (spec, of_check) in members:
+            if found[k].verdict != "met":
+                better = checked_member(spec, of_check, model, promote=True).plan
+                model = joined(model, of_model(better, spec))
+        if model != answer.plan:
+            answer = checked_member(base, check, model)
+            found = {k: checked_member(*member, model) for k, member in members}
+    model = replace(model, inputs_sha256=digest)
+    lines = _lines(plan, answer, found)
+    if given is None:
+        write_plan(file, model, [f"Plan of sweep {plan.name} of case {plan.case}.", *lines])
+    content = {
+        "plan": model.table(),
+        "base": _entry(answer),
+        "members": {str(k): _entry(one) for k, one in found.items()},
+        "lines": lines,
+    }
+    write_text(record_file(plan.file), json.dumps(content, indent=1) + "\n")
+    return lines
+
+
+def _record(file: Path) -> dict[str, Any]:
+    if not file.is_file():
+        return {}
+    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return found
+
+
+def _spec(
+    plan: Plan, packages: Packages, numbers: Mapping[str, int], member: int | None
+) -> RunSpec:
+    mechanism = base_mechanism(plan) if member is None else plan.mechanism_of(member)
+    return RunSpec(plan.case, plan.run, mechanism, packages.named(numbers))
+
+
+def _member(
+    plan: Plan, packages: Packages, number: int, check: Mapping[str, int]
+) -> tuple[RunSpec, dict[str, ModalPackage]]:
+    spec = _spec(plan, packages, plan.members[number].packages, number)
+    return spec, {**spec.packages, **packages.named(check)}
+
+
+def _entry(answer: Answer) -> dict[str, Any]:
+    return {
+        "verdict": answer.verdict,
+        "reason": answer.reason,
+        "estimate": estimate_entry(answer),
+    }
+
+
+def _lines(plan: Plan, answer: Answer, found: Mapping[int, Answer]) -> list[str]:
+    """Return the plan and its checks in words; a member where it is too coarse is a warning."""
+    names = [parameter.name for parameter in plan.parameters]
+    lines = [f"plan at the base: {_words(answer)}"]
+    for k, one in found.items():
+        values = zip(names, plan.members[k].values, strict=True)
+        where = ", ".join(f"{name} = {value:g}" for name, value in values)
+        lines.append(f"checked at member {k} ({where}): {_words(one)}")
+    coarse = [str(k) for k, one in found.items() if one.verdict != "met"]
+    if coarse or answer.verdict != "met":
+        places = ["the base"] if answer.verdict != "met" else []
+        places += [f"member {k}" for k in coarse]
+        lines.append(
+            f"warning [{PLAN_TOO_COARSE.name}] the plan does not reach the accuracy at "
+            f"{', '.join(places)}: ask for less (a larger `accuracy`), allow a larger `budget`, "
+            "divide the sweep, or edit its `.plan.toml`"
+        )
+    return lines
+
+
+def _words(answer: Answer) -> str:
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    estimate = "no estimate"
+    worst = max(answer.estimates.values(), default=np.inf)
+    if np.isfinite(worst):
+        estimate = f"estimated error of the model {worst:.1e}"
+    reason = f" ({answer.reason})" if answer.reason else ""
+    return f"accuracy {fidelity.accuracy:g} {answer.verdict}, {estimate}{reason}"

@@ -1,0 +1,338 @@
+"""sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md."""
+
+import csv
+import hashlib
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...math.arrays import Array
+from ...package.common.container import get_text, new_file, open_file, set_text
+from ...package.common.identity import check_file_checksum, version_of, write_file_checksum
+from ...package.common.plain_data import cell_text
+from ...results import ResultError
+from ...results.summary import MEASURES
+from ...run.integration import output_times
+from .member import CHECKS, COST, DAMAGE, Row
+from .plan import Plan
+
+# Checksums of the rows in sweep.h5: a restart computes rows with a wrong one again.
+
+ROW_TEXTS = ("key", "status", "message", "code")
+
+
+def row_sha256(row: Row, signals: Iterable[str], histories: Iterable[str], n_t: int) -> str:
+    """Return the digest of all that the file keeps of a row.
+
+    Parameters
+    ----------
+    signals, histories : names in the file; `n_t` is the number of output times of histories
+    """
+    texts = [getattr(row, name) for name in ROW_TEXTS] + list(row.warnings)
+    numbers = [row.t_end]
+    for name in sorted(signals):
+        numbers += [_number(row.signals.get(name, {}).get(measure)) for measure in MEASURES]
+    numbers += [row.checks.get(name, np.nan) for name in CHECKS]
+    numbers += [row.cost.get(name, np.nan) for name in COST]
+    digest = hashlib.sha256("\0".join(texts).encode())
+    digest.update(_plain(numbers))
+    nothing = np.full(n_t, np.nan)
+    for name in sorted(histories):
+        digest.update(_plain(row.histories.get(name, nothing)))
+    return digest.hexdigest()
+
+
+def _plain(values: object) -> bytes:
+    """Return numbers as bytes, every NaN the same."""
+    array = np.array(values, dtype="<f8")
+    array[np.isnan(array)] = np.nan
+    return array.tobytes()
+
+
+# sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md.
+
+FILE, CSV = "sweep.h5", "sweep.csv"
+FORMAT = "plymotion sweep"
+FORMAT_VERSION = (1, 2)
+TEXTS = ("key", "status", "message", "code", "warnings")
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """A sweep in memory: k members, p parameters; NaN where a member has nothing to tell."""
+
+    case: str
+    name: str
+    title: str
+    run: str
+    design: str
+    parameter_names: tuple[str, ...]  # (p)
+    parameter_units: tuple[str, ...]
+    values: Array  # (k, p)
+    t: Array  # (n_t,) of the histories [s]
+    signal_units: dict[str, str]
+    signal_words: dict[str, str]  # descriptions
+    rows: tuple[Row, ...]  # (k)
+
+    def signal(self, name: str, measure: str) -> Array:
+        """Return the one of MEASURES or "damage" of a signal, (k,)."""
+        return np.array([_number(r.signals.get(name, {}).get(measure)) for r in self.rows])
+
+    def measures(self, name: str) -> tuple[str, ...]:
+        """Return what there is of a signal."""
+        has = any(DAMAGE in row.signals.get(name, {}) for row in self.rows)
+        return (*MEASURES, DAMAGE) if has else MEASURES
+
+    def history(self, name: str) -> Array:
+        """Return a signal over time, (k, n_t)."""
+        nothing = np.full(self.t.size, np.nan)
+        return np.array([row.histories.get(name, nothing) for row in self.rows])
+
+    def count(self, *states: str) -> int:
+        """Return how many members have one of these states."""
+        return sum(row.status in states for row in self.rows)
+
+
+def result_of(plan: Plan, rows: Sequence[Row]) -> SweepResult:
+    """Return the result of a plan so far."""
+    solver, signals = plan.mechanism.solver, plan.mechanism.signals
+    units = {n: s["unit"] for row in rows for n, s in row.signals.items()}
+    return SweepResult(
+        case=plan.case,
+        name=plan.name,
+        title=plan.title,
+        run=plan.run,
+        design=plan.design,
+        parameter_names=tuple(p.name for p in plan.parameters),
+        parameter_units=tuple(p.unit for p in plan.parameters),
+        values=np.array([m.values for m in plan.members], dtype=float),
+        t=output_times(solver.t_end, solver.output_step) if plan.histories else np.zeros(0),
+        signal_units={name: units.get(name, "") for name in plan.signals},
+        signal_words={
+            n: signals[n].description for n in dict.fromkeys((*plan.signals, *plan.histories))
+        },
+        rows=tuple(rows),
+    )
+
+
+def write_sweep(path: Path, result: SweepResult) -> None:
+    """Write sweep.h5; the file appears only when it is complete."""
+    with new_file(path) as file:
+        set_text(file, "format", FORMAT)
+        file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
+        for name in ("case", "name", "title", "run", "design"):
+            set_text(file, {"name": "sweep"}.get(name, name), getattr(result, name))
+        set_text(file, "units", "SI")
+        parameters = file.create_group("parameters")
+        _texts(parameters, "name", result.parameter_names)
+        _texts(parameters, "unit", result.parameter_units)
+        parameters["values"] = result.values
+        members = file.create_group("members")
+        rows = result.rows
+        for name in TEXTS:
+            words = [" ".join(r.warnings) if name == "warnings" else getattr(r, name) for r in rows]
+            _texts(members, name, words)
+        kept = result.signal_units, _histories(result), result.t.size
+        _texts(members, "sha256", [row_sha256(row, *kept) for row in rows])
+        members["t_end"] = np.array([row.t_end for row in rows])
+        set_text(members["t_end"], "unit", "s")
+        for group, names in (("checks", CHECKS), ("cost", COST)):
+            for name in names:
+                file[f"{group}/{name}"] = [getattr(row, group).get(name, np.nan) for row in rows]
+        for name, unit in result.signal_units.items():
+            signal = file.create_group(f"signals/{name}")
+            set_text(signal, "unit", unit)
+            set_text(signal, "description", result.signal_words[name])
+            for measure in result.measures(name):
+                signal[measure] = result.signal(name, measure)
+        if result.t.size:
+            file["histories/t"] = result.t
+            for name in _histories(result):
+                file.create_dataset(
+                    f"histories/{name}",
+                    data=result.history(name),
+                    compression="gzip",
+                    shuffle=True,
+                )
+                set_text(file[f"histories/{name}"], "description", result.signal_words[name])
+        write_file_checksum(file)
+
+
+def _histories(result: SweepResult) -> list[str]:
+    """Return the signals of which any row has a history."""
+    return [n for n in result.signal_words if any(n in row.histories for row in result.rows)]
+
+
+def read_sweep(path: Path) -> SweepResult:
+    """Read sweep.h5.
+
+    Raises
+    ------
+    ResultError
+        When the file is missing, truncated, foreign, newer, altered or incomplete.
+    """
+    return _read(path, whole=True)[0]
+
+
+def believed_rows(path: Path) -> tuple[dict[str, Row], int]:
+    """Return the completed rows of a file, altered or not, by key; and how many were altered.
+
+    Raises
+    ------
+    ResultError
+        As `read_sweep`, but for an altered file.
+    """
+    result, digests = _read(path, whole=False)
+    names = result.signal_units, _histories(result), result.t.size
+    rows = [row for row in result.rows if row.done]
+    found = {
+        row.key: row
+        for row, digest in zip(result.rows, digests, strict=True)
+        if row.done and row_sha256(row, *names) == digest
+    }
+    return found, len(rows) - len(found)
+
+
+def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
+    """Return a sweep and the digests of its rows; `whole`: of an unaltered file only."""
+    with open_file(path, ResultError) as file:
+        found = get_text(file, "format")
+        if found != FORMAT:
+            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {found!r}")
+        major, minor = version_of(path, file, ResultError)
+        if major > FORMAT_VERSION[0]:
+            raise ResultError(
+                f"{path}: written by a newer Plymotion: format {major}.{minor}, "
+                f"this reader knows {FORMAT_VERSION[0]}.x"
+            )
+        least = 1 if whole else FORMAT_VERSION[1]  # 1.0 has no checksums; rows have what they had
+        if minor < least:
+            raise ResultError(f"{path}: format {major}.{minor}: expected {major}.{least} or later")
+        if whole:
+            check_file_checksum(path, file, ResultError)
+        return _load(path, file), _words(file["members/sha256"])
+
+
+def _load(path: Path, file: h5py.File) -> SweepResult:
+    _check_lengths(path, file)
+    signals = file.get("signals", {})
+    histories = file.get("histories", {})
+    texts = {name: _words(file[f"members/{name}"]) for name in TEXTS}
+    t_end = file["members/t_end"][()]
+    numbers = {
+        group: {name: file[f"{group}/{name}"][()] for name in names}
+        for group, names in (("checks", CHECKS), ("cost", COST))
+    }
+    measured = {n: {m: g[m][()] for m in (*MEASURES, DAMAGE) if m in g} for n, g in signals.items()}
+    units = {n: get_text(g, "unit") for n, g in signals.items()}
+    series = {n: d[()] for n, d in histories.items() if n != "t"}
+    rows = []
+    for k, key in enumerate(texts["key"]):
+        told = not np.isnan(t_end[k])
+        rows.append(
+            Row(
+                key=key,
+                status=texts["status"][k],
+                message=texts["message"][k],
+                code=texts["code"][k],
+                t_end=float(t_end[k]),
+                signals={
+                    n: {"unit": units[n]} | {m: _value(v[k]) for m, v in table.items()}
+                    for n, table in measured.items()
+                    if told
+                },
+                histories={n: v[k] for n, v in series.items() if told},
+                checks={n: float(v[k]) for n, v in numbers["checks"].items() if told},
+                cost={n: float(v[k]) for n, v in numbers["cost"].items() if told},
+                warnings=tuple(texts["warnings"][k].split()),
+            )
+        )
+    words = {n: get_text(d, "description") for n, d in histories.items() if n != "t"}
+    words |= {n: get_text(g, "description") for n, g in signals.items()}
+    return SweepResult(
+        case=get_text(file, "case"),
+        name=get_text(file, "sweep"),
+        title=get_text(file, "title"),
+        run=get_text(file, "run"),
+        design=get_text(file, "design"),
+        parameter_names=tuple(_words(file["parameters/name"])),
+        parameter_units=tuple(_words(file["parameters/unit"])),
+        values=file["parameters/values"][()],
+        t=histories["t"][()] if histories else np.zeros(0),
+        signal_units=units,
+        signal_words=words,
+        rows=tuple(rows),
+    )
+
+
+def _check_lengths(path: Path, file: h5py.File) -> None:
+    """Raise ResultError for a dataset of another length or kind than the layout has."""
+    lists = [file[name] for name in ("members/key", "parameters/name")]
+    lists += [file["histories/t"]] if "histories" in file else []
+    if any(not isinstance(item, h5py.Dataset) or item.ndim != 1 for item in lists):
+        raise ResultError(f"{path}: members/key, parameters/name, histories/t: expected lists")
+    k, p, n_t = [*(item.size for item in lists), 0][:3]
+    expected = {"parameters/unit": (p,), "parameters/values": (k, p)}
+    expected |= {"histories/t": (n_t,)} if n_t else {}
+    for group in ("members", "checks", "cost", *(f"signals/{n}" for n in file.get("signals", ()))):
+        expected |= {f"{group}/{name}": (k,) for name in file[group]}
+    expected |= {f"histories/{n}": (k, n_t) for n in file.get("histories", ()) if n != "t"}
+    text = {f"members/{name}" for name in (*TEXTS, "sha256")} | {"parameters/unit"}
+    for name, shape in expected.items():
+        item = file[name]
+        if (
+            not isinstance(item, h5py.Dataset)
+            or item.shape != shape
+            or (item.dtype.kind not in ("SO" if name in text else "fi"))
+        ):
+            what = "words" if name in text else "numbers"
+            raise ResultError(f"{path}: {name}: expected a dataset of {what} of the shape {shape}")
+
+
+def sweep_csv(result: SweepResult) -> str:
+    """Return the table of a sweep: a line for each member, a head with units."""
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream)
+    names = zip(result.parameter_names, result.parameter_units, strict=True)
+    head = ["member", *(cell_text(f"{name} [{unit}]" if unit else name) for name, unit in names)]
+    head += ["status", "code", "t_end [s]"]
+    kept = {name: result.measures(name) for name in result.signal_units}  # looks at all rows
+    for name, unit in result.signal_units.items():
+        units = {"t_min": "s", "t_max": "s", DAMAGE: "-"}
+        head += [f"{name} {m} [{units.get(m, unit)}]" for m in kept[name]]
+    writer.writerow([*head, *CHECKS, *COST, "warnings", "message"])
+    for k, row in enumerate(result.rows):
+        line: list[Any] = [k, *result.values[k], row.status, row.code, _blank(row.t_end)]
+        for name, measures in kept.items():
+            line += [_blank(row.signals.get(name, {}).get(m)) for m in measures]
+        line += [_blank(row.checks.get(name)) for name in CHECKS]
+        line += [_blank(row.cost.get(name)) for name in COST]
+        writer.writerow([*line, " ".join(row.warnings), cell_text(row.message)])
+    return stream.getvalue()
+
+
+def _texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
+    raw = [word.encode() for word in words]
+    size = max([1, *map(len, raw)])
+    group[name] = np.array(raw, dtype=h5py.string_dtype("utf-8", size))
+
+
+def _words(dataset: h5py.Dataset) -> list[str]:
+    return [word.decode("utf-8") if isinstance(word, bytes) else str(word) for word in dataset[()]]
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)
+
+
+def _value(number: float) -> float | None:
+    return None if np.isnan(number) else float(number)
+
+
+def _blank(value: float | None) -> float | str:
+    return "" if value is None or np.isnan(value) else value

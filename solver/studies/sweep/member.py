@@ -1,0 +1,211 @@
+"""One member of a sweep: what is kept of its motion."""
+
+import time
+import traceback
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ...checks.finished import FinishedRun, Look
+from ...checks.judge import judge
+from ...errors import InputError, PackageError
+from ...inputs.case.checks.messages import ERRORS, out_of_range
+from ...inputs.case.tables.combining import with_parts
+from ...math.arrays import Array
+from ...package import ModalPackage
+from ...results import Signal, signal_summary
+from ...results.codes import DEFECT, INPUT, PACKAGE
+from ...run.integration import histories_of, integrated, output_times
+from ...run.outcome import RunSpec
+from ...run.preparation import prepare
+from ...signals import Recording, Sensor, fatigue_entry
+from ...strength.fatigue import Turning
+from .plan import Plan, Variant
+
+PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
+INTERRUPTED = "interrupted"
+DAMAGE = "damage"  # Miner's sum, of stresses with an S-N line
+CHECKS = (
+    "constraint_position_max",
+    "constraint_rotation_max",
+    "constraint_velocity_max",
+    "energy_drift_relative",
+    "drive_work",
+)
+COST = ("solve_s", "steps", "rejected", "evaluations", "jacobians", "factorisations")
+# Every check of a single run, at fewer output times.
+LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a sweep keeps of one member; empty tables where it has nothing to tell."""
+
+    key: str
+    status: str = PENDING  # pending, finished, stopped, failed
+    message: str = ""
+    code: str = ""
+    t_end: float = np.nan  # [s]
+    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit, MEASURES and DAMAGE
+    histories: dict[str, Array] = field(default_factory=dict)  # (n_t,), NaN after an early end
+    checks: dict[str, float] = field(default_factory=dict)
+    cost: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()  # codes
+    defect: str = ""  # traceback of an internal error; not stored in the file
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to compute."""
+        return self.status != PENDING
+
+
+class Packages:
+    """Packages of a plan, each read once; one that cannot be read fails its members."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self._known: dict[int, ModalPackage | PackageError] = {}
+
+    def of(self, variant: Variant) -> dict[str, ModalPackage]:
+        """Return the packages of a member, or of another run of it. Raises PackageError."""
+        return self.named(variant.packages)
+
+    def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
+        """Return packages by body, given by their numbers in the plan. Raises PackageError."""
+        found = {}
+        for body, k in numbers.items():
+            if k not in self._known:
+                try:
+                    self._known[k] = self.plan.package(k)
+                except PackageError as error:
+                    self._known[k] = error
+            package = self._known[k]
+            if isinstance(package, PackageError):
+                raise PackageError(str(package))
+            found[body] = package
+        return found
+
+
+def compute(
+    plan: Plan, packages: Packages, numbers: Sequence[int], keys: Sequence[str]
+) -> list[Row]:
+    """Return the rows of some members, one after the other; an error in one concerns it alone.
+
+    Rows of members that an interruption (Ctrl-C) left without an end are pending.
+
+    Parameters
+    ----------
+    numbers, keys : of the members; keys go into the rows
+    """
+    rows = [Row(key) for key in keys]
+    for k, number in enumerate(numbers):
+        try:
+            rows[k] = _computed(plan, packages, number, rows[k])
+        except KeyboardInterrupt:
+            break
+        except Exception as error:
+            if isinstance(error, ERRORS) and (
+                message := out_of_range(plan.name, plan.mechanism_of(number).model_dump())
+            ):
+                error = InputError(message)
+            rows[k] = _failed(rows[k], error)
+        if not rows[k].done:
+            break
+    return rows
+
+
+def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
+    """Return the row of a member, integrated and judged as a single run is.
+
+    Pending if the integration was interrupted.
+    """
+    begin = time.perf_counter()
+    mechanism = plan.mechanism_of(number)
+    kept = {*plan.signals, *plan.histories}
+    member = plan.members[number]
+    others = {
+        run: RunSpec(plan.case, run, plan.other_mechanism(number, run), packages.of(variant))
+        for run, variant in member.other_runs.items()
+    }
+    read = with_parts(kept, mechanism.signals)
+    own = RunSpec(plan.case, plan.run, mechanism, packages.of(member))
+    if plan.fidelity is not None:
+        from ..fidelity.delivery.members import member_spec  # most sweeps need no planner
+        from .model_plan import model_plan
+
+        own = member_spec(own, model_plan(plan, packages.named(plan.fidelity["base"])))
+    prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))
+    finished = integrated(prepared, look=LOOK)
+    if finished.solution.status == INTERRUPTED:
+        return row
+    seconds = time.perf_counter() - begin
+    times = output_times(mechanism.solver.t_end, mechanism.solver.output_step)
+    return _row_of(plan, row, finished, prepared.measured, times, seconds)
+
+
+def _failed(row: Row, error: Exception) -> Row:
+    """Return the row of a member that ended in an error."""
+    message = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, InputError | PackageError):
+        code = PACKAGE if isinstance(error, PackageError) else INPUT
+        return replace(row, status=FAILED, message=message, code=code.name)
+    message = f"{type(error).__name__}: {message}"
+    return replace(
+        row,
+        status=FAILED,
+        message=message,
+        code=DEFECT.name,
+        defect="".join(traceback.format_exception(error)),
+    )
+
+
+def _row_of(
+    plan: Plan,
+    row: Row,
+    finished: FinishedRun,
+    sensors: Mapping[str, Sensor],
+    times: Array,
+    seconds: float,
+) -> Row:
+    """Return the row of a member from its run; `times` (n_t,) are those of a complete one."""
+    solution = finished.solution
+    t = solution.t
+    recording = Recording(finished.model, t, solution.y)
+    names = dict.fromkeys((*plan.signals, *plan.histories))
+    series = {
+        name: Signal(name, sensor.unit, sensor.description, sensor.values(recording))
+        for name, sensor in ((name, sensors[name]) for name in names)
+    }
+    kept = int(np.searchsorted(times, t[-1], side="right"))
+    histories = {}
+    for name in plan.histories:
+        histories[name] = np.full(times.size, np.nan)
+        histories[name][:kept] = series[name].values[:kept]
+    judgement = judge(finished)
+    counters = vars(solution.counters)
+    return replace(
+        row,
+        status=solution.status,
+        message="" if solution.status == FINISHED else solution.message,
+        code=solution.code,
+        t_end=float(t[-1]),
+        signals={
+            name: signal_summary(series[name], t) | _damage(sensors[name], series[name].values)
+            for name in plan.signals
+        },
+        histories=histories,
+        checks={name: judgement.numbers[name] for name in CHECKS},
+        cost={name: float(counters.get(name, seconds)) for name in COST},
+        warnings=judgement.codes,
+    )
+
+
+def _damage(sensor: Sensor, values: Array) -> dict[str, float]:
+    """Return Miner's sum of a stress with an S-N line."""
+    if sensor.life is None:
+        return {}
+    turning = Turning()
+    turning.take(values * sensor.scale)
+    return {DAMAGE: fatigue_entry(sensor, turning)["damage"]}

@@ -1,0 +1,140 @@
+"""Packages of a case, built in the Python with FEniCSx unless they are up to date."""
+
+import json
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, few
+from ..inputs.case.tables.record import package_entries
+from ..math.cores import cores
+from ..package.common.plain_data import canonical
+from ..package.common.replaceable import refuse_link
+from ..package.common.shares import by_mesh
+from ..package.fingerprint import fingerprint, has_fingerprint
+from .executors import Executor, Local
+from .launch import Line, make_all, start_of
+
+Entry = dict[str, Any]  # file and digests of a package, as a run file has them
+
+
+class BodiesFailed(InputError):
+    """Some bodies could not be built; the others were."""
+
+
+def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
+    """Return the specifications of the bodies of some runs in a folder of `check`, each once."""
+    found: dict[Path, None] = {}
+    for run in runs:
+        for entry in named_packages(out / "runs" / f"{run}.json"):
+            if "inputs_sha256" in entry:
+                found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
+    return list(found)
+
+
+def build_needed(files: Sequence[Path], *, quiet: bool = False) -> None:
+    """Build the packages that run and sweep files need and that are not up to date.
+
+    Raises InputError as `named_packages` and `build_packages` do.
+    """
+    for folder, specs in needed_specs({file: named_packages(file) for file in files}).items():
+        build_packages(specs, folder, quiet=quiet)
+
+
+def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]]:
+    """Return the specifications that run and sweep files need, each once, by folder.
+
+    Parameters
+    ----------
+    named : run and sweep files with their `named_packages`
+    """
+    found: dict[Path, dict[Path, None]] = {}
+    for file, entries in named.items():
+        for entry in entries:
+            if "inputs_sha256" in entry:  # others are packages of the user
+                spec = file.parent.parent / Path(entry["file"]).with_suffix(".json")
+                found.setdefault(spec.parent, {})[spec] = None
+    return {folder: list(specs) for folder, specs in found.items()}
+
+
+def named_packages(file: Path) -> list[Entry]:
+    """Return the entries of packages of a run or sweep file. Raises InputError."""
+    try:
+        table = json.loads(file.read_text(encoding="utf-8"))
+        packages = table["packages"]
+        entries = packages if isinstance(packages, list) else list(package_entries(table))
+        if not all(isinstance(entry["file"], str) for entry in entries):
+            raise ValueError("packages: expected the names of files")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(
+            f"{file}: not a run or sweep file ({error}); expected one written by `plymotion check`"
+        ) from error
+    return entries
+
+
+def build_packages(
+    specs: Sequence[Path],
+    folder: Path,
+    *,
+    executor: Callable[[], Executor] = lambda: Local(cores(), threads=True),
+    quiet: bool = False,
+) -> list[str]:
+    """Build the packages of body specifications into a folder; return the names of those built.
+
+    Without FEniCSx nothing is needed as long as all packages are up to date.
+
+    Parameters
+    ----------
+    executor : where they are built; asked for if there is anything to do
+
+    Raises
+    ------
+    InputError
+        No Python with FEniCSx.
+    BodiesFailed
+        A body cannot be built. The others are built.
+    """
+    tables = {spec: json.loads(spec.read_text(encoding="utf-8")) for spec in specs}
+    wanted = {
+        spec: table
+        for spec, table in tables.items()
+        if not has_fingerprint(folder / f"{spec.stem}.vtkhdf", fingerprint(table))
+    }
+    if not wanted:
+        return []
+    refuse_link(folder / "any")
+    folder.mkdir(parents=True, exist_ok=True)
+    failed: list[Path] = []
+
+    def done(spec: Path, line: Line) -> None:
+        _show(spec, line, quiet=quiet)
+        if line["status"] == "failed" or not (folder / f"{spec.stem}.vtkhdf").is_file():
+            failed.append(spec)
+
+    start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
+    groups = by_mesh((spec, _mesh_of(table)) for spec, table in wanted.items())
+    make_all(groups, start, executor=place, done=done, progress=lambda _: None)
+    if failed:
+        names = few([spec.stem for spec in failed])
+        raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")
+    return [spec.stem for spec in wanted]
+
+
+def _mesh_of(table: Mapping[str, Any]) -> str:
+    """Text that is equal for bodies of equal sections, which one process analyses once."""
+    return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell", "solid")])
+
+
+def _show(spec: Path, line: Line, *, quiet: bool) -> None:
+    """Print what became of a package on standard error."""
+    for warning in line["warnings"]:
+        print(f"warning: {spec.stem}: {warning['code']}: {warning['message']}", file=sys.stderr)
+    if line["status"] != "failed":
+        if not quiet:
+            print(f"{spec.stem}: {line['text'] or line['status']}", file=sys.stderr)
+        return
+    if line["defect"]:
+        print(line["defect"], end="", file=sys.stderr)
+        print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
+    print(f"error: {spec}: {line['error']}", file=sys.stderr)
