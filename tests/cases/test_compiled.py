@@ -109,11 +109,11 @@ def found(ahead, repository, tmp_path_factory):
 
 def test_what_is_in_the_cache_is_not_compiled_ahead_again(ahead):
     _python(
-        "from plymotion.solver.commands import compile\n"
+        "from plymotion.solver.studies import compiling\n"
         "def again():\n"
         "    raise AssertionError('called again')\n"
-        "compile.compile_ahead = again\n"
-        "compile.compile_once()\n"
+        "compiling.compile_ahead = again\n"
+        "compiling.compile_once()\n"
     )
 
 

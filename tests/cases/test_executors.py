@@ -18,11 +18,11 @@ from mpi_samples import ranks, with_mpi
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands import executors
 from plymotion.solver.errors import InputError
 from plymotion.solver.studies.sweep import work
 from plymotion.solver.studies.sweep.file import read_sweep
 from plymotion.solver.studies.sweep.work import Portions
+from plymotion.solver.workers import executors
 from plymotion.solver.workers.executors import FRUITLESS, Here, Local, distribute
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")

@@ -9,7 +9,7 @@ import time
 import pytest
 from hostile_profile import LONG, WAIT_S
 
-from plymotion.solver.commands import described
+from plymotion.solver.commands.bodies import described
 
 
 def test_a_line_for_what_takes_long(capsys, monkeypatch):

@@ -13,10 +13,10 @@ import pytest
 from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands import ending
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.results import ResultError, read_result, relative_balance
+from plymotion.solver.studies.exit_codes import DEFECT
 
 BALL = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
 CASE = BALL + SOLVER.format(t_end=0.1, step=0.01, more="")
@@ -216,7 +216,7 @@ def test_the_last_resort(tmp_path, capsys, monkeypatch, error, command):
     words = [str(tmp_path / "case.toml")]
     if command == "run":
         words = [str(tmp_path / "out/runs/base.json"), "--quiet"]
-    assert main([command, *words]) == ending.DEFECT == 70
+    assert main([command, *words]) == DEFECT == 70
     told = capsys.readouterr().err
     (file,) = tmp_path.glob("plymotion-traceback-*.txt")
     assert told.count("\n") == 1

@@ -251,7 +251,7 @@ def test_a_signal_while_figures_are_imported_is_no_missing_library(tmp_path, num
 WITHIN_A_CLASS = """
 import os, signal, sys
 from plymotion.solver import __main__ as program
-from plymotion.solver.commands import packages
+from plymotion.solver.commands.bodies import packages
 class Descriptor:
     def __set_name__(self, owner, name):
         os.kill(os.getpid(), signal.SIGTERM)
@@ -272,7 +272,7 @@ def test_a_signal_while_a_class_is_made_is_no_defect():
 WITHIN_A_FINALIZER = """
 import os, signal, sys, time
 from plymotion.solver import __main__ as program
-from plymotion.solver.commands import packages
+from plymotion.solver.commands.bodies import packages
 class Dropped:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)
