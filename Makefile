@@ -442,14 +442,7 @@ $(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(TESTS) $(CO
 .PHONY: docs
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md, tables of file formats
 	$(PY) tools/equations.py docs/equations.md
-	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
-	mv docs/case-reference.md.part docs/case-reference.md
-	$(PY) -m plymotion.solver.inputs.section.reference > docs/section-description.md.part
-	mv docs/section-description.md.part docs/section-description.md
-	$(PY) -m plymotion.solver.inputs.shell.reference > docs/shell-description.md.part
-	mv docs/shell-description.md.part docs/shell-description.md
-	$(PY) -m plymotion.solver.inputs.solid.reference > docs/solid-description.md.part
-	mv docs/solid-description.md.part docs/solid-description.md
+	$(PY) -m plymotion.solver.inputs.manual docs
 	$(PY) -m plymotion.solver.package.page docs
 
 .PHONY: clean

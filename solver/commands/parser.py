@@ -47,6 +47,10 @@ def parser() -> CommandParser:
         add(commands)
     ahead = add_command(commands, "compile", "compile:run_compile", "compile before the first run")
     flag(ahead, "all", "also that of generalized-alpha, and what FEniCSx needs of bodies")
+    title = "print the JSON schema of a file, by which editors complete and check it"
+    schema = add_command(commands, "schema", "schema:run_schema", title)
+    kinds = ["case", "section", "shell", "solid"]
+    schema.add_argument("kind", nargs="?", choices=kinds, default="case", help="see docs/runs.md")
     title = "print the completion of commands and options for a shell"
     completion = add_command(commands, "completion", "completion:run_completion", title)
     completion.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")

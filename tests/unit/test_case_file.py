@@ -9,8 +9,8 @@ import pytest
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.reference import reference_page
 from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.manual import case_page
 
 BAD = {
     "unknown key": (
@@ -141,11 +141,11 @@ def test_figures_and_runs_of_the_reference_case_exist(repository):
 
 def test_reference_page_is_current(repository):
     """docs/case-reference.md is what `make docs` writes."""
-    assert (repository / "docs/case-reference.md").read_text() == reference_page()
+    assert (repository / "docs/case-reference.md").read_text() == case_page()
 
 
 def test_every_key_has_a_meaning():
-    rows = [r for r in reference_page().splitlines() if r.startswith("| `")]
+    rows = [r for r in case_page().splitlines() if r.startswith("| `")]
     assert len(rows) > 80
     for row in rows:
         assert row.split("|")[-2].strip(), f"no meaning: {row}"

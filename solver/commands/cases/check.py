@@ -4,14 +4,14 @@ import argparse
 
 from ...errors import InputError, counted
 from ...inputs.case import load_case
-from ...inputs.case.reading.reference import reference_page
 from ...inputs.case.reading.specs import write_case
+from ...inputs.manual import case_page
 
 
 def run_check(options: argparse.Namespace) -> int:
     """Check a case file; with --out, write the input of the other commands."""
     if options.reference:
-        print(reference_page(), end="")
+        print(case_page(), end="")
         return 0
     if options.case is None:
         raise InputError("check: no case file given; expected CASE.toml")

@@ -59,7 +59,9 @@ def _field(parameter: Parameter) -> tuple[Any, Any]:
     else:
         bounds = Field(gt=parameter.above, ge=parameter.least, le=parameter.most)
         kind = Annotated[float, bounds]
-        kind = Annotated[list[kind], BeforeValidator(_as_list)] if parameter.many else kind
+        if parameter.many:
+            one_or_more = BeforeValidator(_as_list, json_schema_input_type=list[kind] | kind)
+            kind = Annotated[list[kind], one_or_more]
     default = [] if parameter.default == () else parameter.default
     if not parameter.required and default is None:
         kind = kind | None

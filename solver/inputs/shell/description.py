@@ -276,6 +276,12 @@ class ShellDescription(Table):
         return self
 
 
+# In the order of a manual.
+TABLES: tuple[type[Table], ...] = (
+    *(ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements, Stiffener),
+)
+
+
 def describe(file: Path) -> ShellDescription:
     """Read a shell description and check its keys, types and bounds; see `checked`."""
     return checked(read_toml(file, "shell description"), file)

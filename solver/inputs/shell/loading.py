@@ -123,9 +123,11 @@ class Probe(Table):
     near: Vector | None = entry(
         "instead: the nearest node, or for resultants the nearest cell", "m", None
     )
-    what: Annotated[list[Asked], Field(min_length=1), BeforeValidator(_as_list)] = entry(
-        "displacements, rotations, or resultants in laminate axes"
-    )
+    what: Annotated[
+        list[Asked],
+        Field(min_length=1),
+        BeforeValidator(_as_list, json_schema_input_type=list[Asked] | Asked),
+    ] = entry("displacements, rotations, or resultants in laminate axes")
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
@@ -167,3 +169,7 @@ class Buckling(Table):
     error: bool = entry(
         "whether to estimate the errors of the mesh, by a mesh of half the cell size", default=True
     )
+
+
+# In the order of a manual.
+TABLES: tuple[type[Table], ...] = (Link, Support, Load, Probe, Frequencies, Buckling)

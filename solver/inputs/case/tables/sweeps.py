@@ -7,7 +7,7 @@ import itertools
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import ConfigDict, model_validator
 
 from ....math.arrays import Array
 from ...common.table import Name, Table, entry
@@ -25,6 +25,11 @@ class Variation(Table):
     a section or shell: `"sections.tube:laminates.wall.angles_deg.1"`. A list instead of the table
     gives its `values`.
     """
+
+    # A list of numbers is valid in an editor, too.
+    model_config = ConfigDict(
+        json_schema_extra={"type": ["object", "array"], "items": {"type": "number"}}
+    )
 
     keys: list[str] | None = entry(
         "dotted keys that all get the value; absent: the parameter's name, unless `set` uses it",
