@@ -19,10 +19,10 @@ import yaml
 from blade_matrices import mass_centre, numbers, theirs
 
 from plymotion.solver.__main__ import main as plymotion
-from plymotion.solver.commands.blade.shape import Layer
-from plymotion.solver.commands.blade.station import write_station
-from plymotion.solver.commands.blade.tables import Along
-from plymotion.solver.commands.blade.windio import Blade, read_blade
+from plymotion.solver.extras.blade.shape import Layer
+from plymotion.solver.extras.blade.station import write_station
+from plymotion.solver.extras.blade.tables import Along
+from plymotion.solver.extras.blade.windio import Blade, read_blade
 from plymotion.solver.report.section.results import read_results
 
 Change = Callable[[Blade], Blade]

@@ -197,7 +197,7 @@ def add_blade(commands: Any) -> None:
     """Add `blade` to the subcommands of an argument parser."""
     texts = {"description": BLADE_TEXT, "epilog": BLADE}
     title = "cross-sections of a rotor blade from a windIO file"
-    parser = add_command(commands, "blade", "blade.command:run_blade", title, **texts)
+    parser = add_command(commands, "blade", "bodies.blade:run_blade", title, **texts)
     text = "turbine file of windIO 2 (.yaml)"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     text = "equal distances from root to tip (default: the grid of the file's chord)"

@@ -43,9 +43,9 @@ LIMITS = {
     "direction-reverses": ("preprocess/section/solve/guards.py", "REVERSAL"),
     "strongly-curved": ("preprocess/section/solve/guards.py", "STRONG"),
     "taper-neglected": ("preprocess/section/solve/guards.py", "TAPER"),
-    "rule-differs": ("solver/commands/blade/tables.py", "AGREE"),
-    "no-room": ("solver/commands/blade/command.py", "REMOVED"),
-    "differs-from-file": ("solver/commands/blade/windio.py", "DIFFERENT"),
+    "rule-differs": ("solver/extras/blade/tables.py", "AGREE"),
+    "no-room": ("solver/commands/bodies/blade.py", "REMOVED"),
+    "differs-from-file": ("solver/extras/blade/windio.py", "DIFFERENT"),
     "accuracy-not-met": ("preprocess/section/analysis/analysis.py", "MOST_DOFS"),
     "verification-differs": ("preprocess/section/analysis/verification.py", "LARGEST"),
 }

@@ -18,7 +18,7 @@ from hostile_profile import count, tries
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
-from plymotion.solver.commands.blade.stations import TEXT
+from plymotion.solver.extras.blade.stations import TEXT
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.common.toml_text import toml_text, toml_value
 from plymotion.solver.report.section.summary import Row, write_summary

@@ -11,9 +11,9 @@ import pytest
 from blade_samples import along, anchor, blade_table, layer, write_blade
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.blade.shape import contour
-from plymotion.solver.commands.blade.station import write_station
-from plymotion.solver.commands.blade.windio import read_blade
+from plymotion.solver.extras.blade.shape import contour
+from plymotion.solver.extras.blade.station import write_station
+from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
 from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.math.curves import lengths_along

@@ -9,9 +9,9 @@ import pytest
 from blade_samples import along, anchor, blade_table, circle, layer, symmetric, write_blade
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.blade.shape import contour
-from plymotion.solver.commands.blade.station import write_station
-from plymotion.solver.commands.blade.windio import read_blade
+from plymotion.solver.extras.blade.shape import contour
+from plymotion.solver.extras.blade.station import write_station
+from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.math.curves import lengths_along
 
 PLACES = [0.1, 0.3, 0.55, 0.8, 1.0]

@@ -8,8 +8,8 @@ import pytest
 from blade_samples import along, blade_table, write_blade
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.blade.stations import analysed, frequencies_at_rest
-from plymotion.solver.commands.blade.windio import Hub, read_blade
+from plymotion.solver.extras.blade.stations import analysed, frequencies_at_rest
+from plymotion.solver.extras.blade.windio import Hub, read_blade
 
 HUB = {"diameter": 3.0, "cone_angle": 5.0}
 

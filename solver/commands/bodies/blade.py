@@ -8,18 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...inputs.case.file import CASE_FILE
-from ...package.common.replaceable import refuse_foreign
-from ...package.common.temporary import write_text
-from ...studies.exit_codes import DEFECT, report, worst
-from ..bodies.described import USER_ERROR
-from ..bodies.section import run_section
-from ..body_arguments import add_section
-from ..case_arguments import add_modes
-from ..cases.modes import run_modes
-from .layers import StationMesh
-from .station import write_station
-from .stations import (
+from ...extras.blade.layers import StationMesh
+from ...extras.blade.station import write_station
+from ...extras.blade.stations import (
     COUNT,
     Station,
     analysed,
@@ -33,7 +24,16 @@ from .stations import (
     write_blade_case,
     write_for,
 )
-from .windio import Blade, differences, read_blade
+from ...extras.blade.windio import Blade, differences, read_blade
+from ...inputs.case.file import CASE_FILE
+from ...package.common.replaceable import refuse_foreign
+from ...package.common.temporary import write_text
+from ...studies.exit_codes import DEFECT, report, worst
+from ..body_arguments import add_section
+from ..case_arguments import add_modes
+from ..cases.modes import run_modes
+from .described import USER_ERROR
+from .section import run_section
 
 # Frequencies of a blade over the speed of its rotor.
 

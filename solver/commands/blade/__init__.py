@@ -1,1 +1,0 @@
-"""`plymotion blade`: cross-sections of a rotor blade from a windIO file."""
