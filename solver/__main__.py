@@ -26,6 +26,7 @@ from .interrupts import (
     of_a_signal,
 )
 from .package.common.replaceable import named_by_user
+from .studies.screen import shown
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -70,6 +71,7 @@ def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
         with (
+            shown(steps=not getattr(options, "quiet", False)),
             scripts(allowed=not getattr(options, "no_scripts", False)),
             named_by_user(_paths(options)),
         ):

@@ -62,7 +62,7 @@ def accelerations_and_rates(model: Model, t: float, y: np.ndarray):
 
 def compare(case: str, packages: str, run: str, at: str) -> dict:
     """Largest differences of both blocks of A, over the largest entry of their columns."""
-    spec, _ = read_spec(Path(case), run, packages=Path(packages), coarse=False, quiet=True)
+    spec, _ = read_spec(Path(case), run, packages=Path(packages), coarse=False)
     state = States(spec).at(at_of(at), None)
     W = state.spin.W if state.spin is not None else np.zeros(3)
     space = linearise(state.model, state.t, state.y, W)

@@ -147,7 +147,7 @@ class Plan:
     def _written(self, case: Case, folder: Path, *, check: bool = False) -> Path:
         """Write a design and build what it needs; return its run file."""
         checked = case.check(sweeps=())
-        with named(self._out), turn(folder, quiet=True):
+        with named(self._out), turn(folder):
             write_case(checked, folder, self._packages)
             file = folder / "runs" / f"{self._run}.json"
             if not check:  # packages of the check cost more than a run
@@ -156,7 +156,7 @@ class Plan:
                 file = file.with_name(f"{self._run}.model.json")
                 write_text(file, json.dumps(table))
             if self._packages is None:
-                build_packages_of(file, quiet=True)
+                build_packages_of(file)
         return file
 
 

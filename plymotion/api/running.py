@@ -10,6 +10,7 @@ from ..solver.package.common.replaceable import named_by_user
 from ..solver.run.inputs_digest import up_to_date
 from ..solver.studies.cases import turn
 from ..solver.studies.runs import run_one
+from ..solver.studies.screen import shown
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import build_needed
 from .case import Case, as_case
@@ -65,23 +66,23 @@ def run(
     checked = case.check(coarse=coarse, sweeps=())
     run = run_named(case.name, run, checked.runs)
     folder = folder_of(case, out, coarse=coarse)
-    with named(out), turn(folder, quiet=not progress):
+    with shown(steps=progress), named(out), turn(folder):
         write_case(checked, folder, None if packages is None else Path(packages))
         file, target = folder / "runs" / f"{run}.json", folder / run
         if packages is None:
-            build_packages_of(file, quiet=not progress)
+            build_packages_of(file)
         if force or not up_to_date(file, target):
             run_one(file, target, progress=progress, allow_python=allow_python)
         return Result(target)
 
 
-def build_packages_of(file: Path, *, quiet: bool) -> None:
+def build_packages_of(file: Path) -> None:
     """Build the packages of a run or sweep file that are missing or out of date.
 
     FEniCSx stays loaded for the next call, for a minute. Raises InputError.
     """
     keep_preprocessors()
-    build_needed([file], quiet=quiet)
+    build_needed([file])
 
 
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:

@@ -13,6 +13,7 @@ from ..solver.inputs.case.reading.specs import write_case
 from ..solver.math.arrays import Array
 from ..solver.package.common.temporary import write_text
 from ..solver.studies.cases import turn
+from ..solver.studies.screen import shown
 from ..solver.studies.sweep.file import CSV, FILE, SweepResult, read_sweep, result_of, sweep_csv
 from ..solver.studies.sweep.member import FINISHED
 from ..solver.studies.sweep.plan import read_plan
@@ -264,11 +265,11 @@ def sweep(
         hint = nearest(str(name), checked.top.sweeps)
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    with named(out), turn(folder, quiet=not progress):
+    with shown(steps=progress), named(out), turn(folder):
         write_case(checked, folder, None if packages is None else Path(packages))
         file = folder / "sweeps" / f"{name}.json"
         if packages is None:
-            build_packages_of(file, quiet=not progress)
+            build_packages_of(file)
         _compute(file, jobs, fresh=fresh, progress=progress)
         return Sweep(file.with_suffix(""))
 

@@ -1,6 +1,7 @@
 """One run: packages, model, consistent start, integration, results."""
 
 import json
+import logging
 import sys
 import time
 from collections.abc import Callable
@@ -23,6 +24,8 @@ from .integration import histories_of, integrated
 from .outcome import RunSpec, collect, disk_note, nearest_folder
 from .preparation import Prepared, prepare
 from .timing import FIRST_LINE_S, Stopwatch, Told
+
+LOGGER = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -167,11 +170,9 @@ class _Progress:
             self.bar.update(steps.t[-1] - self.bar.n)
         elif time.perf_counter() - self.begin > self.next:
             self.next *= 2.0
-            print(
-                f"{self.label}: t = {steps.t[-1]:.6g} of {self.t_end:g} s, {self.steps} steps, "
-                f"{time.perf_counter() - self.begin:.0f} s",
-                file=sys.stderr,
-                flush=True,
+            self.tell(
+                f"t = {steps.t[-1]:.6g} of {self.t_end:g} s, {self.steps} steps, "
+                f"{time.perf_counter() - self.begin:.0f} s"
             )
         begin = time.process_time()
         try:
@@ -185,8 +186,7 @@ class _Progress:
     def tell(self, text: str) -> None:
         """Show a line at once."""
         if self._show:
-            write = print if self.bar is None else self.bar.write
-            write(f"{self.label}: {text}", file=sys.stderr)
+            LOGGER.info("%s: %s", self.label, text)
 
     def close(self) -> None:
         """Remove the bar."""
@@ -299,7 +299,7 @@ def run_file(
     clock.lap("load")
     disk = nearest_folder(out)
     if note := disk_note(spec, disk):
-        print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
+        LOGGER.warning("%s: %s", spec.run, note)
     if planned is not None and spec.mechanism.fidelity is not None:
         return _written(out, spec, *planned(spec, digest), digest, clock, import_s, progress)
     solving = Stopwatch()

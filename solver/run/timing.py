@@ -1,6 +1,6 @@
 """Where the CPU time of a run goes."""
 
-import sys
+import logging
 import time
 from collections.abc import Mapping
 
@@ -9,6 +9,7 @@ from ..math.compiled import statistics
 # import: the program itself; load: run file, packages, compiled functions; build: model, start,
 # signals; integrate: steps; monitors: checks after steps; recover: signals and checks of the
 # solution; write: result.vtkhdf.
+LOGGER = logging.getLogger(__name__)
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
 FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 
@@ -33,8 +34,7 @@ class Told:
         seconds = time.perf_counter() - self._begin
         if seconds > self._next:
             self._next = 2.0 * seconds
-            text = f"{self._words}: {100.0 * part:.0f} %, {seconds:.0f} s"
-            print(text, file=sys.stderr, flush=True)
+            LOGGER.info("%s: %.0f %%, %.0f s", self._words, 100.0 * part, seconds)
 
 
 class Stopwatch:

@@ -1,6 +1,6 @@
 """A case of a command: its runs and sweeps, and the folder of its results."""
 
-import sys
+import logging
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -52,11 +52,12 @@ def _chosen(
 
 # One command at a time works in the folder of a case; the others wait for it.
 
+LOGGER = logging.getLogger(__name__)
 POLL_S = 0.1
 
 
 @contextmanager
-def turn(folder: Path, *, quiet: bool = False) -> Iterator[None]:
+def turn(folder: Path) -> Iterator[None]:
     """Lock a folder, which is made if missing; the end of the process, however it ends, unlocks it.
 
     Without such locks (Windows), commands are not serialised.
@@ -72,14 +73,14 @@ def turn(folder: Path, *, quiet: bool = False) -> Iterator[None]:
     made = _make(folder)
     descriptor = os.open(folder, os.O_RDONLY)
     try:
-        told = quiet
+        told = False
         while True:
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 break
             except BlockingIOError:
                 if not told:
-                    print(f"{folder}: waiting for another command", file=sys.stderr, flush=True)
+                    LOGGER.info("%s: waiting for another command", folder)
                 told = True
                 time.sleep(POLL_S)
             except OSError:  # a file system without locks

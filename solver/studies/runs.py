@@ -1,4 +1,4 @@
-"""The command `plymotion run`: one run or several, in one process or more."""
+"""Runs of run files, in one process or more."""
 
 import json
 import multiprocessing
@@ -30,7 +30,7 @@ from ..run.execution import run_file
 from ..run.inputs_digest import up_to_date
 from ..run.outcome import RunSpec
 from ..run.timing import timing_text
-from .exit_codes import DEFECT, INCOMPLETE, INPUT, report, worst
+from .exit_codes import DEFECT, INCOMPLETE, INPUT, report
 
 # One run file, with `[fidelity]` or without: what commands and the Python interface call.
 
@@ -65,25 +65,18 @@ def _planned(
     return delivered(file, spec, digest, allow_doubtful=allow_doubtful)
 
 
-# The command `plymotion run`: one run or several, in one process or more.
+# Runs of run files, in one process or more.
 
 DONE = "done"
 
 
 @dataclass
 class Outcome:
-    """What became of one run file."""
+    """What became of one run file: exit code, lines about it, errors."""
 
     code: int
     text: list[str] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
-
-    def tell(self) -> None:
-        """Print it."""
-        for line in self.text:
-            print(line, flush=True)
-        for line in self.errors:
-            print(f"error: {line}", file=sys.stderr, flush=True)
 
 
 @dataclass(frozen=True)
@@ -108,8 +101,8 @@ def run_files(
     quiet: bool = False,
     allow_python: bool = False,
     allow_doubtful: bool = False,
-) -> int:
-    """Integrate the runs of run files and print what became of them; return the worst exit code.
+) -> Iterator[Outcome]:
+    """Integrate the runs of run files; yield what became of each.
 
     Parameters
     ----------
@@ -124,24 +117,19 @@ def run_files(
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {few(sorted(doubled))}")
-    tasks, codes = [], []
+    tasks = []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
         for name in ("result.vtkhdf", "summary.json"):
             refuse_foreign(folder / name)  # before the work
         known = up_to_date(file, folder) if update else None
         if known is not None:
-            print(f"{file.stem}: up to date")
-            codes.append(_code(known))
+            yield Outcome(_code(known), [f"{file.stem}: up to date"])
             continue
         tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
         import_s = 0.0
     jobs = min(jobs, len(tasks))
-    outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
-    for outcome in outcomes:
-        outcome.tell()
-        codes.append(outcome.code)
-    return worst(codes)
+    yield from _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
 
 
 def _outcome(task: _Task) -> Outcome:

@@ -50,4 +50,4 @@ def compile_form(MPI) -> None:  # type: ignore[no-untyped-def]
 
 
 if __name__ == "__main__":
-    print(json.dumps(probe()))
+    json.dump(probe(), sys.stdout)

@@ -1,7 +1,7 @@
 """Packages of a case, built in the Python with FEniCSx unless they are up to date."""
 
 import json
-import sys
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from ..package.fingerprint import fingerprint, has_fingerprint
 from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 
+LOGGER = logging.getLogger(__name__)
 Entry = dict[str, Any]  # file and digests of a package, as a run file has them
 
 
@@ -33,13 +34,13 @@ def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     return list(found)
 
 
-def build_needed(files: Sequence[Path], *, quiet: bool = False) -> None:
+def build_needed(files: Sequence[Path]) -> None:
     """Build the packages that run and sweep files need and that are not up to date.
 
     Raises InputError as `named_packages` and `build_packages` do.
     """
     for folder, specs in needed_specs({file: named_packages(file) for file in files}).items():
-        build_packages(specs, folder, quiet=quiet)
+        build_packages(specs, folder)
 
 
 def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]]:
@@ -78,7 +79,6 @@ def build_packages(
     folder: Path,
     *,
     executor: Callable[[], Executor] = lambda: Local(cores(), threads=True),
-    quiet: bool = False,
 ) -> list[str]:
     """Build the packages of body specifications into a folder; return the names of those built.
 
@@ -108,7 +108,7 @@ def build_packages(
     failed: list[Path] = []
 
     def done(spec: Path, line: Line) -> None:
-        _show(spec, line, quiet=quiet)
+        _tell(spec, line)
         if line["status"] == "failed" or not (folder / f"{spec.stem}.vtkhdf").is_file():
             failed.append(spec)
 
@@ -126,15 +126,14 @@ def _mesh_of(table: Mapping[str, Any]) -> str:
     return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell", "solid")])
 
 
-def _show(spec: Path, line: Line, *, quiet: bool) -> None:
-    """Print what became of a package on standard error."""
+def _tell(spec: Path, line: Line) -> None:
+    """Log what became of a package."""
     for warning in line["warnings"]:
-        print(f"warning: {spec.stem}: {warning['code']}: {warning['message']}", file=sys.stderr)
+        LOGGER.warning("warning: %s: %s: %s", spec.stem, warning["code"], warning["message"])
     if line["status"] != "failed":
-        if not quiet:
-            print(f"{spec.stem}: {line['text'] or line['status']}", file=sys.stderr)
+        LOGGER.info("%s: %s", spec.stem, line["text"] or line["status"])
         return
     if line["defect"]:
-        print(line["defect"], end="", file=sys.stderr)
-        print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
-    print(f"error: {spec}: {line['error']}", file=sys.stderr)
+        words = "this is an error of the preprocessor, not of the input:"
+        LOGGER.error("%s%s", line["defect"], words)
+    LOGGER.error("error: %s: %s", spec, line["error"])

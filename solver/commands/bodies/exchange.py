@@ -42,7 +42,8 @@ def _from_modes(tables: Path, options: argparse.Namespace) -> int:
     package = experimental_package(load_measurement(tables))
     package.provenance["command"] = "plymotion import"
     package.provenance["import"] = options.file.read_text(encoding="utf-8")
-    return write_measured(options.out, package, options.file)
+    print(write_measured(options.out, package, options.file))
+    return 0
 
 
 def run_export(options: argparse.Namespace) -> int:

@@ -22,7 +22,6 @@ def run_packages(options: argparse.Namespace) -> int:
                 specs,
                 folder,
                 executor=lambda: executor_of(options, threads=True),
-                quiet=options.quiet,
             )
         except BodiesFailed as error:
             print(f"error: {error}", file=sys.stderr)
@@ -62,4 +61,5 @@ def run_validate(options: argparse.Namespace) -> int:
 def run_experimental(options: argparse.Namespace) -> int:
     """Make a package from measured modes."""
     package = experimental_package(load_measurement(options.file))
-    return write_measured(options.out, package, options.file)
+    print(write_measured(options.out, package, options.file))
+    return 0

@@ -84,7 +84,7 @@ def run_case(options: argparse.Namespace) -> int:
     out: Path = options.out or build_folder(file, coarse=options.coarse)
     words = {name: getattr(options, name) for name in (*ASKED, *TRUSTED)}
     request = request_of(file, {**words, "packages": str(options.packages or "")})
-    with turn(out, quiet=options.quiet):
+    with turn(out):
         before = None if options.force else finished_before(out, request)
         if before is not None:
             code, text = before
@@ -120,7 +120,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     files += [out / "sweeps" / f"{sweep}.json" for sweep in sweeps]
     named = {each: named_packages(each) for each in files}
     if options.packages is None:
-        _build(named, jobs, say, quiet=options.quiet, keep_going=not runs)
+        _build(named, jobs, say, keep_going=not runs)
     used = [out / entry["file"] for entries in named.values() for entry in entries]
     inputs |= {package: state_of(package) for package in used}
     codes, text = [], ""
@@ -143,7 +143,6 @@ def _build(
     jobs: int,
     say: Say,
     *,
-    quiet: bool,
     keep_going: bool,
 ) -> None:
     """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
@@ -153,9 +152,7 @@ def _build(
     for folder, specs in needed_specs(named).items():
         say(f"bodies: {len(specs)}")
         try:
-            if not build_packages(
-                specs, folder, executor=lambda: Local(jobs, threads=True), quiet=quiet
-            ):
+            if not build_packages(specs, folder, executor=lambda: Local(jobs, threads=True)):
                 say("bodies: up to date")
         except BodiesFailed as error:
             if not keep_going:
@@ -167,18 +164,11 @@ def _integrated(
     out: Path, runs: Sequence[str], options: argparse.Namespace, jobs: int, say: Say
 ) -> tuple[int, str]:
     """Integrate runs and write their report; return the exit code and what was written."""
-    from ...studies.runs import run_files
+    from .run import integrated
 
     say(f"runs: {len(runs)}")
-    code = run_files(
-        [out / "runs" / f"{name}.json" for name in runs],
-        update=not options.force,
-        jobs=jobs,
-        timing=options.timing,
-        quiet=options.quiet,
-        allow_python=options.allow_python,
-        allow_doubtful=options.allow_doubtful,
-    )
+    files = [out / "runs" / f"{name}.json" for name in runs]
+    code = integrated(files, options, jobs, update=not options.force)
     if code == INTERRUPTED or options.no_report:
         return code, str(out)
     finished = [name for name in runs if (out / name / "summary.json").is_file()]

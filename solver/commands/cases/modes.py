@@ -151,7 +151,6 @@ def run_modes(options: argparse.Namespace) -> int:
         options.run,
         packages=options.packages,
         coarse=options.coarse,
-        quiet=options.quiet,
     )
     folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
     axis = None if options.axis is None else np.array(options.axis)

@@ -14,7 +14,7 @@ from ...studies.exit_codes import INCOMPLETE
 from ...studies.sweep.file import CSV, FILE, SweepResult, result_of, sweep_csv
 from ...studies.sweep.member import FAILED, PENDING, STOPPED
 from ...studies.sweep.plan import read_plan
-from ...studies.sweep.show import draw_sweep, tell
+from ...studies.sweep.show import draw_sweep, outcome_lines
 from ...studies.sweep.work import Work, settled
 from ...workers.executors import executor_of
 
@@ -48,15 +48,19 @@ def run_sweep(options: argparse.Namespace) -> int:
         return _interrupted(result, file)
     seconds = time.perf_counter() - begin
     if options.shard:
-        tell(result, work.kept, seconds, file, "", planned)
+        _tell(outcome_lines(result, work.kept, seconds, file, "", planned))
         return _incomplete(result)
     try:
         told = _tabulated(folder, result, options)
     except KeyboardInterrupt:
         return _interrupted(result, file)
     if not told:
-        tell(result, work.kept, seconds, file, f", {CSV}", planned)
+        _tell(outcome_lines(result, work.kept, seconds, file, f", {CSV}", planned))
     return _incomplete(result)
+
+
+def _tell(lines: list[str]) -> None:
+    print("\n".join(lines))
 
 
 def _interrupted(result: SweepResult, file: Path) -> int:
@@ -87,7 +91,7 @@ def run_merge(options: argparse.Namespace) -> int:
     result = result_of(plan, work.rows)
     missing = result.count(PENDING)
     if missing:
-        tell(result, work.kept, time.perf_counter() - begin, file, "")
+        _tell(outcome_lines(result, work.kept, time.perf_counter() - begin, file, ""))
         print(
             f"{plan.name}: {missing} of {len(plan.members)} members are in none of {len(shards)} "
             f"shards; `plymotion sweep {options.sweep}` computes them",
@@ -95,7 +99,7 @@ def run_merge(options: argparse.Namespace) -> int:
         )
         return INCOMPLETE
     if not _tabulated(folder, result, options):
-        tell(result, work.kept, time.perf_counter() - begin, file, f", {CSV}")
+        _tell(outcome_lines(result, work.kept, time.perf_counter() - begin, file, f", {CSV}"))
     return _incomplete(result)
 
 

@@ -194,7 +194,7 @@ def _computed(
         write_text(folder / CASE_FILE, text)
         write_case(load_case(folder / CASE_FILE), folder / "out")
         bodies = folder / "out" / "bodies"
-        build_packages(specs_of(folder / "out", ["all"]), bodies, quiet=quiet)
+        build_packages(specs_of(folder / "out", ["all"]), bodies)
         files = {name: next(bodies.glob(f"{name}*.vtkhdf")) for name in tables}
         return {
             name: read_package(file).frequencies[:COUNT] / (2.0 * np.pi)

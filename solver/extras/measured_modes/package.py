@@ -1,6 +1,6 @@
 """A modal package from measured modes: lumped inertia, measured frequencies, corrected shapes."""
 
-import sys
+import logging
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -32,6 +32,7 @@ from .measurement import Measurement
 #
 # The measured frequencies are kept.
 
+LOGGER = logging.getLogger(__name__)
 HELD = 0.01  # limit of the motion of held nodes, relative to the largest motion
 RIGID = 0.1  # limit of the rigid motion in a shape, relative to its mass norm
 COUPLED = 0.1  # limit of the cosine of two shapes in the nodal masses
@@ -251,10 +252,9 @@ def _fitted_rotation(arms: Array, shapes: Array) -> tuple[Array, int]:
     return psi, rank
 
 
-def write_measured(path: Path, package: ModalPackage, source: Path) -> int:
-    """Write a package of measured modes and say what is doubtful; returns the exit code 0."""
+def write_measured(path: Path, package: ModalPackage, source: Path) -> str:
+    """Write a package of measured modes and log what is doubtful; returns what was written."""
     write_valid(path, package, str(source))
     for warning in package.provenance["warnings"]:
-        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
-    print(f"{path}: {package.body}, {package.n_mode} measured modes")
-    return 0
+        LOGGER.warning("warning [%s] %s", warning["code"], warning["message"])
+    return f"{path}: {package.body}, {package.n_mode} measured modes"

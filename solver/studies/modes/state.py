@@ -37,7 +37,7 @@ from .place import At
 
 
 def read_spec(
-    file: Path, run: str | None, *, packages: Path | None, coarse: bool, quiet: bool
+    file: Path, run: str | None, *, packages: Path | None, coarse: bool
 ) -> tuple[RunSpec, Path]:
     """Return a run with its packages, and the folder build/<case> of its results.
 
@@ -66,7 +66,7 @@ def read_spec(
         write_case(case, out, packages or build / "bodies")
         if packages is None:
             specs = specs_of(out, [name])
-            build_packages(specs, build / "bodies", quiet=quiet)
+            build_packages(specs, build / "bodies")
         try:
             return read_run(out / "runs" / f"{name}.json"), build
         except PackageError as error:

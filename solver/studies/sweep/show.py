@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -20,15 +21,15 @@ TOLD = 10  # kinds of messages of members that did not finish
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
-def tell(
+def outcome_lines(
     result: SweepResult,
     kept: int,
     seconds: float,
     file: Path,
     table: str,
     planned: Sequence[str] = (),
-) -> None:
-    """Print what became of the members.
+) -> list[str]:
+    """Return what became of the members, in words.
 
     Parameters
     ----------
@@ -41,11 +42,12 @@ def tell(
         f"{result.count(s)} {s}" for s in (FINISHED, STOPPED, FAILED, PENDING) if result.count(s)
     ]
     shown = os.path.relpath(file)
-    print(f"{result.name}: {total} members, {', '.join(counts)}; {shown}{table}")
     computed = total - kept - result.count(PENDING)
-    print(f"  {computed} computed in {seconds:.1f} s, {kept} kept from before")
-    for line in planned:
-        print(f"  {line}")
+    lines = [
+        f"{result.name}: {total} members, {', '.join(counts)}; {shown}{table}",
+        f"  {computed} computed in {seconds:.1f} s, {kept} kept from before",
+        *(f"  {line}" for line in planned),
+    ]
     groups = _alike(result.rows)
     for members in groups[:TOLD]:
         row = result.rows[members[0]]
@@ -53,16 +55,14 @@ def tell(
         where = ", ".join(f"{name} = {value:g}" for name, value in values)
         code = f" [{row.code}]" if row.code else ""
         many = f"{len(members)} members, first " if len(members) > 1 else ""
-        print(f"  {row.status}{code} {many}{where}: {row.message}")
+        lines.append(f"  {row.status}{code} {many}{where}: {row.message}")
     if len(groups) > TOLD:
-        print(f"  ... and {sum(map(len, groups[TOLD:]))} more members")
-    doubts: dict[str, int] = {}
-    for row in result.rows:
-        for code in row.warnings:
-            doubts[code] = doubts.get(code, 0) + 1
+        lines.append(f"  ... and {sum(map(len, groups[TOLD:]))} more members")
+    doubts = Counter(code for row in result.rows for code in row.warnings)
     for code, count in sorted(doubts.items()):
         level = CODES[code].level if code in CODES else "warning"
-        print(f"  {level} [{code}] in {count} of {total} members")
+        lines.append(f"  {level} [{code}] in {count} of {total} members")
+    return lines
 
 
 def _alike(rows: Sequence[Row]) -> list[list[int]]:

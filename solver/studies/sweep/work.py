@@ -1,8 +1,8 @@
 """The rows of a sweep: handed out to an executor in portions, computed and saved."""
 
+import logging
 import math
 import platform
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -140,6 +140,7 @@ class Portions:
 
 # The rows of a sweep: what is known, what is computed, and when it is saved.
 
+LOGGER = logging.getLogger(__name__)
 SAVE_S = 10.0  # least time between two savings on the way
 
 
@@ -189,8 +190,7 @@ class Work:
                 self._require_unchanged()
                 self.rows[number] = row
                 if row.defect:
-                    bar.write(row.defect, file=sys.stderr, end="")
-                    bar.write("this is a defect of the solver, not of the input", file=sys.stderr)
+                    LOGGER.error("%sthis is a defect of the solver, not of the input", row.defect)
                 bar.update()
                 self._save_now_and_then()
 
@@ -243,11 +243,10 @@ def _known(file: Path) -> dict[str, Row]:
     try:
         rows, altered = believed_rows(file)
         if altered:
-            print(
-                f"{file}: {altered} rows were altered after writing; they are computed again",
-                file=sys.stderr,
+            LOGGER.warning(
+                "%s: %d rows were altered after writing; they are computed again", file, altered
             )
         return rows
     except ResultError as error:
-        print(f"{error}; everything is computed again", file=sys.stderr)
+        LOGGER.warning("%s; everything is computed again", error)
         return {}
