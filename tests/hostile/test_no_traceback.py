@@ -211,7 +211,7 @@ def test_the_last_resort(tmp_path, capsys, monkeypatch, error, command):
     write_case(load_case(_written(tmp_path)), tmp_path / "out")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
-    monkeypatch.setattr("plymotion.solver.commands.cases.check.load_case", fails)
+    monkeypatch.setattr("plymotion.solver.inputs.case.reading.load.checked_case", fails)
     monkeypatch.setattr("plymotion.solver.run.execution.prepare", fails)
     words = [str(tmp_path / "case.toml")]
     if command == "run":

@@ -10,7 +10,6 @@ from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case
-from plymotion.solver.inputs.case.sweep.sweep_keys import differences
 from plymotion.solver.inputs.case.tables.sweeps import Sweep, Variation
 from plymotion.solver.workers.packages import named_packages, needed_specs
 
@@ -61,8 +60,10 @@ def test_members_are_the_mechanism_with_other_numbers(tmp_path):
     mechanism = plan.mechanism_of(1)
     assert mechanism.forces["push"].law.polynomial == [0, 0, 0, 3]
     assert mechanism.bodies["ball"].position == [0, 0.5, 0]
-    changes = dict(differences(plan.table, mechanism.model_dump()))
-    assert changes == {"forces.push.law.polynomial.3": 3, "bodies.ball.position.1": 0.5}
+    assert plan.members[1].changes == {
+        "forces.push.law.polynomial.3": 3,
+        "bodies.ball.position.1": 0.5,
+    }
     assert [p.unit for p in plan.parameters] == ["", "m"]
 
 
@@ -187,9 +188,9 @@ def test_more_values_leave_the_bodies_of_others_alone(angles, tmp_path):
 
 def test_coarse_sweeps(repository):
     case = load_case(repository / "cases/double-pendulum/case.toml", coarse=True)
-    assert {name: len(sweep.members) for name, sweep in case.sweeps.items()} == {
+    assert {name: len(sweep.points) for name, sweep in case.sweeps.items()} == {
         "layups": 4,
         "layup-speed": 4,
         "masses": 4,
     }
-    assert case.sweeps["layups"].members[0].bodies["arm"].elements == 4
+    assert case.sweeps["layups"].base.bodies["arm"].elements == 4

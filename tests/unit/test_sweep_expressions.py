@@ -35,7 +35,7 @@ def _plies(spec):
 def test_angles_follow_a_parameter_and_its_negative(tmp_path):
     case = _load(tmp_path, "angle = [0, 20, 45]", f'{FIRST} = "angle"\n{SECOND} = "-angle"')
     sweep = case.sweeps["s"]
-    angles = [[p["angle_deg"] for p in _plies(bodies["arm"])] for bodies in sweep.bodies]
+    angles = [[p["angle_deg"] for p in _plies(bodies["arm"])] for bodies in sweep.own.bodies]
     assert angles == [[0, 0], [20, -20], [45, -45]]
     (parameter,) = sweep.parameters
     assert (parameter.name, parameter.unit) == ("angle", "deg")
@@ -45,8 +45,8 @@ def test_angles_follow_a_parameter_and_its_negative(tmp_path):
 def test_expressions_take_functions_parameters_of_the_case_and_the_name_t(tmp_path):
     set_ = f'{PLY} = "2*t*plus"\n"bodies.arm.length" = "sqrt(t / 1e-3)"'
     sweep = _load(tmp_path, "t = [0.25e-3, 1e-3]", set_).sweeps["s"]
-    assert [_plies(b["arm"])[0]["thickness"] for b in sweep.bodies] == [0.5e-3, 2e-3]
-    assert [m.bodies["arm"].length for m in sweep.members] == [0.5, 1.0]
+    assert [_plies(b["arm"])[0]["thickness"] for b in sweep.own.bodies] == [0.5e-3, 2e-3]
+    assert [each["bodies.arm.length"] for each in sweep.own.changes] == [0.5, 1.0]
     assert sweep.parameters[0].unit == ""  # of neither key alone
 
 
@@ -67,14 +67,14 @@ def test_keys_of_a_described_file_and_of_a_shell(tmp_path, repository):
         f"[sections.tube.description]\n{TUBE}", '[sections.tube]\nfile = "tube.toml"'
     )
     sweep = _load(tmp_path, f"{SECOND} = [10, 20]", case=case).sweeps["s"]
-    assert [_plies(b["arm"])[1]["angle_deg"] for b in sweep.bodies] == [10, 20]
+    assert [_plies(b["arm"])[1]["angle_deg"] for b in sweep.own.bodies] == [10, 20]
     file = repository / "cases/double-pendulum-shell/case.toml"
     table = read_toml(file, "case file")
     (name, material), *_ = read_toml(file.with_name("hand.toml"), "shell")["materials"].items()
     key = f"bodies.hand:materials.{name}.rho"
     table["sweeps"] = {"s": {"run": "shell", "vary": {key: [material["rho"], 2000.0]}}}
     found = checked_case(table, file).sweeps["s"]
-    assert [b["hand"].content["shell"]["materials"][name]["rho"] for b in found.bodies] == [
+    assert [b["hand"].content["shell"]["materials"][name]["rho"] for b in found.own.bodies] == [
         material["rho"],
         2000.0,
     ]

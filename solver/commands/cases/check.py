@@ -3,7 +3,7 @@
 import argparse
 
 from ...errors import InputError, counted
-from ...inputs.case import load_case
+from ...inputs.case.reading.load import load_case, load_whole_case
 from ...inputs.case.reading.specs import write_case
 from ...inputs.manual import case_page
 
@@ -15,9 +15,10 @@ def run_check(options: argparse.Namespace) -> int:
         return 0
     if options.case is None:
         raise InputError("check: no case file given; expected CASE.toml")
-    case = load_case(options.case, coarse=options.coarse)
+    file = options.case
+    case = load_case(file, coarse=True) if options.coarse else load_whole_case(file)
     if options.out is None:
-        print(f"{options.case}: {counted(len(case.runs), 'run')}, no errors")
+        print(f"{file}: {counted(len(case.runs), 'run')}, no errors")
     else:
         write_case(case, options.out, options.packages)
     return 0

@@ -78,8 +78,6 @@ RESERVED = {
     "sweeps": {"bodies": "a folder sweeps/bodies"},
 }
 
-IN_COARSE = " (in [coarse])"
-
 
 @dataclass(frozen=True)
 class Case:
@@ -120,6 +118,21 @@ def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | Non
     return checked_case(read_toml(file, "case file"), file, coarse=coarse, sweeps=sweeps)
 
 
+def load_whole_case(file: Path) -> Case:
+    """Read and check a case file with all sweeps, and its coarse version. Raises InputError."""
+    table = read_toml(file, "case file")
+    cases, found = list[Case](), list[str]()
+    for coarse in (False, True) if table.get("coarse") else (False,):
+        try:
+            cases.append(checked_case(table, file, coarse=coarse))
+        except InputError as error:
+            new = [line for line in str(error).splitlines() if line not in found]
+            found += [f"{line} (in [coarse])" if coarse else line for line in new]
+    if found:
+        raise InputError("\n".join(found))
+    return cases[0]
+
+
 def checked_case(
     table: dict[str, Any],
     file: Path,
@@ -133,7 +146,7 @@ def checked_case(
     ----------
     file : its name goes into messages; paths in the case are relative to its folder
     """
-    whole, table = table, deepcopy(table)
+    table = deepcopy(table)
     top_keys = set(CaseFile.model_fields)
     over = table.get("coarse")
     if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
@@ -164,8 +177,6 @@ def checked_case(
     specs = BodySpecs(file.parent)
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
-    if top.coarse and not coarse:
-        findings.add(_of_coarse(whole, file, sweeps))
     findings.add(
         f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
         for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
@@ -205,19 +216,8 @@ def checked_case(
             else:
                 checked_sweeps[name] = checked
     if findings:
-        told = findings.lines()
-        twice = {f"{line}{IN_COARSE}" for line in told}
-        raise InputError("\n".join(line for line in told if line not in twice))
+        raise InputError("\n".join(findings.lines()))
     return Case(case_name(file), file, top, runs, bodies, checked_sweeps)
-
-
-def _of_coarse(table: dict[str, Any], file: Path, sweeps: Collection[str] | None) -> list[str]:
-    """Return what is wrong with a case in its coarse version, beyond the whole case."""
-    try:
-        checked_case(table, file, coarse=True, sweeps=sweeps)
-    except InputError as error:
-        return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
-    return []
 
 
 def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:

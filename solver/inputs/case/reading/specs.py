@@ -94,47 +94,47 @@ class _BodyFiles:
 
     def packages(
         self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
-    ) -> dict[str, dict[str, str]]:
+    ) -> Packages:
         """Return the packages of the bodies of a mechanism: file from `out`, hash of its inputs.
 
         A body that is new gets a specification in `folder`, named after the run that has it
         first: readable, and shared by the others. Without a run it is named after its hash, so
         that members that come and go leave the others' packages alone.
         """
-        table: dict[str, dict[str, str]] = {}
+        table: Packages = {}
         out = self.folder.path
         for name, body in mechanism.bodies.items():
             if isinstance(body, PackageBody):
                 file = (self.case.file.parent / body.package).resolve()
                 table[name] = {"file": os.path.relpath(file, out)}
-            elif name in specs:
-                digest = specs[name].inputs_sha256
-                if digest not in self._known:
-                    stem = f"{name}.{run or digest[:12]}"
-                    package = (self.ready or out / folder) / f"{stem}.vtkhdf"
-                    # Packages of this folder are kept, whoever names it.
-                    here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
-                    built = (f"{folder}/{stem}.vtkhdf",) if here else ()
-                    text = dump({**specs[name].content, "inputs_sha256": digest})
-                    self.folder.add(f"{folder}/{stem}.json", text, *built)
-                    self._known[digest] = package
-                file = self._known[digest]
-                table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
+        for name, spec in specs.items():
+            digest = spec.inputs_sha256
+            if digest not in self._known:
+                stem = f"{name}.{run or digest[:12]}"
+                package = (self.ready or out / folder) / f"{stem}.vtkhdf"
+                # Packages of this folder are kept, whoever names it.
+                here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
+                built = (f"{folder}/{stem}.vtkhdf",) if here else ()
+                text = dump({**spec.content, "inputs_sha256": digest})
+                self.folder.add(f"{folder}/{stem}.json", text, *built)
+                self._known[digest] = package
+            file = self._known[digest]
+            table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
         return table
 
 
 def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, Any]:
     """Return the content of sweeps/<name>.json."""
 
-    def packages(members: Members) -> list[Packages]:
-        pairs = zip(members.mechanisms, members.bodies, strict=True)
-        return [files.packages(member, bodies, "sweeps/bodies") for member, bodies in pairs]
+    def packages(run: Members) -> list[Packages]:
+        models = (model_and_check(bodies)[0] for bodies in run.bodies)
+        return [files.packages(run.base, model, "sweeps/bodies") for model in models]
 
     tables = packages(sweep.own)
     others = {run: packages(members) for run, members in sweep.others.items()}
     content = sweep_content(case.name, name, sweep, tables, others)
     return with_fidelity(
-        sweep, content, lambda mechanism, specs: files.packages(mechanism, specs, "sweeps/bodies")
+        sweep, content, lambda specs: files.packages(sweep.base, specs, "sweeps/bodies")
     )
 
 

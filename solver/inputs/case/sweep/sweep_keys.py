@@ -1,7 +1,7 @@
 """Keys of a sweep: where they are in a mechanism, which units they have, what they get."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -189,21 +189,3 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
         what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
         raise Misplaced(f"{shown}: expected the key of a number, this is {what}")
     return unit
-
-
-def differences(base: Any, other: Any, way: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
-    """Yield dotted keys and values at which plain data differ from `base`.
-
-    Tables with dots in their keys, as those of `changes`, are given whole.
-    """
-    if isinstance(base, dict) and isinstance(other, dict) and base.keys() == other.keys():
-        if base != other and any("." in key for key in base):
-            yield ".".join(way), other
-            return
-        for key in base:
-            yield from differences(base[key], other[key], (*way, key))
-    elif isinstance(base, list) and isinstance(other, list) and len(base) == len(other):
-        for i, (one, two) in enumerate(zip(base, other, strict=True)):
-            yield from differences(one, two, (*way, str(i)))
-    elif base != other:
-        yield ".".join(way), other

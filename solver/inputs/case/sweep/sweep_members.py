@@ -13,43 +13,22 @@ from ...common import lines
 from ...common.messages import bare_lines
 from ..bodies.body_specs import BodySpec, BodySpecs
 from ..checks.check import in_parts
-from ..tables.columns import FOLDER
+from ..tables.columns import FOLDER, RESOLVED
 from ..tables.combining import needed, with_parts
 from ..tables.dotted_keys import put
 from ..tables.schema import Mechanism
 from ..tables.sweeps import Sweep
 from .sweep_keys import Misplaced, Parameter, changes_of, parameters_of, unit_at
 
-
-def sharing(member: Mechanism, base: Mechanism) -> Mechanism:
-    """Replace the parts of a member that are equal to those of `base` by the same objects.
-
-    Parts are the fields of a mechanism, and the entries of its tables: bodies, joints, ...
-    """
-    for name in type(member).model_fields:
-        own, common = getattr(member, name), getattr(base, name)
-        if own is common:
-            continue
-        if own == common:
-            member.__dict__[name] = common
-        elif isinstance(own, dict) and isinstance(common, dict):
-            own.update({key: _one(value, common.get(key)) for key, value in own.items()})
-    return member
-
-
-def _one(own: Any, common: Any) -> Any:
-    return common if own == common else own
-
-
 NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")
 
 
 @dataclass(frozen=True)
 class Members:
-    """A run with the changes of each member of a sweep."""
+    """A run, and what each member of a sweep changes in it."""
 
     base: Mechanism
-    mechanisms: list[Mechanism]  # (k)
+    changes: list[dict[str, float]]  # (k) values at dotted keys
     bodies: list[dict[str, BodySpec]]  # (k) specifications of their flexible bodies by name
 
 
@@ -62,23 +41,12 @@ class CheckedSweep:
     points: Array  # (k, p)
     own: Members
     others: dict[str, Members]  # other runs that combined signals read
-    divided: Mechanism  # the base in the bodies that are built
-    base_bodies: dict[str, BodySpec]  # specifications of its flexible bodies
+    base_bodies: dict[str, BodySpec]  # specifications of the flexible bodies of the base
 
     @property
     def base(self) -> Mechanism:
         """The run that is varied."""
         return self.own.base
-
-    @property
-    def members(self) -> list[Mechanism]:
-        """Mechanisms of the members, (k)."""
-        return self.own.mechanisms
-
-    @property
-    def bodies(self) -> list[dict[str, BodySpec]]:
-        """Specifications of their flexible bodies, (k)."""
-        return self.own.bodies
 
 
 def check_sweep(
@@ -103,7 +71,7 @@ def check_sweep(
         base = Mechanism.model_validate(merged, context={FOLDER: specs.folder})
     except ValidationError as error:
         return lines(error, Mechanism, where)
-    divided, base_bodies, wrong = in_parts(base, specs)
+    _, base_bodies, wrong = in_parts(base, specs)
     found = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
         for name in getattr(sweep, key):
@@ -125,8 +93,8 @@ def check_sweep(
         return found
     points, problems = sweep.points(), _MemberProblems(where)
     maker = _Maker(sweep, parameters, points, specs)
-    own = maker.members(base, merged, problems)
-    others = {}
+    own = maker.members(base, problems)
+    others = dict[str, Members]()
     kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
     for run in needed(kept):
         table = merged_of(run)
@@ -136,10 +104,10 @@ def check_sweep(
             other = Mechanism.model_validate(table, context={FOLDER: specs.folder})
         except ValidationError:
             return []  # said of the run
-        others[run] = maker.members(other, table, problems, partly=True)
+        others[run] = maker.members(other, problems, partly=True)
     if problems.found:
         return problems.lines()
-    return CheckedSweep(sweep, parameters, points, own, others, divided, base_bodies)
+    return CheckedSweep(sweep, parameters, points, own, others, base_bodies)
 
 
 @dataclass(frozen=True)
@@ -152,39 +120,33 @@ class _Maker:
     specs: BodySpecs
 
     def members(
-        self,
-        base: Mechanism,
-        merged: dict[str, Any],
-        problems: "_MemberProblems",
-        *,
-        partly: bool = False,
+        self, base: Mechanism, problems: "_MemberProblems", *, partly: bool = False
     ) -> Members:
         """Return the members of a run; `partly`: without changes of keys that it does not have."""
-        defaults, context = base.model_dump(), {FOLDER: self.specs.folder}
-        mechanisms, bodies = [], list[dict[str, BodySpec]]()
-        known: dict[str, bool] = {}  # all members change the same keys
+        table, members = base.model_dump(), Members(base, [], [])
+        left_out = {
+            key
+            for parameter in self.parameters
+            for key in parameter.keys
+            if partly and not self._has(base, key)
+        }
         for k, point in enumerate(self.points):
             values = dict(zip(self.sweep.vary, map(float, point), strict=True))
             try:
-                changes = changes_of(self.sweep, self.parameters, values, base.parameters)
-                if partly:
-                    for key in changes:
-                        if key not in known:
-                            known[key] = self._has(base, key)
-                    changes = {key: v for key, v in changes.items() if known[key]}
-                table = put(merged, changes, defaults)
-                member = Mechanism.model_validate(table, context=context)
+                found = changes_of(self.sweep, self.parameters, values, base.parameters)
+                changes = {key: v for key, v in found.items() if key not in left_out}
+                member = Mechanism.model_validate(put(table, changes), context={RESOLVED: True})
             except Misplaced as error:
                 problems.add(k, values, [str(error)])
                 continue
             except ValidationError as error:
                 problems.add(k, values, bare_lines(error, Mechanism))
                 continue
-            divided, own, wrong = in_parts(member, self.specs)
+            _, bodies, wrong = in_parts(member, self.specs)
             problems.add(k, values, wrong)
-            mechanisms.append(sharing(divided, base))
-            bodies.append(own)
-        return Members(base, mechanisms, bodies)
+            members.changes.append(changes)
+            members.bodies.append(bodies)
+        return members
 
     def _has(self, mechanism: Mechanism, key: str) -> bool:
         try:

@@ -8,12 +8,11 @@ from typing import Any
 
 from ..bodies.body_specs import BodySpec
 from ..bodies.rich import model_and_check
-from ..tables.schema import Mechanism
-from .sweep_keys import differences
 from .sweep_members import CheckedSweep, Members
 
 DRAWN = 3  # members at which the plan is checked
-Files = Callable[[Mechanism, dict[str, BodySpec]], dict[str, dict[str, str]]]
+Packages = dict[str, dict[str, str]]  # file and hash of the inputs by body
+Files = Callable[[dict[str, BodySpec]], Packages]
 
 
 def drawn_members(sweep: CheckedSweep) -> list[int]:
@@ -22,23 +21,23 @@ def drawn_members(sweep: CheckedSweep) -> list[int]:
     said = fidelity.model_dump() if fidelity is not None else None
     text = json.dumps([said, sweep.points.tolist(), sweep.table.vary], default=str)
     seed = hashlib.sha256(text.encode()).hexdigest()
-    count = len(sweep.members)
+    count = len(sweep.points)
     return sorted(random.Random(seed).sample(range(count), min(DRAWN, count)))
 
 
 def with_fidelity(sweep: CheckedSweep, content: dict[str, Any], files: Files) -> dict[str, Any]:
     """Return the content of a sweep file with the key `fidelity`, if the run has [fidelity].
 
-    `files` gives the packages of a mechanism by its specifications. `base` and `base_check` are
-    numbers of those of the run without changes, `drawn` has those of the check at some members.
+    `files` gives packages by their specifications. `base` and `base_check` are numbers of those of
+    the run without changes, `drawn` has those of the check at some members.
     """
     if sweep.base.fidelity is None:
         return content
     packages = list(content["packages"])
 
-    def numbers(mechanism: Mechanism, specs: dict[str, BodySpec]) -> dict[str, int]:
+    def numbers(specs: dict[str, BodySpec]) -> dict[str, int]:
         found = {}
-        for body, entry in files(mechanism, specs).items():
+        for body, entry in files(specs).items():
             if entry not in packages:
                 packages.append(entry)
             found[body] = packages.index(entry)
@@ -46,17 +45,14 @@ def with_fidelity(sweep: CheckedSweep, content: dict[str, Any], files: Files) ->
 
     model, check = model_and_check(sweep.base_bodies)
     table = {
-        "base": numbers(sweep.divided, model),
-        "base_check": numbers(sweep.divided, check),
+        "base": numbers(model),
+        "base_check": numbers(check),
         "drawn": [
-            {"member": k, "check": numbers(sweep.members[k], model_and_check(sweep.bodies[k])[1])}
+            {"member": k, "check": numbers(model_and_check(sweep.own.bodies[k])[1])}
             for k in drawn_members(sweep)
         ],
     }
     return {**content, "fidelity": table, "packages": packages}
-
-
-Packages = dict[str, dict[str, str]]
 
 
 def sweep_content(
@@ -80,16 +76,15 @@ def sweep_content(
     numbers: dict[tuple[tuple[str, str], ...], int] = {}
 
     def listed(members: Members, tables: list[Packages]) -> list[dict[str, Any]]:
-        base = members.base.model_dump()
         return [
             {
-                "changes": dict(differences(base, mechanism.model_dump())),
+                "changes": changes,
                 "packages": {
                     body: numbers.setdefault(tuple(sorted(entry.items())), len(numbers))
                     for body, entry in table.items()
                 },
             }
-            for mechanism, table in zip(members.mechanisms, tables, strict=True)
+            for changes, table in zip(members.changes, tables, strict=True)
         ]
 
     said = sweep.table

@@ -15,25 +15,17 @@ def split_key(key: str) -> list[str]:
     return [*owner.split("."), *(["changes", inner] if colon else [])]
 
 
-def put(
-    table: dict[str, Any], changes: Mapping[str, Any], defaults: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
+def put(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return plain data with other values at dotted keys; numbers are places of lists.
 
-    What does not change is shared with `table`. With `defaults`, the complete mechanism, `table`
-    may lack tables and lists that the user omitted: tables begin empty, lists as in `defaults`.
+    What does not change is shared with `table`.
     """
     found = dict(table)
     for key, value in changes.items():
         here: Any = found
-        there: Any = defaults
         *way, last = split_key(key)
         for part in way:
             place: Any = int(part) if isinstance(here, list) else part
-            if defaults is not None:
-                there = there[int(part)] if isinstance(there, list) else there[part]
-                if isinstance(here, dict):
-                    here.setdefault(part, there if isinstance(there, list) else {})
             here[place] = copy(here[place])
             here = here[place]
         here[int(last) if isinstance(here, list) else last] = value
