@@ -4,7 +4,13 @@ from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
 
+from ida_integrator import SundialsIda
+from scipy_integrators import SCIPY
+
 from plymotion.solver.integrators.table import INTEGRATORS
+
+PEERS = SCIPY | {SundialsIda.name: SundialsIda}
+INTEGRATORS.update(PEERS)  # found by name as those of a case are
 
 EXPLICIT = (1e-3, 1e-5, 1e-7)  # where stability sets the step, all cost the same
 FIFTH_ORDER = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)

@@ -3,12 +3,12 @@
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from solver_methods import Method
+from solver_methods import PEERS, Method
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.load import merge
@@ -49,7 +49,15 @@ class Problem:
 
     def with_solver(self, method: Method, rtol: float, **changes: Any) -> RunSpec:
         """The run by a method: `[solver]` has its keys, rtol and the times, else defaults."""
-        return self.spec.changed({"solver": self.solver(method, rtol) | changes})
+        keys = self.solver(method, rtol) | changes
+        if method.integrator not in PEERS:
+            return self.spec.changed({"solver": keys})
+        # a case cannot name it: checked as that of one of ours
+        ours = "generalized-alpha" if keys["constraints"] == "ggl" else "rk8"
+        spec = self.spec.changed({"solver": keys | {"integrator": ours}})
+        solver = spec.mechanism.solver.model_copy(update={"integrator": method.integrator})
+        mechanism = spec.mechanism.model_copy(update={"solver": solver})
+        return replace(spec, mechanism=mechanism)
 
     def solver(self, method: Method, rtol: float) -> dict[str, Any]:
         """`[solver]` of a case for a method."""

@@ -1,9 +1,12 @@
 """Runs of the sample mechanisms under every treatment of constraints, for tests and benchmarks."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from ida_integrator import SundialsIda
 from mechanism_samples import Sample
+from scipy_integrators import SCIPY
 
 from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment, treated
@@ -14,7 +17,7 @@ from plymotion.solver.dynamics.evaluation.dense_equations import (
 )
 from plymotion.solver.dynamics.evaluation.derivative import by_blocks
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.integrators.closures import constrained_system, projection, right_hand_side
+from plymotion.solver.integrators.closures import projection, right_hand_side
 from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic import (
@@ -22,7 +25,6 @@ from plymotion.solver.integrators.generic import (
     Solution,
     Steps,
     integrate,
-    new_constrained_integrator,
     new_integrator,
 )
 from plymotion.solver.integrators.radau import Radau
@@ -49,6 +51,12 @@ def prepared(sample: Sample, treatment: Treatment) -> tuple[Model, np.ndarray]:
     return treated(sample.model, treatment)._replace(redundant=count), y0
 
 
+def new_generic(name: str, *arguments, **options) -> Integrator:
+    """An integrator of y' = f(t, y): one of ours, or of those that benchmarks compare with."""
+    make = SCIPY.get(name) or partial(new_integrator, name)
+    return make(*arguments, **options)
+
+
 def new_run(
     model: Model, y0: np.ndarray, treatment: Treatment, integrator: str, t_end: float, **options
 ) -> Integrator:
@@ -67,12 +75,11 @@ def new_run(
     if treatment.name in IMPLICIT:
         options["formulation"] = treatment.name
         if integrator == "ida":
-            system = constrained_system(model)
-            return new_constrained_integrator("ida", system, 0.0, y0, t_end, **options)
+            return SundialsIda(model, 0.0, y0, t_end, **options)
         return GeneralizedAlpha(model, 0.0, y0, t_end, **options)
     if treatment.name == "projection":
         options["project"] = projection(model)
-    return new_integrator(integrator, right_hand_side(model), 0.0, y0, t_end, **options)
+    return new_generic(integrator, right_hand_side(model), 0.0, y0, t_end, **options)
 
 
 def run(

@@ -13,7 +13,7 @@ from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
 from ..math.arrays import Array
 from .breakpoints import breaks
-from .closures import constrained_system, projection, right_hand_side
+from .closures import projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
 from .table import INTEGRATORS
@@ -146,8 +146,7 @@ def make_integrator(
     Raises
     ------
     InputError
-        An integrator that has no place for the auxiliary states of the model, or for the reactions
-        that its forces read.
+        An integrator that has no place for the auxiliary states of the model.
     """
     treatment = treatment or treatment_of(solver)
     kind: type[Any] = INTEGRATORS[solver.integrator]
@@ -159,11 +158,6 @@ def make_integrator(
             f'solver.integrator = "{solver.integrator}": does not integrate the auxiliary states '
             "that controllers, bristle_friction and expressions of angles have; expected "
             f"{', '.join(able[:EXAMPLES])} ..."
-        )
-    if model.quantities.reaction_kind.size and kind.takes == "constrained":
-        raise InputError(
-            f'solver.integrator = "{solver.integrator}": does not know the reactions that friction '
-            "by a coefficient depends on; expected radau, generalized-alpha, rk8 ..."
         )
     jumps = (model.quantities.period > 0.0).any() or model.quantities.event_state.size
     if jumps and not kind.samples:
@@ -194,11 +188,7 @@ def make_integrator(
     options |= kind.for_treatment(treatment.name)
     if kind.takes == "derivative" and treatment.name == "projection" and model.n_constraint:
         options["project"] = projection(model)
-    subject = {
-        "model": lambda: model,
-        "constrained": lambda: constrained_system(model),
-        "derivative": lambda: right_hand_side(model),
-    }[kind.takes]()
+    subject = model if kind.takes == "model" else right_hand_side(model)
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = found.unsearched

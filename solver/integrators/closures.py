@@ -5,14 +5,11 @@ from collections.abc import Callable
 import numpy as np
 
 from ..dynamics.analysis.projection import projected
-from ..dynamics.evaluation.dense_equations import accelerations, assemble
 from ..dynamics.evaluation.derivative import by_blocks, dense_derivative_into, derivative_into
-from ..dynamics.model.coordinates import moved, position_rates
 from ..dynamics.model.model import Model, state_size
 from ..dynamics.model.workspace import spare_work
 from ..math.arrays import Array
 from .generic.base import Derivative
-from .generic.constrained import ConstrainedSystem
 
 
 def right_hand_side(model: Model) -> Derivative:
@@ -36,17 +33,3 @@ def projection(model: Model) -> Callable[[float, Array], Array | None]:
         return out if reached else None
 
     return nearest
-
-
-def constrained_system(model: Model) -> ConstrainedSystem:
-    """Return the equations with their constraints, for implicit integrators."""
-    return ConstrainedSystem(
-        n_pos=model.n_pos,
-        n_vel=model.n_vel,
-        inertia_scale=model.inertia_scale,
-        terms=lambda t, y: assemble(model, t, y),
-        accelerations=lambda t, y: accelerations(model, assemble(model, t, y), y),
-        derivative=right_hand_side(model),
-        rates=lambda q, v: position_rates(model, q, v),
-        move=lambda q, step: moved(model, q, step),
-    )

@@ -16,9 +16,6 @@ For the case file:
 First argument, by `takes`:
     "derivative"   f(t, y) -> (n,): y' = f. The class knows numbers, never a body; it is of use
                    for any equation and belongs in generic/.
-    "constrained"  `ConstrainedSystem` (generic/constrained.py): mass matrix, forces and
-                   constraints as closures, for methods that solve the constraints with the step.
-                   It belongs in generic/ too.
     "model"        a `Model` (dynamics/model/model.py): for step loops that are compiled whole
                    (`StepLoop`, step_loop.py). It belongs in this folder.
 
@@ -44,11 +41,9 @@ It may have:
 
 from ..math.keys import Number
 from .generic.base import Counters, Dense, Derivative, Integrator
-from .generic.constrained import ConstrainedSystem
 from .step_loop import StepLoop
 
 __all__ = [
-    "ConstrainedSystem",
     "Counters",
     "Dense",
     "Derivative",

@@ -1,11 +1,13 @@
 """Properties that hold for any steps, any linear system, any output times."""
 
 import numpy as np
+from constraint_runs import new_generic
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy_integrators import SCIPY
 from scipy.linalg import expm
 
-from plymotion.solver.integrators.generic import INTEGRATORS, integrate, new_integrator
+from plymotion.solver.integrators.generic import INTEGRATORS, integrate
 from plymotion.solver.integrators.generic.gear import (
     corrector,
     error_weights,
@@ -14,7 +16,7 @@ from plymotion.solver.integrators.generic.gear import (
 )
 
 RATIOS = st.lists(st.floats(0.3, 3.0), min_size=1, max_size=5)
-NAMES = st.sampled_from(sorted(INTEGRATORS))
+NAMES = st.sampled_from(sorted(INTEGRATORS | SCIPY))
 
 
 def distances(ratios):
@@ -65,7 +67,7 @@ def test_linear_systems_meet_the_matrix_exponential(name, seed, where):
     A = random.normal(size=(4, 4))
     y0 = random.normal(size=4)
     t = np.unique(np.array([*where, 1.0]))
-    integrator = new_integrator(name, lambda t, y: A @ y, 0.0, y0, 1.0, rtol=1e-7, atol=1e-9)
+    integrator = new_generic(name, lambda t, y: A @ y, 0.0, y0, 1.0, rtol=1e-7, atol=1e-9)
     solution = integrate(integrator, t)
     assert solution.status == "finished"
     exact = np.array([expm(A * t_i) @ y0 for t_i in t])
@@ -79,7 +81,7 @@ def test_the_unit_of_time_does_not_matter(name, unit):
     """The same motion on a stretched time axis takes the same steps."""
 
     def steps(scale):
-        integrator = new_integrator(
+        integrator = new_generic(
             name,
             lambda t, y: np.array([y[1], -np.sin(y[0])]) / scale,
             0.0,

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from constraint_runs import new_generic
+from scipy_integrators import SCIPY
 
 from plymotion.solver.integrators.generic import (
     INTEGRATORS,
@@ -9,10 +11,9 @@ from plymotion.solver.integrators.generic import (
     RungeKutta8,
     StopRequest,
     integrate,
-    new_integrator,
 )
 
-ALL = pytest.mark.parametrize("name", sorted(INTEGRATORS))
+ALL = pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
 WITH_JACOBIAN = ("gear", "scipy-bdf", "scipy-radau")  # LSODA needs none where nothing is stiff
 
 
@@ -25,7 +26,7 @@ def exact(t):
 
 
 def run(name, f=oscillator, t_end=5.0, y0=(1.0, 0.0), **options):
-    return new_integrator(name, f, 0.0, np.array(y0), t_end, **options)
+    return new_generic(name, f, 0.0, np.array(y0), t_end, **options)
 
 
 @ALL

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.contract import Integrator, Number
 from plymotion.solver.integrators.generic.table import _check, named
 from plymotion.solver.integrators.table import INTEGRATORS
@@ -43,3 +44,10 @@ def test_a_class_that_does_not_keep_it_is_refused(attributes, words):
 def test_two_of_one_name_are_refused():
     with pytest.raises(ValueError, match="integrator 'toy' is defined twice"):
         named([kind(), kind()])
+
+
+@pytest.mark.parametrize("name", ["scipy-bdf", "ida"])
+def test_an_integrator_of_another_code_is_explained(name):
+    keys = {"t_end": 1.0, "output_step": 0.1, "integrator": name}
+    with pytest.raises(ValueError, match=f"{name} is an integrator of another code.*gear, radau"):
+        Solver.model_validate(keys)

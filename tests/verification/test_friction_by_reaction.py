@@ -238,13 +238,6 @@ def test_bad_input(tmp_path, kind, change, words):
     assert words in str(caught.value)
 
 
-def test_ida_refuses(tmp_path):
-    pytest.importorskip("sksundae")
-    with pytest.raises(InputError, match="does not know the reactions"):
-        run(tmp_path, slope(30.0, rubbing(coefficient=0.3)), 0.1, 0.1,
-            'integrator = "ida"\nconstraints = "ggl"')  # fmt: skip
-
-
 def test_a_hinge_needs_a_radius(tmp_path):
     text = wheel(force("f", "friction", joint="axle", coefficient=0.1, rest_velocity=0.1))
     with pytest.raises(InputError, match=r"forces\.f\.radius: missing"):

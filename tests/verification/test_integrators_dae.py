@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared, run
+from constraint_runs import new_generic, new_run, prepared, run
 from mechanism_samples import Sample, bricard, chain, pendulum
+from scipy_integrators import SCIPY
 from two_body_samples import stretching_rod
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.generic import INTEGRATORS, integrate, new_integrator
+from plymotion.solver.integrators.generic import INTEGRATORS, integrate
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
@@ -103,7 +104,7 @@ def _circle(t, y):
     return np.array([-y[1], y[0]])
 
 
-@pytest.mark.parametrize("name", sorted(INTEGRATORS))
+@pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
 def test_projection_hook_holds_an_invariant(name):
     """The unit circle: kept by projection at steps and between them, with the same few steps."""
 
@@ -113,9 +114,9 @@ def test_projection_hook_holds_an_invariant(name):
     options = {"rtol": 1e-5, "atol": 1e-7}
     times = np.linspace(0.0, 30.0, 77)
     free = integrate(
-        new_integrator(name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, **options), times
+        new_generic(name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, **options), times
     )
-    made = new_integrator(
+    made = new_generic(
         name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, project=project, **options
     )
     held = integrate(made, times)
@@ -126,7 +127,7 @@ def test_projection_hook_holds_an_invariant(name):
     assert np.abs(held.y - exact).max() <= np.abs(free.y - exact).max()
 
 
-@pytest.mark.parametrize("name", sorted(INTEGRATORS))
+@pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
 def test_the_derivative_is_taken_at_the_projected_state(name):
     """What the next step begins with is f at the state that the projection gave."""
     seen = []
@@ -138,7 +139,7 @@ def test_the_derivative_is_taken_at_the_projected_state(name):
     def project(t, y):
         return y / np.linalg.norm(y)
 
-    made = new_integrator(
+    made = new_generic(
         name, f, 0.0, np.array([1.0, 0.0]), 3.0, project=project, rtol=1e-4, atol=1e-6
     )
     made.step()
@@ -148,12 +149,12 @@ def test_the_derivative_is_taken_at_the_projected_state(name):
     assert np.linalg.norm(made.y) == pytest.approx(1.0, abs=1e-15)
 
 
-@pytest.mark.parametrize("name", sorted(INTEGRATORS))
+@pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
 def test_a_projection_that_finds_nothing_shortens_the_step_and_then_fails(name):
     def nothing_near(t, y):
         return None if t > 1.0 else y
 
-    made = new_integrator(name, _circle, 0.0, np.array([1.0, 0.0]), 3.0, project=nothing_near)
+    made = new_generic(name, _circle, 0.0, np.array([1.0, 0.0]), 3.0, project=nothing_near)
     done = integrate(made, [0.0, 3.0])
     assert done.status == "failed"
     assert "projected onto the constraints" in done.message

@@ -2,17 +2,14 @@
 
 from . import advice
 from .base import Counters, Integrator
-from .constrained import ConstrainedSystem
 from .drive import Solution, integrate
 from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
 from .steps import Steps, StopRequest, Watch
-from .table import CONSTRAINED, INTEGRATORS, new_constrained_integrator, new_integrator
+from .table import INTEGRATORS, new_integrator
 
 __all__ = [
-    "CONSTRAINED",
     "INTEGRATORS",
-    "ConstrainedSystem",
     "Counters",
     "Gear",
     "Integrator",
@@ -24,6 +21,5 @@ __all__ = [
     "Watch",
     "advice",
     "integrate",
-    "new_constrained_integrator",
     "new_integrator",
 ]

@@ -88,7 +88,7 @@ class Integrator(ABC):
     strides = False  # has `stride(times, rows, filled)`: many steps in one call
     # Of the accuracy that is asked of a run, what the error of a step may be (docs/accuracy.md).
     local_share: ClassVar[float] = 1.0
-    takes: ClassVar[str] = "derivative"  # or "constrained", "model": its first argument
+    takes: ClassVar[str] = "derivative"  # or "model": its first argument
 
     # Whether it integrates auxiliary states of controllers, friction, angles over many turns.
     auxiliary: ClassVar[bool] = True

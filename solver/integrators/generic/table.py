@@ -10,9 +10,8 @@ from ...errors import did_you_mean
 from ...math.arrays import Array
 from ...math.catalogue import by_name, catalogue
 from .base import Derivative, Integrator
-from .constrained import ConstrainedSystem
 
-FIRST_ARGUMENTS = ("derivative", "constrained", "model")
+FIRST_ARGUMENTS = ("derivative", "model")
 
 
 def classes_of(
@@ -65,8 +64,6 @@ def _options(kind: type[Any]) -> list[str]:
 # The package itself imports this file: its name and path are taken from here.
 CLASSES = classes_of(__name__.rpartition(".")[0], [str(Path(__file__).parent)], ("table",))
 INTEGRATORS = named(kind for kind in CLASSES if kind.takes == "derivative")
-# These see mass, forces and constraints of a mechanism, not its derivative alone.
-CONSTRAINED = named(kind for kind in CLASSES if kind.takes == "constrained")
 
 
 def new_integrator(
@@ -78,32 +75,14 @@ def new_integrator(
     ------
     ValueError : unknown name or option, with the nearest known one
     """
-    made: Integrator = _named(name, INTEGRATORS, options)(f, t0, y0, t_end, **options)
-    return made
-
-
-def new_constrained_integrator(
-    name: str, system: ConstrainedSystem, t0: float, y0: Array, t_end: float, **options: Any
-) -> Integrator:
-    """Make an integrator of a constrained system by name, ready to step.
-
-    Raises
-    ------
-    ValueError : unknown name or option, with the nearest known one
-    """
-    made: Integrator = _named(name, CONSTRAINED, options)(system, t0, y0, t_end, **options)
-    return made
-
-
-def _named(name: str, kinds: dict[str, type[Integrator]], options: dict[str, Any]) -> Any:
-    if name not in kinds:
-        raise ValueError(f"integrator: {_unknown(name, list(kinds))}")
-    kind = kinds[name]
+    if name not in INTEGRATORS:
+        raise ValueError(f"integrator: {_unknown(name, list(INTEGRATORS))}")
+    kind = INTEGRATORS[name]
     known = _options(kind)
     for option in options:
         if option not in known:
             raise ValueError(f"integrator {name}, option: {_unknown(option, known)}")
-    return kind
+    return kind(f, t0, y0, t_end, **options)
 
 
 def _unknown(word: str, known: list[str]) -> str:

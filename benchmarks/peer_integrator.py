@@ -1,12 +1,12 @@
-"""Codes of others behind our contract: they choose the steps, this class keeps the books."""
+"""Integrators of other codes behind the contract of ours: they choose the steps."""
 
 from abc import abstractmethod
 from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array
-from .base import Integrator
+from plymotion.solver.integrators.generic.base import Integrator
+from plymotion.solver.math.arrays import Array
 
 
 class Peer(Integrator):

@@ -5,9 +5,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...math.arrays import Array
-from .base import Dense
-from .peer import Peer
+from peer_integrator import Peer
+from scipy import integrate
+
+from plymotion.solver.integrators.generic.base import Dense
+from plymotion.solver.math.arrays import Array
 
 
 class _ScipyPeer(Peer):
@@ -26,8 +28,6 @@ class _ScipyPeer(Peer):
         }
         if self.implicit:
             options["jac"] = self.jacobian
-        from scipy import integrate  # here: other integrators do not wait for it
-
         kind = getattr(integrate, self.kind)
         self._within = kind(self._f_within, self.t, self.y, self._stop, **options)
 
@@ -56,7 +56,6 @@ class ScipyBdf(_ScipyPeer):
 
     name = "scipy-bdf"
     meaning = "SciPy's BDF, to compare with"
-    place = 11
     kind = "BDF"
 
     def _shift(self, t: float, y: Array) -> None:
@@ -73,7 +72,6 @@ class ScipyRadau(_ScipyPeer):
 
     name = "scipy-radau"
     meaning = "SciPy's Radau, to compare with"
-    place = 12
     kind = "Radau"
     order = 5
 
@@ -86,7 +84,6 @@ class ScipyDop853(_ScipyPeer):
 
     name = "scipy-dop853"
     meaning = "SciPy's rk8, to compare with"
-    place = 14
     kind = "DOP853"
     implicit = False
     order = 8
@@ -103,7 +100,6 @@ class ScipyLsoda(_ScipyPeer):
 
     name = "scipy-lsoda"
     meaning = "SciPy's LSODA, to compare with"
-    place = 13
     kind = "LSODA"
 
     def _step_within(self) -> tuple[float, Array] | None:
@@ -125,3 +121,6 @@ class ScipyLsoda(_ScipyPeer):
     def _code(self) -> Any:
         """The wrapper of ODEPACK's work arrays."""
         return self._within._lsoda_solver._integrator
+
+
+SCIPY = {kind.name: kind for kind in (ScipyBdf, ScipyRadau, ScipyLsoda, ScipyDop853)}

@@ -3,29 +3,27 @@
 from typing import Any
 
 import numpy as np
+from peer_integrator import Peer
 
-from ...errors import InputError
-from ...math.arrays import Array
-from ...math.curves import Hermite
-from .alpha_scheme import check_formulation
-from .base import Dense
-from .constrained import ConstrainedSystem
-from .peer import Peer
+from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.model.coordinates import position_rates
+from plymotion.solver.dynamics.model.model import Model
+from plymotion.solver.errors import InputError
+from plymotion.solver.integrators.closures import right_hand_side
+from plymotion.solver.integrators.generic.base import Dense
+from plymotion.solver.math.arrays import Array
+from plymotion.solver.math.curves import Hermite
 
-FORMULATIONS = ("ggl",)
 RANK_TOLERANCE = 1e-9  # of the scaled Jacobian's singular values, over the largest
 CREEPING, TOO_MANY = 1e-6, 500  # steps so short beside the longest, so many in a row
 NOT_CONTROLLED = 1e20  # absolute tolerance of multipliers: they take no part in the error norm
-MISSING = (
-    'solver.integrator = "ida": needs scikit-sundae, which is not installed; expected the extra '
-    "`peers`: pip install plymotion[peers]"
-)
+MISSING = "ida: needs scikit-sundae, which is not installed: pip install plymotion[peers]"
 
 
 class SundialsIda(Peer):
     """IDA on the index-2 form of Gear, Gupta and Leimkuhler.
 
-    Unknowns Y = [q | v | work | lambda | eta], N = inertia_scale:
+    Unknowns Y = [q | v | work | lambda | eta], N = model.inertia_scale:
 
         qdot = rates(q, v - N^-1 Phi_q' eta),  M vdot + Phi_q' lambda = f,  Phidot = 0,  Phi = 0.
 
@@ -35,8 +33,9 @@ class SundialsIda(Peer):
 
     Parameters
     ----------
-    system : the mechanism as closures
+    model : a mechanism whose forces read no reactions
     formulation : "ggl", as for generalized-alpha
+    sharp, functions : of no effect here
     others : see Integrator; no `fixed_step`, no `project`
 
     Raises
@@ -47,23 +46,27 @@ class SundialsIda(Peer):
 
     name = "ida"
     meaning = "SUNDIALS' IDA, to compare with, for constraints = ggl"
-    place = 15
-    treatments = FORMULATIONS
+    treatments = ("ggl",)
     order = 1
-    takes = "constrained"
+    takes = "model"
     auxiliary = False
 
     def __init__(
         self,
-        system: ConstrainedSystem,
+        model: Model,
         t0: float,
         y0: Array,
         t_end: float,
         *,
         formulation: str = "ggl",
+        sharp: Array | None = None,
+        functions: Any = (),
         **options: Any,
     ) -> None:
-        check_formulation(formulation, FORMULATIONS)
+        if formulation not in self.treatments:
+            raise ValueError(f"formulation: expected one of ggl, got {formulation!r}")
+        if model.quantities.reaction_kind.size:
+            raise ValueError("ida: does not know the reactions that friction depends on")
         if options.get("project") is not None:
             raise ValueError(
                 "project: ida cannot continue from a state that was moved; expected no projection"
@@ -73,8 +76,8 @@ class SundialsIda(Peer):
         except ImportError as error:
             raise InputError(MISSING) from error
         self._kind = IDA
-        self._system = system
-        super().__init__(system.derivative, t0, y0, t_end, **options)
+        self._model = model
+        super().__init__(right_hand_side(model), t0, y0, t_end, **options)
 
     @classmethod
     def for_treatment(cls, name: str) -> dict[str, Any]:
@@ -82,8 +85,8 @@ class SundialsIda(Peer):
         return {"formulation": name}
 
     def _begin(self) -> None:
-        system, n = self._system, self.n
-        _, multipliers = system.accelerations(self.t, self.y)
+        model, n = self._model, self.n
+        _, multipliers = accelerations(model, assemble(model, self.t, self.y), self.y)
         self.counters.evaluations += 1
         n_c = self._n_c = multipliers.size
         self._check_rank()
@@ -123,11 +126,11 @@ class SundialsIda(Peer):
         return float(found.t), y
 
     def _check_rank(self) -> None:
-        terms = self._system.terms(self.t, self.y)
+        terms = assemble(self._model, self.t, self.y)
         self.counters.evaluations += 1
         if terms.Phi.size == 0:
             return
-        mobility = terms.Phi_q / np.sqrt(self._system.inertia_scale)
+        mobility = terms.Phi_q / np.sqrt(self._model.inertia_scale)
         rows = np.linalg.norm(mobility, axis=1)
         mobility /= np.where(rows > 0, rows, 1.0)[:, None]
         rank = int(np.linalg.matrix_rank(mobility, tol=RANK_TOLERANCE))
@@ -152,16 +155,16 @@ class SundialsIda(Peer):
 
     def _unbalanced(self, t: float, Y: Array, Y_d: Array) -> Array:
         """F(t, Y, Y'), (n + 2 n_c,)."""
-        system, n, n_pos = self._system, self.n, self._system.n_pos
+        model, n, n_pos = self._model, self.n, self._model.n_pos
         y = np.array(Y[:n])
-        v, v_d = y[n_pos : n_pos + system.n_vel], Y_d[n_pos : n_pos + system.n_vel]
+        v, v_d = y[n_pos : n_pos + model.n_vel], Y_d[n_pos : n_pos + model.n_vel]
         multipliers, eta = Y[n : n + self._n_c], Y[n + self._n_c :]
         self.counters.evaluations += 1
-        terms = system.terms(t, y)
-        corrected = v - (terms.Phi_q.T @ eta) / system.inertia_scale
+        terms = assemble(model, t, y)
+        corrected = v - (terms.Phi_q.T @ eta) / model.inertia_scale
         return np.concatenate(
             (
-                Y_d[:n_pos] - system.rates(y[:n_pos], corrected),
+                Y_d[:n_pos] - position_rates(model, y[:n_pos], corrected),
                 terms.M @ v_d + terms.Phi_q.T @ multipliers - terms.f,
                 [Y_d[n - 1] - terms.power[0] - multipliers @ terms.Phi_t],
                 terms.Phi_q @ v + terms.Phi_t,
