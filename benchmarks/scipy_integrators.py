@@ -4,7 +4,6 @@ import warnings
 from typing import Any, ClassVar
 
 import numpy as np
-
 from peer_integrator import Peer
 from scipy import integrate
 

@@ -4,8 +4,8 @@ import numpy as np
 from constraint_runs import new_generic
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy_integrators import SCIPY
 from scipy.linalg import expm
+from scipy_integrators import SCIPY
 
 from plymotion.solver.integrators.generic import INTEGRATORS, integrate
 from plymotion.solver.integrators.generic.gear import (

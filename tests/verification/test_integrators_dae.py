@@ -113,12 +113,8 @@ def test_projection_hook_holds_an_invariant(name):
 
     options = {"rtol": 1e-5, "atol": 1e-7}
     times = np.linspace(0.0, 30.0, 77)
-    free = integrate(
-        new_generic(name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, **options), times
-    )
-    made = new_generic(
-        name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, project=project, **options
-    )
+    free = integrate(new_generic(name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, **options), times)
+    made = new_generic(name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, project=project, **options)
     held = integrate(made, times)
     assert np.abs(np.linalg.norm(free.y, axis=1) - 1.0).max() > 1e-6
     assert np.abs(np.linalg.norm(held.y, axis=1) - 1.0).max() < 1e-14
