@@ -18,7 +18,6 @@ LARGE = {
     "preprocess/exchange/formats": 13,
     "preprocess/shell/model": 13,
     "solver/inputs/case/tables": 20,
-    "solver/integrators/generic": 15,
     "solver/math": 15,
     "solver/math/compiled": 19,
     "solver/package/common": 21,
