@@ -51,6 +51,11 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
     materials = {"cfrp": {**PLY, "strength": PLY_STRENGTH}}
     phi, psi = (np.moveaxis(part, 0, 2) for part in (shapes[..., :3], shapes[..., 3:]))
     ids = 10 + np.arange(n)
+    F = [np.vstack([phi[k], psi[k]]) for k in (0, n - 1)]
+    fields = np.concatenate([nodes, np.ones((n, 1))], axis=1)
+    F.append(np.einsum("k,kb,kai->abi", node_mass, fields, phi).reshape(12, m))
+    loads = np.vstack(F)
+    compliance = loads @ np.diag(1.0 / values) @ loads.T
     ends = [("base", 0), ("tip", n - 1)]
     return ModalPackage(
         body="arm",
@@ -97,6 +102,7 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
         recovery=BodyRecovery(x, np.zeros(n, dtype=np.int64), resultants @ X, np.eye(3)),
         mode_labels=tuple(f"bending-xy {i + 1}" for i in range(m)),
         second_order=second_order_from_stations(node_mass, nodes, phi, h),
+        compliance=0.5 * (compliance + compliance.T),
         provenance={"tools": {"numpy": np.__version__}, "ranks": 1},
     )
 

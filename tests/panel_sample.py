@@ -95,6 +95,7 @@ def panel(n: int = 17, m: int = 3, length: float = 1.5) -> ModalPackage:
         sections=(),
         recovery=None,
         second_order=None,
+        compliance=None,
         laminates=(laminate,),
         cell_resultants=CellResultants(
             np.arange(len(cells)),

@@ -20,6 +20,7 @@ from .reduction import (
     reference_condition,
     spinning_loads,
     static_loads,
+    unit_loads,
 )
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
@@ -96,6 +97,7 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
         lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
         np.argsort(-np.abs(line.along - line.along[first]), kind="stable"),
         solver,
+        unit_loads=unit_loads(condition, line, model.node_of),
     )
 
 
@@ -155,6 +157,7 @@ def beam_package(
         sections=at_nodes,
         recovery=recovery,
         mode_labels=modes.labels,
+        compliance=modes.compliance,
         provenance=provenance,
         second_order=None
         if fields is None

@@ -6,7 +6,7 @@ from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.specification import DIRECTIONS
-from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
+from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad, accelerations, inertia_loads
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine
 from .spec import ModeSpec
@@ -156,6 +156,25 @@ def static_loads(
     if spec.static_inertia:
         loads += inertia_loads(rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
     return loads
+
+
+def unit_loads(condition: Condition, line: BeamLine, node_of: dict[str, int]) -> Array:
+    """Unit loads (6 n, l) of the compliance of a package: of interfaces, and inertia.
+
+    The nodes turn with the slope t x A t of the moved line, and with half of the curl about its
+    tangent t: a consistent mass would bend elements whose ends do not turn.
+    """
+    at = [6 * node + k for node in node_of.values() for k in range(6)]
+    forces = np.zeros((6 * line.n_node, len(at)))
+    forces[at, np.arange(len(at))] = 1.0
+    fields = accelerations(np.repeat(line.nodes_B, 6, axis=0), np.arange(len(forces)) % 6)
+    t = np.gradient(line.nodes_B, line.along, axis=0)
+    t /= np.linalg.norm(t, axis=1, keepdims=True)
+    slope = np.einsum("nak,nb->nkab", np.cross(t[:, None], np.eye(3)), t)
+    curl = np.moveaxis(np.cross(np.eye(3), np.eye(3)[:, None]), 2, 0)
+    twist = 0.5 * np.einsum("nk,nl,lab->nkab", t, t, curl)
+    fields.reshape(-1, 6, 3, 4)[:, 3:, :, :3] = slope + twist
+    return np.hstack([forces, condition.M @ fields])
 
 
 def _centrifugal(line: BeamLine, origin: int) -> Array:

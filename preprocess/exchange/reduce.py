@@ -24,6 +24,7 @@ from ..modes import (
     Modes,
     Participation,
     StaticLoad,
+    accelerations,
     clusters,
     completed,
     separating_rotation,
@@ -135,7 +136,8 @@ def _modes(
     kept = vibrations(condition, count, direct, participation, name_of, body.where)
     loads = _loads(table, every, parts)
     tell(f"{len(loads)} static shapes")
-    return completed(condition, kept, loads, participation), condition
+    unit = _unit_loads(body, every, parts)
+    return completed(condition, kept, loads, participation, unit), condition
 
 
 def _six_dofs(parts: Constrained) -> IntArray:
@@ -178,6 +180,13 @@ def _carriers(body: FreeBody, table: Reduction, every: list[Link]) -> list[Link]
                 f"at {found[0].position.tolist()} m, {names[1]} at {found[1].position.tolist()} m"
             )
     return found
+
+
+def _unit_loads(body: FreeBody, every: list[Link], parts: Constrained) -> Array:
+    """Unit loads (I, l) of the compliance of a package: of interfaces, and inertia."""
+    loads = [(link.motion @ parts.T).T.toarray() for link in every]
+    fields = accelerations(body.nodes[body.dof_node], body.dof_direction)
+    return np.hstack([*loads, parts.T.T @ (body.M @ fields)])
 
 
 def _loads(table: Reduction, every: list[Link], parts: Constrained) -> list[StaticLoad]:
@@ -257,6 +266,7 @@ def _package(
         interfaces=interfaces,
         reference_condition=table["reference"]["kind"],
         mode_labels=modes.labels,
+        compliance=modes.compliance,
         laminates=plies.laminates if plies else (),
         cell_resultants=plies.cells if plies else None,
         provenance=provenance(table, body.notes, n, sums.form, modes.warnings),

@@ -4,7 +4,7 @@ from .eigenmodes import Eigenmodes, ModeRequest
 from .kinds import KINDS, Participation, clusters, separating_rotation, shares_of
 from .reduced import Modes, completed, reduced_modes
 from .reference import Algebra, Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
-from .static import StaticLoad, inertia_loads
+from .static import StaticLoad, accelerations, inertia_loads
 
 __all__ = [
     "KINDS",
@@ -19,6 +19,7 @@ __all__ = [
     "Modes",
     "Participation",
     "StaticLoad",
+    "accelerations",
     "clusters",
     "completed",
     "inertia_loads",

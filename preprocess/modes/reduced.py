@@ -8,9 +8,10 @@ import numpy as np
 from ...solver.math.arrays import Array, IntArray
 from .eigenmodes import SPARE, Eigenmodes, ModeRequest, eigenmodes
 from .kinds import Participation, shares_of
-from .reference import Condition, EigenSolver, ModeError
+from .reference import Condition, EigenSolver, ModeError, StaticShapes
 from .static import StaticLoad, static_modes
 
+LOADS = ("force_B", "acceleration_B")  # of StaticLoad
 RESIDUAL = 1e-8  # of X'MX = I and X'KX = Lambda, scaled
 STATIC_RESIDUAL = 1e-6  # of X'KX with static modes: they are small differences of large shapes
 
@@ -29,6 +30,7 @@ class Modes:
     kinds : m of "fixed_normal" (eigenmode) and "attachment" (static)
     labels : m of e.g. "bending-xy 2" (the second of its kind by frequency), "attachment mid y"
     shares : (m, 4) share of the modal mass that moves in each of KINDS
+    compliance : (l, l) of the unit loads that it was asked for, of the whole body
     warnings : coded messages about requested modes
     """
 
@@ -38,6 +40,7 @@ class Modes:
     kinds: tuple[str, ...]
     labels: tuple[str, ...]
     shares: Array
+    compliance: Array | None = None
     warnings: tuple[dict[str, str], ...] = ()
 
 
@@ -49,6 +52,7 @@ def reduced_modes(
     far_to_near: IntArray,
     solver: EigenSolver,
     spare: int = SPARE,
+    unit_loads: Array | None = None,
 ) -> Modes:
     """Eigenmodes selected by kind, and static modes of loads.
 
@@ -57,6 +61,7 @@ def reduced_modes(
     condition : reference condition of the body
     requests, participation, far_to_near, solver, spare : see `eigenmodes`
     loads : each adds its static shape, see `static_modes`
+    unit_loads : see `completed`
 
     Raises
     ------
@@ -64,7 +69,7 @@ def reduced_modes(
         modes are not orthonormal to RESIDUAL.
     """
     kept = eigenmodes(condition, requests, participation, far_to_near, solver, spare)
-    return completed(condition, kept, loads, participation)
+    return completed(condition, kept, loads, participation, unit_loads)
 
 
 def completed(
@@ -72,12 +77,22 @@ def completed(
     kept: Eigenmodes,
     loads: Sequence[StaticLoad],
     participation: Participation,
+    unit_loads: Array | None = None,
 ) -> Modes:
     """The eigenmodes `kept`, and the static modes that `loads` add to them.
 
+    `unit_loads` (n_dof, l), nodal forces and moments, give the compliance of the whole body.
     Raises ModeError if the modes are not orthonormal to RESIDUAL.
     """
-    added = static_modes(condition, kept, loads, participation)
+    n_dof, count = condition.K.shape[0], len(loads)
+    unit = np.zeros((n_dof, 0)) if unit_loads is None else unit_loads
+    requested = [np.array([getattr(a, n) for a in loads]).reshape(count, n_dof).T for n in LOADS]
+    found = StaticShapes(*np.zeros((3, n_dof, 0)))
+    if count or unit.shape[1]:
+        requested = [np.hstack([requested[0], unit]), np.hstack([requested[1], 0.0 * unit])]
+        found = condition.static(*requested)
+    C = found.columns[:, count:].T @ found.loads[:, count:]
+    added = static_modes(condition, kept, loads, found, participation)
     n_eigen, n_static = len(kept.values), len(added.values)
     modes = Modes(
         np.concatenate([kept.values, added.values]),
@@ -86,6 +101,7 @@ def completed(
         ("fixed_normal",) * n_eigen + ("attachment",) * n_static,
         kept.labels + added.labels,
         np.vstack([kept.shares, shares_of(participation(added.columns_B))]),
+        None if unit_loads is None else 0.5 * (C + C.T),
         added.warnings,
     )
     _check(condition, modes)

@@ -24,7 +24,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import DIRECTIONS
 from .eigenmodes import Eigenmodes
 from .kinds import TIE, Participation, separating_rotation
-from .reference import Condition
+from .reference import Condition, StaticShapes
 
 DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape
 GRADED = 1e-6  # smaller inverse eigenvalues, relative to the largest, are computed in the next pass
@@ -54,6 +54,18 @@ def inertia_loads(rigid: Array) -> list[StaticLoad]:
         StaticLoad(f"inertia {direction}", zero, column)
         for direction, column in zip(DIRECTIONS, rigid.T, strict=True)
     ]
+
+
+def accelerations(places_B: Array, direction: IntArray) -> Array:
+    """Fields A [x; 1] of a rigid body that accelerates and spins, on dofs, (n_dof, 12).
+
+    By rows of A (3, 4). `places_B` (n_dof, 3) and `direction` (n_dof,) are those of the dofs;
+    rotations are zero.
+    """
+    moves = direction < 3
+    fields = np.zeros((len(direction), 3, 4))
+    fields[moves, direction[moves]] = np.column_stack([places_B, np.ones(len(moves))])[moves]
+    return fields.reshape(-1, 12)
 
 
 @dataclass(frozen=True)
@@ -94,9 +106,10 @@ def static_modes(
     condition: Condition,
     kept: Eigenmodes,
     loads: Sequence[StaticLoad],
+    found: StaticShapes,
     participation: Participation,
 ) -> StaticModes:
-    """Modes that the static shapes of `loads` add to the eigenmodes `kept`.
+    """Modes that the static shapes `found` of `loads` add to the eigenmodes `kept`.
 
     There is a warning instead of a mode for a load that the reference condition carries, for a
     shape that is a combination of eigenmodes and earlier shapes, and for a shape that moves no
@@ -106,12 +119,7 @@ def static_modes(
     empty = np.zeros((n_dof, 0))
     if not loads:
         return StaticModes(np.zeros(0), empty, empty, (), ())
-    forces, accelerations = (
-        np.column_stack([getattr(load, name) for load in loads])
-        for name in ("force_B", "acceleration_B")
-    )
-    found = condition.static(forces, accelerations)
-    shapes = _Shapes(found.columns, found.accelerations, found.loads)
+    shapes = _Shapes(*(part[:, : len(loads)] for part in found))
     inertia = kept.columns_B * kept.values
     eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia)
     remainders, independent = _independent(eigen @ np.diag(1.0 / np.sqrt(kept.values)), shapes)

@@ -105,34 +105,6 @@ class Look:
     strength: int | None = None
 
 
-NEGLIGIBLE = 1e-6  # of the loads: resultants below it are not judged
-
-
-@dataclass(frozen=True)
-class Missing:
-    """What the modes miss.
-
-    Attributes
-    ----------
-    share : of the strain energy under the loads of the run, mean over time; of a load at one place
-        also the share of the deflection there
-    t : instant at which most is missing [s]
-    parts : (6,) shares by resultant, which add up to `share`
-    row, x : moment, or axial force, of which most is missing then, and where [m]
-    carried, whole : what the modes have of it, and what it is [N m, N]
-    loads_B : forces and moments at interfaces then, by name, (6,)
-    """
-
-    share: float
-    t: float
-    parts: Array
-    row: int
-    x: float
-    carried: float
-    whole: float
-    loads_B: dict[str, Array]
-
-
 @dataclass(frozen=True)
 class FinishedRun:
     """Everything that the checks judge a run by.
@@ -156,7 +128,6 @@ class FinishedRun:
     independent: bool = False
     in_play: float = 0.0  # energy in play at any step; output times may show less [J]
     sizes: StepSizes = field(default_factory=StepSizes)
-    missing: "Callable[[FinishedRun], Callable[[int], Missing | None]] | None" = None  # run/missing
 
     @property
     def model(self) -> Model:

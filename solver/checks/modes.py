@@ -13,10 +13,10 @@ from ..dynamics.evaluation.dense_equations import assemble
 from ..inputs.case.tables.loaded import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
-from ..package.section.schema import RESULTANTS
-from ..results.codes import FEW_MODES, ROTATION
+from ..results.codes import CUT_EARLY, ROTATION
 from ..results.finding import Finding
-from .finished import NEGLIGIBLE, FinishedRun, Missing
+from .finished import FinishedRun
+from .statics import missing_findings
 
 # Whether the vibration modes of each body are enough, family by family.
 
@@ -31,18 +31,6 @@ DIRECTIONS = {
 # Strain energy of the second mode over that of the first, of a uniform cantilever under a load at
 # its end: (omega_1 / omega_2)^2. One mode alone does not show how fast its series converges.
 SECOND = {"bending-xy": 0.0255, "bending-xz": 0.0255, "torsion": 1.0 / 9.0, "axial": 1.0 / 9.0}
-
-MISSED = (
-    0.1  # share of the static deformation: one tenth, as four modes miss of a moment at the tip
-)
-CARRIED = {  # rows of the resultants of each family
-    "bending-xy": [1, 5],
-    "bending-xz": [2, 4],
-    "torsion": [3],
-    "axial": [0],
-}
-AXES = ("x", "y", "z", "rx", "ry", "rz")
-SMALL_LOAD = 0.01  # of the largest at an interface
 
 
 @dataclass(frozen=True)
@@ -61,31 +49,20 @@ class _Family:
 
 
 def mode_findings(run: FinishedRun) -> Iterator[Finding]:
-    """Yield bodies with a series of vibration modes that ends too early.
+    """Yield bodies that vibrate in the highest of their modes: those above it are not there.
 
-    The highest mode of each family is looked at: its strain energy at the instant at which the
-    family has most, and its largest kinetic energy, both over the largest strain energy of the
-    body. What a load strains slowly is complete with the static shapes of that load. So if there
-    are such shapes at all loaded places, only the kinetic energy counts.
-
-    A beam whose modes miss more than MISSED of the deformation under its loads is told of that
-    instead: the series of its modes cannot show it (run/missing.py).
+    The highest mode of each family is looked at: its largest kinetic energy over the largest strain
+    energy of the body. What a load strains slowly is judged by the compliance (statics.py). Of a
+    package without one, the strain energy of the highest mode counts, too, at the instant at which
+    the family has most, unless there are static shapes of these loads.
 
     None of a run with `[fidelity]`: its estimated errors tell what other modes would change.
     """
     if run.mechanism.fidelity is not None:
         return
-    flexible = np.flatnonzero(run.model.n_mode[: len(run.built.body_names)])
-    valid = all(finding.level != "error" for finding in run.noticed)
-    missing = run.missing(run) if run.missing and flexible.size and valid else None
-    for i in flexible.tolist():
+    yield from missing_findings(run)
+    for i in np.flatnonzero(run.model.n_mode[: len(run.built.body_names)] > 1).tolist():
         name = run.built.body_names[i]
-        lost = missing(i) if missing else None
-        if lost and lost.share > MISSED:
-            yield _missed(name, run.packages[name], lost)
-            continue
-        if run.model.n_mode[i] < 2:
-            continue
         package = run.packages[name]
         peak, found = 0.0, {family.name: (family, 0.0, 0.0, 0.0) for family in _families(package)}
         stiffness, mass = np.diag(package.stiffness), np.diag(package.mass)
@@ -101,59 +78,17 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
         for family, _, slow, fast in found.values():
             bare = _without_static_shapes(run, name, package, family)
             part = SECOND.get(family.name, 0.0) if len(family.rows) == 1 else 1.0
-            share = part * max(slow if bare else 0.0, fast) / peak if peak > 0.0 else 0.0
-            if share > FEW_MODES.limit:
+            strained = slow if bare and package.compliance is None else 0.0
+            share = part * max(strained, fast) / peak if peak > 0.0 else 0.0
+            if share > CUT_EARLY.limit:
                 advice = "take more modes"
-                if bare:
+                if strained > fast:
                     advice += f', or modes of kind "attachment" at {", ".join(bare)}'
                 text = (
                     f"{name}: {family.words()} {share:.1%} of the peak strain energy "
-                    f"(expected below {FEW_MODES.limit:.0%}): {advice}"
+                    f"(expected below {CUT_EARLY.limit:.0%}): {advice}"
                 )
-                yield FEW_MODES.finding(text, body=name, value=share)
-
-
-def _missed(name: str, package: ModalPackage, lost: Missing) -> Finding:
-    """Return what the modes of a body miss in numbers, and the modes that carry it."""
-    row = RESULTANTS[lost.row]
-    unit = "N" if row.startswith("F") else "N m"
-    families = [
-        family for family, rows in CARRIED.items() if lost.parts[rows].sum() > 0.1 * lost.share
-    ]
-    wanted = _bare_loads(package, lost, {d for family in families for d in DIRECTIONS[family]})
-    advice = [f'modes of kind "attachment" at {at} ({" ".join(d)})' for at, d in wanted.items()]
-    if not advice:
-        advice = [f"more vibration modes ({', '.join(families)})"]
-    floor = NEGLIGIBLE * max(abs(lost.carried), abs(lost.whole))
-    carried, whole = (v if abs(v) > floor else 0.0 for v in (lost.carried, lost.whole))
-    text = (
-        f"{name}: the modes miss about {lost.share:.0%} of the static deformation (strain energy) "
-        f"under the loads of the run (expected below {MISSED:.0%}). At t = {lost.t:.3g} s {row} at "
-        f"x = {lost.x:.3g} m is {whole:.3g} {unit} by equilibrium and {carried:.3g} {unit} by the "
-        f"modes. Take {', '.join(advice)}"
-    )
-    return FEW_MODES.finding(text, body=name, t=lost.t, value=lost.share)
-
-
-def _bare_loads(package: ModalPackage, lost: Missing, directions: set[str]) -> dict[str, list[str]]:
-    """Return the loads, by place, that have no static shape and that the frame does not carry."""
-    labels = set(package.mode_labels)
-    length = np.ptp(package.nodes_B[:, 0])
-    arms = np.repeat([length, 1.0], 3)
-    largest = max((float(np.abs(w * arms).max()) for w in lost.loads_B.values()), default=0.0)
-    found: dict[str, list[str]] = {}
-    for one in package.interfaces:
-        load = np.abs(lost.loads_B.get(one.name, np.zeros(6)) * arms)
-        # Held by the frame: all of a clamp, across of the ends of a chord.
-        free = package.reference_condition == "mean-axis" or one.phi_B[1:3].any()
-        if not (free or one.psi_B.any()):
-            continue
-        for direction, size in zip(AXES, load, strict=True):
-            bare = f"attachment {one.name} {direction}" not in labels
-            carries = free or direction in AXES[4:]
-            if bare and carries and direction in directions and size > SMALL_LOAD * largest:
-                found.setdefault(one.name, []).append(direction)
-    return found
+                yield CUT_EARLY.finding(text, body=name, value=share)
 
 
 def _families(package: ModalPackage) -> list[_Family]:

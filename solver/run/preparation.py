@@ -30,7 +30,6 @@ from ..package import ModalPackage
 from ..results.codes import SINGULAR
 from ..results.finding import Finding
 from ..signals import Histories, Sensor, Turns, sensors
-from .missing import missing_of
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -102,7 +101,6 @@ class Prepared:
             independent=self.independent,
             in_play=passage.energy.in_play,
             sizes=self.sizes,
-            missing=missing_of,
         )
 
 

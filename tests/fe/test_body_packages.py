@@ -9,14 +9,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body
+from body_specs import beam_body, panel_body
 from section_specs import rectangle_spec
+from shell_specs import plate
 
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.body import build_body
-from plymotion.solver.package import read_package, validate, write_package
+from plymotion.solver.math.arrays import Array
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
 from plymotion.solver.package.common.toml_text import toml_text
+from plymotion.solver.package.specification import DIRECTIONS
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 ALUMINIUM = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}
@@ -193,3 +196,28 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     good.write_bytes(b"damaged")
     assert "section" in again()
     assert len(read_package(good).node_ids) == 19
+
+
+def missing_compliance(package: ModalPackage) -> Array:
+    """What the modes miss of the compliance under the loads at the interfaces, scaled by it."""
+    F = np.vstack([np.vstack([one.phi_B, one.psi_B]) for one in package.interfaces])
+    C = package.compliance[: len(F), : len(F)]
+    size = np.sqrt(np.where(np.diag(C) > 0.0, np.diag(C), 1.0))
+    return (C - F @ np.linalg.solve(package.stiffness, F.T)) / np.outer(size, size)
+
+
+@pytest.mark.parametrize("reference", [{"kind": "clamped", "at": "root"}, {"kind": "mean-axis"}])
+def test_compliance_of_a_shell(reference: dict[str, Any]) -> None:
+    """Modes have a part of it, the static shapes of all loads the whole."""
+    shell = plate((10, 4), 0.01, 1.0, 0.2)
+    one = build_body(panel_body(shell, 1, body="panel", reference=reference))
+    G = missing_compliance(one)
+    values = np.linalg.eigvalsh(G)
+    assert values[0] > -1e-7
+    assert values[-1] > 0.5
+    spec = panel_body(shell, 1, body="panel", reference=reference)
+    spec["modes"] += [
+        {"kind": "attachment", "at": at, "directions": list(DIRECTIONS)}
+        for at in spec["interfaces"]
+    ]
+    assert np.abs(missing_compliance(build_body(spec))).max() < 1e-4

@@ -78,6 +78,7 @@ def shell_modes(model: ShellModel) -> Modes:
         model.far_to_near(),
         eigen_solver,
         SPARE if lowest else 4 * SPARE,
+        model.unit_loads(),
     )
 
 
@@ -123,6 +124,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         laminates=laminates(problem),
         cell_resultants=cell_resultants(problem, u),
         mode_labels=tuple(map(_label, modes.labels)),
+        compliance=modes.compliance,
         provenance=provenance,
         second_order=None if h is None else _second_order(model, stations, h),
     )

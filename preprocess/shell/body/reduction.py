@@ -14,7 +14,7 @@ from ....solver.package.body.invariants import rigid_motions
 from ....solver.package.common.table_form import SpecError, expected
 from ....solver.package.specification import DIRECTIONS
 from ... import fenicsx
-from ...modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
+from ...modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad, accelerations, inertia_loads
 from ..analyses.frequencies import TOLERANCE
 from ..mesh.body_spec import ShellBodySpec
 from ..model.assembly import DOFS
@@ -107,12 +107,11 @@ class ShellModel:
         freedom, modes = self.problem.freedom, self.spec.modes
         number = {interface.name: i for i, interface in enumerate(self.spec.interfaces)}
         zero = np.zeros(freedom.n_free)
-        loads = []
+        loads, forces = [], self._unit_forces()
         for at, direction in modes.attachments:
-            force = np.zeros((freedom.n_dof, 1))
-            force[self.link_dofs(number[at])[DIRECTIONS.index(direction)]] = 1.0
             label = f"attachment {at} {direction}"
-            loads.append(StaticLoad(label, freedom.gathered(force)[:, 0], zero))
+            force = forces[:, 6 * number[at] + DIRECTIONS.index(direction)]
+            loads.append(StaticLoad(label, force, zero))
         if modes.static_axial:
             outwards = np.zeros((len(self.independent_nodes), DOFS))
             outwards[:, 0] = (self._places_B - self.origin_B)[:, 0]
@@ -121,6 +120,21 @@ class ShellModel:
             places = self._places_B - self.origin_B
             loads += inertia_loads(rigid_motions(places).reshape(-1, 6))
         return loads
+
+    def _unit_forces(self) -> Array:
+        """Unit forces and moments at the interfaces, on the independent dofs, (n_free, 6 i)."""
+        freedom, count = self.problem.freedom, len(self.spec.interfaces)
+        at = [dof for number in range(count) for dof in self.link_dofs(number).tolist()]
+        forces = np.zeros((freedom.n_dof, len(at)))
+        forces[at, np.arange(len(at))] = 1.0
+        return np.asarray(freedom.gathered(forces))
+
+    def unit_loads(self) -> Array:
+        """Unit loads (n_free, l) of the compliance of a package: of interfaces, and inertia."""
+        places = np.repeat(self._places_B, DOFS, axis=0)
+        direction = np.arange(len(places)) % DOFS
+        inertia = self.condition.M @ accelerations(places, direction)
+        return np.hstack([self._unit_forces(), inertia])
 
     @cached_property
     def origin_B(self) -> Array:

@@ -6,7 +6,7 @@ on the cell. Resultants of a cell, for unit width: N11 N22 N12 [N/m], M11 M22 M1
 
 Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s` stations of the
 resultants; `k` nodes of an interface; in a section `k` plies and `p` points of its recovery; in a
-laminate `k` plies; `e` cells of a shell with resultants. Modal coordinates are dimensionless, so
+laminate `k` plies; `e` cells of a shell with resultants; `l` unit loads. Modal coordinates are dimensionless, so
 that a mode shape is in metres and radians, and modal mass, damping and stiffness are in kg m2,
 N m s and N m. The mapper of common/dataset.py writes, reads, checks and documents the fields.
 """
@@ -21,7 +21,7 @@ from ..shell.schema import ShellPly
 from ..specification import MassForm, ReferenceKind
 
 FORMAT = "plymotion modal package"
-FORMAT_VERSION = (1, 3)
+FORMAT_VERSION = (1, 4)
 
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = get_args(ReferenceKind)
@@ -240,6 +240,18 @@ class ModalPackage:
         Data("m", text="a name for each mode, for people", path="modes/labels", optional=True),
     ] = ()
     second_order: Annotated[SecondOrder | None, Part("second_order", packed=True)] = None
+    compliance: Annotated[
+        Array | None,
+        Data(
+            "l, l",
+            "m/N, ...",
+            "B",
+            "C of the whole body, with all its modes: p' C p is twice its strain energy under the "
+            "loads p = forces and moments x y z rx ry rz of each interface, then A (3, 4) by rows "
+            "of the inertia load A [x; 1] dm, in the reference condition",
+            "modes/compliance",
+        ),
+    ] = None
     provenance: dict[str, Any] = field(default_factory=dict)
 
     @property

@@ -1,0 +1,225 @@
+"""What the modes of a body miss of its static deformation under the loads of a run.
+
+A package has the compliance C of the whole body: p' C p is twice the strain energy of its static
+deformation under loads p, those at its interfaces and A [x; 1] dm of the moving frame. With the
+motions F (l, m) of the places of these loads in the modes, the modes have p' F K^-1 F' p of it.
+This is less, because the static deformation makes the total energy least among all shapes that
+fulfil the reference condition:
+
+    U_missing = 1/2 p' (C - F K^-1 F') p
+
+Loads p have no inertia of the vibrations, so that U_missing does not ring with them. A shape under
+a unit load e_i reduces the missing compliance G to G - G e_i e_i' G / G_ii: it tells which static
+shapes help, before they are there.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..dynamics.analysis.recovery import body_frames
+from ..dynamics.evaluation import series
+from ..math.arrays import Array
+from ..math.rotations import skew
+from ..package import ModalPackage
+from ..results.codes import FEW_MODES
+from ..results.finding import Finding
+from ..signals.recording import Recording
+from .finished import FinishedRun
+
+WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each
+OVERSHOOT = 1.5  # mean strain energy of a vibration that a sudden load starts, of the static one
+# Of the deformation that loads of this size cause where the body is softest. The stretch of a beam
+# of length L and height h is (h / 2 L)^2 of its deflection: without shapes for it, one of
+# L > 16 h does without on purpose.
+SLIGHT = 1e-3
+SMALL_LOAD = 1e-4  # energy of a load alone, of the largest: it gets no shape of its own
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+MORE = {"x": "axial", "y": "bending-xy", "z": "bending-xz"}  # of a beam, by its main motion
+INERTIA = 12  # loads A [x; 1] dm, by rows of A (3, 4)
+
+
+def missing_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield flexible bodies whose modes miss much of the static deformation under their loads.
+
+    Packages without a compliance are not judged: those of modes alone, and of earlier versions.
+    """
+    packages = {
+        i: run.packages[name]
+        for i, name in enumerate(run.built.body_names)
+        if run.model.n_mode[i] and run.packages[name].compliance is not None
+    }
+    if not packages or any(finding.level == "error" for finding in run.noticed):
+        return
+    recording, windows = _look(run)
+    for i, package in packages.items():
+        found = _missing(run, i, package, recording, windows)
+        if found.share > FEW_MODES.limit:
+            name = run.built.body_names[i]
+            yield FEW_MODES.finding(
+                found.text(name, package), body=name, t=found.t, value=found.share
+            )
+
+
+def unit_motions(package: ModalPackage) -> Array:
+    """Return the motion (l, m) of the place of each unit load of the compliance, by mode."""
+    inv = package.invariants
+    own = [np.vstack([one.phi_B, one.psi_B]) for one in package.interfaces]
+    inertia = np.concatenate([np.moveaxis(inv.T01_B, 1, 0), inv.S_B[:, None]], axis=1)
+    turn = np.cross(np.eye(3), np.eye(3)[:, None])  # [a, b] e_b x e_a, twice the rotation of x_b
+    inertia[:, :3] += 0.5 * turn @ inv.J_psi_B
+    return np.vstack([*own, inertia.reshape(INERTIA, -1)])
+
+
+@dataclass(frozen=True)
+class _Missing:
+    """What the modes miss: a share of the strain energy, and loads p (l,) at the instant t [s].
+
+    `G` and `C` (l, l) are the missing and the whole compliance.
+    """
+
+    share: float
+    t: float
+    p: Array
+    G: Array
+    C: Array
+
+    def text(self, name: str, package: ModalPackage) -> str:
+        """Return the message: the share, a displacement, and the shapes that carry the load."""
+        places = [one.name for one in package.interfaces]
+        work = self.p * (self.G @ self.p)
+        k = int(np.argmax(work))
+        whole = float(self.C[k] @ self.p)
+        carried = whole - float(self.G[k] @ self.p)
+        if k < 6 * len(places):
+            place, axis = places[k // 6], AXES[k % 6]
+            of, moves, unit = ("N m", "turns", "rad") if "r" in axis else ("N", "moves", "m")
+            load = f"{self.p[k]:.3g} {of} ({axis}) at {place} {moves} it"
+        else:
+            axis = AXES[(k - 6 * len(places)) // 4]
+            k = 6 * len(places) + 4 * AXES.index(axis) + 3
+            mass = package.invariants.mass
+            whole, carried = (
+                float(row @ self.p) / mass for row in (self.C[k], self.C[k] - self.G[k])
+            )
+            load, unit = f"weight and inertia move the body along {axis}, in the mean,", "m"
+        floor = 1e-6 * max(abs(whole), abs(carried))
+        whole, carried = (v if abs(v) > floor else 0.0 for v in (whole, carried))
+        return (
+            f"{name}: the modes miss about {self.share:.0%} of the static deformation (strain "
+            f"energy) under the loads of the run (expected below {FEW_MODES.limit:.0%}). At "
+            f"t = {self.t:.3g} s {load} by {whole:.3g} {unit} in equilibrium and by {carried:.3g} "
+            f"{unit} with the modes. Take {', '.join(self._advice(package))}"
+        )
+
+    def _advice(self, package: ModalPackage) -> list[str]:
+        """Return the shapes, the most useful first, that leave less than half of the limit."""
+        G, places = self.G, [one.name for one in package.interfaces]
+        whole = self.p**2 * np.diag(self.C)
+        acts = whole > SMALL_LOAD * whole.max()
+        enough = 0.5 * FEW_MODES.limit * float(self.p @ self.G @ self.p) / self.share
+        shapes: dict[str, list[str]] = {}
+        n = 6 * len(places)
+        while float(self.p @ G @ self.p) > enough:
+            left, own = G @ self.p, np.diag(G)
+            able = acts & (own > SLIGHT * np.diag(self.C))
+            gain = np.where(able, left**2 / np.where(able, own, 1.0), 0.0)
+            k = int(np.argmax(gain[:n])) if n else 0
+            if not n or gain[k] <= 0.5 * np.max(gain[n:]):
+                break
+            shapes.setdefault(places[k // 6], []).append(AXES[k % 6])
+            G = G - np.outer(G[k], G[k]) / G[k, k]
+        advice = [f'modes of kind "attachment" at {at} ({" ".join(d)})' for at, d in shapes.items()]
+        if not advice or float(self.p @ G @ self.p) > enough:
+            work = (self.p * (G @ self.p))[n:].reshape(3, 4).sum(axis=1)
+            axis = AXES[int(np.argmax(work))]
+            kind = MORE[axis] if package.sections else f"along {axis}"
+            advice.append(f"more vibration modes ({kind})")
+        return advice
+
+
+def _missing(
+    run: FinishedRun, body: int, package: ModalPackage, recording: Recording, windows: int
+) -> _Missing:
+    """Return what the modes of a body miss, in the mean over windows or at a start at rest."""
+    p, C, F = _loads(run, body, package, recording), package.compliance, unit_motions(package)
+    assert C is not None  # of every package that is judged
+    G = C - F @ np.linalg.solve(package.stiffness, F.T)
+    q = recording.modes(body)[1:]
+    vibration = 0.5 * float(np.mean(np.sum((q @ package.stiffness) * q, axis=1))) / OVERSHOOT
+    n = len(C) - INERTIA
+    forces = np.arange(n).reshape(-1, 3)
+    inertia = n + np.arange(INERTIA).reshape(3, 4)
+    kinds = [*forces, inertia[:, 3], inertia[:, :3].ravel()]  # of one unit each
+    softest = np.array([np.linalg.eigvalsh(C[np.ix_(rows, rows)])[-1] for rows in kinds])
+    slow = [(*_slow(p[1:], windows), _means(recording.t[1:], windows))]
+    if run.mechanism.solver.start != "positions":  # whose loads may be released then
+        slow.append((p[:1, :, None] * p[:1, None], p[:1], recording.t[:1]))
+    found = _Missing(0.0, 0.0, p[0], G, C)
+    for squares, means, t in slow:
+        mean = squares.mean(axis=0)
+        lost, whole = (0.5 * max(float(np.sum(A * mean)), 0.0) for A in (G, C))
+        size = np.array([np.trace(mean[np.ix_(rows, rows)]) for rows in kinds])
+        share = lost / max(whole, vibration) if lost > SLIGHT * 0.5 * float(softest @ size) else 0.0
+        if share > found.share:
+            k = int(np.argmax([float(a @ G @ a) for a in means]))
+            found = _Missing(share, float(t[k]), means[k], G, C)
+    return found
+
+
+def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Recording) -> Array:
+    """Return the loads p (k, l) on a body, in its axes."""
+    model = run.model
+    _, A, _ = body_frames(model, body, recording.y)
+    j = model.n_pos + int(model.vel_start[body])
+    w = np.array([skew(each) for each in recording.y[:, j + 3 : j + 6]])
+    w_d = np.array([skew(each) for each in recording.rates[:, j + 3 : j + 6]])
+    falls = np.einsum("kba,kb->ka", A, model.gravity_G - recording.rates[:, j : j + 3])
+    inertia = np.concatenate([-w_d - w @ w, falls[:, :, None]], axis=2)
+    places = np.array([one.position_B for one in package.interfaces]).reshape(-1, 3)
+    forces = np.zeros((len(A), len(places), 2, 3))
+    loaded = series.loaded_markers(model)
+    acting = [
+        (int(marker), recording.loads([number])[:, 0].reshape(-1, 2, 3))
+        for number, marker in enumerate(loaded.tolist())
+        if model.marker_body[marker] == body
+    ]
+    for marker, mass in run.built.point_masses:
+        if model.marker_body[marker] == body:
+            force = mass * (model.gravity_G - recording.acceleration(marker))
+            acting.append((marker, np.stack([force, np.zeros_like(force)], axis=1)))
+    for marker, load in acting:
+        at = int(np.argmin(np.abs(places - model.marker_x[marker]).sum(axis=1)))
+        forces[:, at] += np.einsum("kba,kcb->kca", A, load)
+    return np.hstack([forces.reshape(len(A), -1), inertia.reshape(len(A), -1)])
+
+
+def _look(run: FinishedRun) -> tuple[Recording, int]:
+    """Return the first state and windows of neighbouring outputs, and the number of windows.
+
+    The mean of a window is the slow part of a load: static shapes of joints vibrate fast.
+    """
+    count = run.solution.t.size
+    width = min(WIDTH, count)
+    windows = max(1, min(WINDOWS, count // width))
+    first = np.linspace(0, count - width, windows).astype(int)
+    rows = np.append(0, (first[:, None] + np.arange(width)).ravel())
+    return Recording(run.model, run.solution.t[rows], run.solution.y[rows]), windows
+
+
+def _means(values: Array, windows: int) -> Array:
+    """Return the means over windows, of values (k, ...)."""
+    return np.asarray(values.reshape(windows, -1, *values.shape[1:]).mean(axis=1))
+
+
+def _slow(p: Array, windows: int) -> tuple[Array, Array]:
+    """Return p p' (n, l, l) of the slow part of loads p (k, l), by window, and p.
+
+    Of what varies at random in a window of w values, 1/w of the square is left in their mean.
+    """
+    means, w = _means(p, windows), len(p) // windows
+    squares = means[:, :, None] * means[:, None]
+    if w > 1:
+        squares = (w * squares - _means(p[:, :, None] * p[:, None], windows)) / (w - 1.0)
+    return squares, means
