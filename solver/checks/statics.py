@@ -18,21 +18,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..dynamics.analysis.recovery import body_frames
 from ..dynamics.evaluation import series
 from ..math.arrays import Array
 from ..math.rotations import skew
 from ..package import ModalPackage
+from ..package.body.invariants import body_size
 from ..results.codes import FEW_MODES
 from ..results.finding import Finding
-from ..signals.recording import Recording
 from .finished import FinishedRun
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each
 OVERSHOOT = 1.5  # mean strain energy of a vibration that a sudden load starts, of the static one
-# Of the deformation that loads of this size cause where the body is softest. The stretch of a beam
-# of length L and height h is (h / 2 L)^2 of its deflection: without shapes for it, one of
-# L > 16 h does without on purpose.
+# Of the deformation that loads of this size cause where the body is softest: less is left out on
+# purpose, as the stretch of a body of length L and height h, (h / 2 L)^2 of its deflection.
 SLIGHT = 1e-3
 SMALL_LOAD = 1e-4  # energy of a load alone, of the largest: it gets no shape of its own
 AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -149,6 +149,8 @@ def _missing(
     q = recording.modes(body)[1:]
     vibration = 0.5 * float(np.mean(np.sum((q @ package.stiffness) * q, axis=1))) / OVERSHOOT
     n = len(C) - INERTIA
+    if not _stretches(package):
+        p[:, [*range(0, n, 6), *range(n, n + 4)]] = 0.0
     forces = np.arange(n).reshape(-1, 3)
     inertia = n + np.arange(INERTIA).reshape(3, 4)
     kinds = [*forces, inertia[:, 3], inertia[:, :3].ravel()]  # of one unit each
@@ -166,6 +168,17 @@ def _missing(
             k = int(np.argmax([float(a @ G @ a) for a in means]))
             found = _Missing(share, float(t[k]), means[k], G, C)
     return found
+
+
+def _stretches(package: ModalPackage) -> bool:
+    """Tell whether a body is judged for loads along x: not a straight beam without such modes.
+
+    A slender beam hardly stretches, so that its users leave this out.
+    """
+    lateral = package.nodes_B[:, 1:]
+    straight = package.sections and np.ptp(lateral, axis=0).max() <= 1e-9 * body_size(package)
+    axial = ("axial" in label or label.endswith(" x") for label in package.mode_labels)
+    return not straight or any(axial)
 
 
 def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Recording) -> Array:

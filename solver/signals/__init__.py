@@ -1,7 +1,7 @@
 """Signals: the requested quantities, computed from states at the output times."""
 
+from ..dynamics.analysis.recording import Recording
 from .combined import Histories
-from .recording import Recording
 from .sensors import Sensor, fatigue_entry, recorded, sensors
 from .turns import Turns
 

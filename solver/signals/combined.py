@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..errors import InputError
 from ..math.arrays import Array
-from .recording import Recording
 
 Values = Callable[[Recording], Array]
 Look = Callable[[Recording], None]

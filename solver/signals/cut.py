@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..dynamics.analysis.recovery import body_frames, stiffened
 from ..dynamics.evaluation import series
 from ..errors import InputError
@@ -20,7 +21,6 @@ from ..math.arrays import Array
 from ..math.rotations import skew, vectors_to_matrices
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
-from .recording import Recording
 
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)  # exact for products of linear functions
 NEAR = 1e-9  # of the length

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..dynamics.elements.joints.contract import Angle, Displacement, Drive
 from ..dynamics.elements.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.evaluation.laws import law_at
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
-from .recording import Recording
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import ReactionSignal

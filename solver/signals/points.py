@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..dynamics.analysis.recovery import stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
@@ -12,7 +13,6 @@ from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, ve
 from ..mechanism import BuiltMechanism
 from ..mechanism.building.build import frame_marker
 from ..package.body.schema import Interface
-from .recording import Recording
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PointSignal

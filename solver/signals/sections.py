@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
 from ..mechanism import BuiltMechanism
@@ -13,7 +14,6 @@ from ..package.body.schema import BodyRecovery
 from ..package.section.schema import RESULTANTS, STRESSES, SectionRecovery
 from ..strength.beam_bodies import unit_stress_M
 from .cut import equilibrium_resultants
-from .recording import Recording
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PlyStressSignal, ResultantSignal

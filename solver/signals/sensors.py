@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..dynamics.elements.joints.table import COORDINATES
 from ..dynamics.model.model import Model
 from ..inputs.case.tables.combining import needed, with_parts
@@ -18,7 +19,6 @@ from .fatigue import stress_life
 from .forces import force_values
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
-from .recording import Recording
 from .sections import Look, ply_stress_values, resultant_values
 from .strength import strength_values
 from .turns import Turns

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
@@ -13,7 +14,6 @@ from ..package.section.schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
 from ..strength.envelope import Place, envelope
 from ..strength.shell_bodies import cell_centres, ply_searches
-from .recording import Recording
 from .sections import resultants_at
 
 if TYPE_CHECKING:

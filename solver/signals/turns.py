@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..dynamics.analysis.recording import Recording
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from .recording import Recording
 
 Values = Callable[[Recording], Array]
 

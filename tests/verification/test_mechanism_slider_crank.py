@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from flexible_samples import simulate
 
+from plymotion.solver.dynamics.analysis.recording import Recording
 from plymotion.solver.inputs.case.tables.signals import ReactionSignal
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
@@ -15,7 +16,6 @@ from plymotion.solver.mechanism.assembly.tables import Body, JointTable, MarkerT
 from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
 from plymotion.solver.package.body.schema import Invariants
 from plymotion.solver.signals.joints import joint_coordinate, reaction
-from plymotion.solver.signals.recording import Recording
 
 X, Z = (frame_from_axis(np.array(a)) for a in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]))
 ORIGIN = np.zeros(3)

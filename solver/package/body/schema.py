@@ -6,9 +6,10 @@ on the cell. Resultants of a cell, for unit width: N11 N22 N12 [N/m], M11 M22 M1
 
 Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s` stations of the
 resultants; `k` nodes of an interface; in a section `k` plies and `p` points of its recovery; in a
-laminate `k` plies; `e` cells of a shell with resultants; `l` unit loads. Modal coordinates are dimensionless, so
-that a mode shape is in metres and radians, and modal mass, damping and stiffness are in kg m2,
-N m s and N m. The mapper of common/dataset.py writes, reads, checks and documents the fields.
+laminate `k` plies; `e` cells of a shell with resultants; `l` unit loads. Modal coordinates are
+dimensionless, so that a mode shape is in metres and radians, and modal mass, damping and stiffness
+are in kg m2, N m s and N m. The mapper of common/dataset.py writes, reads, checks and documents the
+fields.
 """
 
 from dataclasses import dataclass, field

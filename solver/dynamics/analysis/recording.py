@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.evaluation import series
-from ..dynamics.model.model import Model
-from ..dynamics.model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
-from ..math.arrays import Array
+from ...math.arrays import Array
+from ..evaluation import series
+from ..model.model import Model
+from ..model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
 
 MARKERS = 32  # whose motions are kept: signals of a place follow each other
 
