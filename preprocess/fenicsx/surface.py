@@ -72,24 +72,29 @@ class SurfacePattern:
         starts = np.concatenate([[0], np.cumsum(sizes)])
         ones = np.ones(len(nodes), dtype=np.int32)
         incidence = sp.csr_matrix((ones, nodes, starts), shape=(len(sizes), n_node))
-        blocks = np.diff((incidence.T @ incidence).indptr)
+        near = (incidence.T @ incidence).sorted_indices()
+        blocks = np.ones((near.nnz, DOFS, DOFS), dtype=np.int8)
+        entries = sp.bsr_matrix((blocks, near.indices, near.indptr)).tocsr()
         self.n_dof = DOFS * n_node
-        self._entries = np.repeat(DOFS * blocks, DOFS).astype(np.int32)
+        self._starts, self._columns = (
+            part.astype(PETSc.IntType) for part in (entries.indptr, entries.indices)
+        )
 
     def summed(self, parts: Sequence[tuple[Surface, Kernel, Array]]) -> sp.csr_matrix:
         """Sum of the matrices of the cells of surfaces with their kernels and tables.
 
+        All sums share the arrays of their pattern, and PETSc adds into those of the result.
+
         Paper: Eq. (24).
         """
-        matrix = PETSc.Mat().create(MPI.COMM_SELF)
+        shape, values = (self.n_dof, self.n_dof), np.zeros(len(self._columns))
+        pattern = self._starts, self._columns
+        matrix = PETSc.Mat().createAIJWithArrays(shape, (*pattern, values), comm=MPI.COMM_SELF)
         try:
-            matrix.setSizes((self.n_dof, self.n_dof), bsize=DOFS)
-            matrix.setType("seqaij")
-            matrix.setPreallocationNNZ(self._entries)
+            matrix.setBlockSize(DOFS)  # older versions take none before
             for surface, kernel, table in parts:
                 surface.add_to(matrix, kernel, table)
             matrix.assemble()
-            starts, columns, values = matrix.getValuesCSR()
         finally:
             matrix.destroy()
-        return sp.csr_matrix((values, columns, starts), shape=(self.n_dof, self.n_dof))
+        return sp.csr_matrix((values, self._columns, self._starts), shape=shape)
