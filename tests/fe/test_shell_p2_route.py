@@ -16,7 +16,9 @@ from shell_squares import cross_ply
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.second_route import SecondRoute
 from plymotion.preprocess.shell.analyses.verification import fixed, right_side
+from plymotion.preprocess.shell.model import freedom
 from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.stiffeners import Stiffener
 from plymotion.solver.math.arrays import Array
 
 # The numbers of the elements are those of both DOLFINx: test_shell_benchmarks.py.
@@ -153,10 +155,66 @@ def test_a_wrong_load_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "verification-differs" in analysed(spec)[1]
 
 
+RIB = {
+    "stiffness": np.diag([4e7, 1e7, 1e7, 4e4, 8e4, 5e4]).tolist(),
+    "mass": np.diag([3.0, 3.0, 3.0, 2e-3, 1e-3, 1e-3]).tolist(),
+}
+
+
+def linked(kind: str, cells: dict[str, str] | None = None) -> dict[str, Any]:
+    """A plate with a rib and a point off its edge that a link moves or follows."""
+    loads: dict[str, Any] = {
+        "push": {"tip": {"at": "end", "force": [1.0, 2.0, 3.0]}},
+        "turn": {"tip": {"at": "end", "moment": [0.3, 0.2, 0.1]}},
+        "rib": {"tip": {"at": "corner-11", "moment": [0.0, 1.0, 0.0]}},
+        "fall": {"all": {"gravity": [0.0, 1.0, 9.81]}},
+    }
+    spec = plate(
+        (8, 8), 0.02, supports=CLAMPED, loads=loads, frequencies={"count": 3},
+        links={"end": {"at": "right", "kind": kind, "point": [1.2, 0.6, 0.1]}},
+        stiffeners={"rib": {"at": "top", "offset": [0.01, 0.03], **RIB}},
+    )  # fmt: skip
+    spec["mesh"] |= cells or {}
+    return spec
+
+
+@pytest.mark.parametrize("kind", ["rigid", "average"])
+@pytest.mark.parametrize("cells", [{}, {"element": "quadrilateral"}])
+def test_links_and_stiffeners_agree(kind: str, cells: dict[str, str]) -> None:
+    words, codes = analysed(linked(kind, cells))
+    assert words.startswith(("frequency", "strain energy")), words
+    assert float(words.split("difference ")[1].split(" %")[0]) < 2.0
+    assert "too coarse" not in words
+    assert codes == []
+
+
+@pytest.mark.provokes("verification-differs")
+@pytest.mark.parametrize("wrong", ["link", "stiffness", "mass"])
+def test_a_wrong_link_or_stiffener_is_found(wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    if wrong == "link":
+        made = freedom.averaged
+        monkeypatch.setattr(freedom, "averaged", lambda arms, w: made(0.9 * arms, w))
+    else:
+        of = getattr(Stiffener, wrong)
+        monkeypatch.setattr(Stiffener, wrong, lambda self, *form: 2.0 * of(self, *form))
+    words, codes = analysed(linked("average"))
+    assert "verification-differs" in codes, words
+
+
+def test_a_moment_at_a_point_is_not_judged() -> None:
+    """Its strain energy grows with every refinement."""
+    loads = {"point": {"tip": {"at": "corner-11", "moment": [1.0, 1.0, 0.0]}}}
+    words, codes = analysed(plate(8, 0.02, supports=CLAMPED, loads=loads))
+    assert words == (
+        "not done: a moment at a point has no limit for finer cells in strain energy of point"
+    )
+    assert codes == []
+
+
 def test_what_is_not_compared_says_so() -> None:
-    links = {"end": {"at": "right", "kind": "rigid"}}
+    links = {"end": {"at": "corner-11", "kind": "rigid"}}
     assert analysed(plate(4, 0.01, links=links, supports=CLAMPED, frequencies={}))[0] == (
-        "not done for links"
+        "not done for a rigid link of points"
     )
     held = {"point": {"at": "corner-00", "fixed": "all"}}
     assert analysed(plate(4, 0.01, supports=held, frequencies={}))[0] == (

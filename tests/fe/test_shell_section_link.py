@@ -99,7 +99,9 @@ def test_open_section_and_refusals() -> None:
         ShellProblem(flat)
 
 
-def thin_walled(shape: str, length: float, kind: str, load: dict[str, Any]) -> Any:
+def thin_walled(
+    shape: str, length: float, kind: str, load: dict[str, Any], verify: bool = False
+) -> Any:
     """A cantilever of walls of 2 mm, clamped at its root, loaded through a link at its open tip."""
     corners = {
         "box": [(-0.05, -0.025), (0.05, -0.025), (0.05, 0.025), (-0.05, 0.025), (-0.05, -0.025)],
@@ -129,7 +131,7 @@ def thin_walled(shape: str, length: float, kind: str, load: dict[str, Any]) -> A
         "loads": {"F": {"end": {"at": "end", **load}}},
     }
     plain = PlainMesh(points, cells, "mixed", 1, region, ("wall",), {}, named)
-    return analyse(spec, mesh=mesh_of(plain))
+    return analyse(spec, mesh=mesh_of(plain), verify=verify)
 
 
 def messages_of(warnings: Any) -> list[str]:
@@ -177,6 +179,16 @@ def test_torque_at_the_open_end_of_a_channel(length: float, better: str) -> None
     if length < 1.0:
         assert other.cases.link_motions_G[0, 0, 3] > 1.5 * vlasov
         assert 'use kind = "average"' in distorted(other)[0]
+
+
+@pytest.mark.parametrize("load", [{"force": [0.1, 0.0, 1.0]}, {"moment": [1.0, 1.0, 0.0]}])
+def test_the_second_method_agrees(load: dict[str, Any]) -> None:
+    """Its forces come from quadratic functions along the walls, second_links.py."""
+    found = thin_walled("channel", 0.5, "section", load, verify=True)
+    words = str(found.provenance["verification"])
+    assert words.startswith("strain energy of F: difference"), words
+    assert float(words.split("difference ")[1].split(" %")[0]) < 6.0
+    assert "verification-differs" not in {w["code"] for w in found.warnings}
 
 
 @pytest.mark.parametrize("kind", ["average", "section"])

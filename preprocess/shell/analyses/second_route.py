@@ -28,12 +28,13 @@ from ...fenicsx.spaces import (
 )
 from ..mesh.axes import cell_directions
 from ..model.problem import ShellProblem
+from .second_links import Parts, Spread
 
 DRILLING = 1.0  # stiffness of the turn about the normal against that of the surface, over A66
 
 
 class SecondRoute:
-    """Stiffness and mass of a shell without links and stiffeners.
+    """Stiffness and mass of a shell, its links and stiffeners.
 
     Attributes
     ----------
@@ -41,13 +42,16 @@ class SecondRoute:
     rows : (c,) their cells in the mesh of the problem
     normal : (c, 3) unit normals, reversed where the region is flipped
     sides : (s, 2) sides of the triangles, nodes ascending
-    u : (n + s, 3) unknowns of the displacement at nodes and middles of sides
+    places : (n + s, 3) nodes and middles of sides [m]
+    u : (n + s, 3) unknowns of the displacement there
     turns : (s, 3) unknowns of the rotation at middles of sides
+    parts : unknowns of links and stiffeners, and equations between all of them
     K, M : stiffness and mass of all unknowns [N/m, N, N m; kg, kg m, kg m2]
     """
 
     def __init__(self, problem: ShellProblem) -> None:
-        mesh, self.points = problem.mesh, problem.mesh.points_G
+        self.problem, mesh = problem, problem.mesh
+        self.points = mesh.points_G
         four = np.flatnonzero(corner_counts(mesh.cells) == 4)
         self.cells = np.concatenate([mesh.cells[:, :3], mesh.cells[four][:, [0, 2, -1]]])
         self.rows = np.concatenate([np.arange(len(mesh.cells)), four])
@@ -81,9 +85,14 @@ class SecondRoute:
         mass = [of_cells([laminates[row].mass[n] for row in self.rows]) for n in range(3)]
         self.space = function_space(self.mesh, p2_cr_element(self.mesh))
         self.K, self.M = (assembled(form) for form in self._forms(A, B, D, Ds, mass))
-        places = np.concatenate([self.points, self.points[self.sides].mean(axis=1)])
-        self.u = self._unknowns(0, places)
-        self.turns = self._unknowns(1, places[len(self.points) :])
+        self.places = np.concatenate([self.points, self.points[self.sides].mean(axis=1)])
+        self.u = self._unknowns(0, self.places)
+        self.turns = self._unknowns(1, self.places[len(self.points) :])
+        self.parts = Parts(self, problem, self.K.shape[0])
+        for name in ("K", "M"):
+            matrix = sp.csr_matrix(getattr(self, name))
+            matrix.resize(self.parts.size, self.parts.size)
+            setattr(self, name, matrix + getattr(self.parts, name))
 
     def _forms(self, A: Any, B: Any, D: Any, Ds: Any, mass: Any) -> tuple[Any, Any]:
         (u, theta), (du, dtheta) = (
@@ -137,19 +146,54 @@ class SecondRoute:
         low, high = np.sort(ends, axis=1).T
         return np.searchsorted(self.sides @ np.array([n, 1]), low * n + high)
 
+    def spread(self, names: Any) -> Spread:
+        """Places and weights of physical groups, one name or several; None: all cells."""
+        mesh, found = self.problem.mesh, []
+        for name in names if isinstance(names, list | tuple) else [names]:
+            if name in mesh.marks:
+                nodes = mesh.marks[name]
+                near = np.flatnonzero(np.isin(self.sides, nodes).any(axis=1))
+                found.append(Spread(nodes, np.ones(len(nodes)), near, np.ones(len(near))))
+                continue
+            if name in mesh.curves:
+                ends = mesh.curves[name]
+                size = np.linalg.norm(np.diff(self.points[ends], axis=1)[:, 0], axis=1)
+                rows, corner = self.numbers(ends)[:, None], 1.0 / 6.0
+            else:
+                inside = np.ones(len(self.rows), dtype=bool)
+                if name is not None:
+                    inside = mesh.region[self.rows] == mesh.regions.index(name)
+                ends, rows, size = self.cells[inside], self.of_cells[inside], self.area[inside]
+                corner = 0.0
+            count = rows.shape[1]
+            middle = size * (1.0 - corner * ends.shape[1] * (count == 1)) / count
+            weights = np.repeat(corner * size, ends.shape[1]), np.repeat(middle, count)
+            at = np.concatenate([ends.ravel(), len(self.points) + rows.ravel()])
+            turned = np.repeat(size / count, count)
+            found.append(Spread(at, np.concatenate(weights), rows.ravel(), turned))
+        return Spread(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
     def solve(self, rhs: Array, fixed: Array, given: Array) -> Array:
         """All unknowns (k,) under a right-hand side, those that are `fixed` as `given`."""
-        free = np.flatnonzero(fixed == 0)
-        found = given.copy()
-        load = rhs - self.K @ given
-        found[free] = fenicsx.cholesky(_part(self.K, free)).solve(load[free])
-        return found
+        T, free = self.parts.T, self._free(fixed)
+        found = np.where(self.parts.dependent, 0.0, given)
+        load = T.T @ (rhs - self.K @ (T @ found))
+        found[free] = fenicsx.cholesky(self._part(self.K, free)).solve(load[free])
+        return np.asarray(T @ found)
 
     def eigenvalues(self, count: int, fixed: Array, target: float = 0.0) -> Array:
         """Lowest squared circular frequencies (count,) [rad2/s2], nearest to `target`."""
-        free = np.flatnonzero(fixed == 0)
-        K, M = _part(self.K, free), _part(self.M, free)
+        free = self._free(fixed)
+        K, M = self._part(self.K, free), self._part(self.M, free)
         return fenicsx.eigenpairs(K, M, count, target=target)[0]
+
+    def _free(self, fixed: Array) -> IntArray:
+        return np.flatnonzero((fixed == 0) & ~self.parts.dependent)
+
+    def _part(self, matrix: sp.csr_matrix, rows: IntArray) -> sp.csr_matrix:
+        T = self.parts.T[:, rows]
+        part = sp.csr_matrix(T.T @ matrix @ T)
+        return sp.csr_matrix(0.5 * (part + part.T))
 
 
 def _of_mesh(problem: ShellProblem) -> tuple[Array, Array, list[Any]]:
@@ -165,8 +209,3 @@ def _of_mesh(problem: ShellProblem) -> tuple[Array, Array, list[Any]]:
         for cell in region.cells:
             laminates[cell] = region.stiffness
     return first, sign, laminates
-
-
-def _part(matrix: sp.csr_matrix, rows: IntArray) -> sp.csr_matrix:
-    part = sp.csr_matrix(matrix[rows][:, rows])
-    return sp.csr_matrix(0.5 * (part + part.T))
