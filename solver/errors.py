@@ -66,6 +66,12 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return did_you_mean(name, names) or listed
 
 
+def unknown(key: str, name: str, what: str, known: Iterable[str]) -> list[str]:
+    """Return the error of a name at a key that is not among the known ones, of a known one none."""
+    known = list(known)
+    return [] if name in known else [f'{key} = "{name}": no such {what}{nearest(name, known)}']
+
+
 # All but tabs, ends of lines, and the carriage return of a progress bar that is drawn again.
 _CONTROL = re.compile(
     r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e]|(?<!^)\r(?!$)"

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, nearest
+from ...errors import InputError, unknown
 from ...package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh
@@ -144,13 +144,10 @@ def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
 
 def _references(description: SolidDescription) -> list[str]:
     """Return errors of materials and interfaces that are named but not described."""
-    found = [
-        f'regions.{name}.material = "{region.material}": no such material'
-        f"{nearest(region.material, description.materials)}"
-        for name, region in description.regions.items()
-        if region.material not in description.materials
-    ]
+    found = []
     for name, region in description.regions.items():
+        key = f"regions.{name}.material"
+        found += unknown(key, region.material, "material", description.materials)
         material = description.materials.get(region.material)
         axes = region.axis is not None and region.normal is not None
         if material and material.kind == "orthotropic" and not axes and region.axis_about is None:
@@ -166,12 +163,9 @@ def _references(description: SolidDescription) -> list[str]:
         if load.at is not None
     ]
     for key, place in places:
+        found += unknown(key, place, "interface", description.interfaces)
         interface = description.interfaces.get(place)
-        if interface is None:
-            found.append(
-                f'{key} = "{place}": no such interface{nearest(place, description.interfaces)}'
-            )
-        elif key == "supports" and interface.link != "rigid":
+        if interface is not None and key == "supports" and interface.link != "rigid":
             found.append(f'interfaces.{place}.link = "average": expected "rigid": it is held')
     if description.loads and not description.supports:
         found.append("supports: missing; expected an interface that holds the solid, with [loads]")

@@ -7,7 +7,7 @@ vibrations and all load shapes, because a check within one package cannot see wh
 from collections.abc import Mapping
 from typing import Any
 
-from ....errors import nearest
+from ....errors import unknown
 from ..tables.beam_schema import BeamBody
 from ..tables.body_schema import Reducible
 from ..tables.loaded import loaded_places
@@ -27,11 +27,9 @@ def check_fidelity(mechanism: Mechanism) -> list[str]:
     fidelity = mechanism.fidelity
     if fidelity is None:
         return []
-    found = [
-        f'fidelity.signals = "{name}": no such signal{nearest(name, mechanism.signals)}'
-        for name in fidelity.signals or []
-        if name not in mechanism.signals
-    ]
+    found = []
+    for name in fidelity.signals or []:
+        found += unknown("fidelity.signals", name, "signal", mechanism.signals)
     for name in fidelity.signals or mechanism.signals:
         signal = mechanism.signals.get(name)
         if isinstance(signal, PlyStressSignal) and signal.point is None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....dynamics.elements.forces.table import ELEMENTS
 from ....dynamics.elements.joints.table import JOINTS
-from ....errors import InputError, nearest
+from ....errors import InputError, unknown
 from ....integrators.choice import treatment_of
 from ...common.material import check_materials
 from ..bodies.beam_lines import is_plain
@@ -153,10 +153,8 @@ def _signal(
             found += check_place(f"{key}.seen_from", signal.seen_from, mechanism, ground=False)
         return found
     if isinstance(signal, JointSignal | ReactionSignal):
-        if signal.joint not in mechanism.joints:
-            hint = nearest(signal.joint, mechanism.joints)
-            return [f'{key}.joint = "{signal.joint}": no such joint{hint}']
-        if isinstance(signal, JointSignal):
+        found = unknown(f"{key}.joint", signal.joint, "joint", mechanism.joints)
+        if not found and isinstance(signal, JointSignal):
             kind = mechanism.joints[signal.joint].kind
             free = [coordinate.name for coordinate in JOINTS[kind].coordinates]
             if signal.coordinate not in free:
@@ -164,25 +162,21 @@ def _signal(
                     f'{key}.coordinate = "{signal.coordinate}": joint {signal.joint} is '
                     f"{kind}; expected {' or '.join(free) or 'another joint'}"
                 ]
-        return []
+        return found
     if isinstance(signal, DifferenceSignal | NormSignal):
         return []
     if isinstance(signal, ForceSignal):
         able = [name for name, force in mechanism.forces.items() if is_along(force)]
         able += list(mechanism.couplings)
-        if signal.of in able:
-            return []
-        if signal.of in mechanism.forces:
+        if signal.of in mechanism.forces and signal.of not in able:
             kind = mechanism.forces[signal.of].kind
             return [
                 f'{key}.of = "{signal.of}": a {kind} does not act along a coordinate; expected a '
                 "force that does, or a coupling"
             ]
-        return [f'{key}.of = "{signal.of}": no such force or coupling{nearest(signal.of, able)}']
-    if signal.body not in mechanism.bodies:
-        return [
-            f'{key}.body = "{signal.body}": no such body{nearest(signal.body, mechanism.bodies)}'
-        ]
+        return unknown(f"{key}.of", signal.of, "force or coupling", able)
+    if wrong := unknown(f"{key}.body", signal.body, "body", mechanism.bodies):
+        return wrong
     body = mechanism.bodies[signal.body]
     if isinstance(body, RigidBody):
         return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']

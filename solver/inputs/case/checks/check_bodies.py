@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ....errors import InputError, nearest
+from ....errors import InputError, nearest, unknown
 from ....math.definite import is_positive_definite
 from ..bodies.beams import check_motion
 from ..bodies.body_specs import BodySpec, BodySpecs
@@ -67,12 +67,10 @@ def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     if body.section is None and all(s.at > 0.0 or s.section is not None for s in body.stations):
         found.append(f"{key}.section: missing; expected the name of a section, or a `table`")
     for where, section, material in places:
-        if section is not None and section not in mechanism.sections:
-            hint = nearest(section, mechanism.sections)
-            found.append(f'{where}.section = "{section}": no such section{hint}')
-        if material is not None and material not in mechanism.materials:
-            hint = nearest(material, mechanism.materials)
-            found.append(f'{where}.material = "{material}": no such material{hint}')
+        if section is not None:
+            found += unknown(f"{where}.section", section, "section", mechanism.sections)
+        if material is not None:
+            found += unknown(f"{where}.material", material, "material", mechanism.materials)
     return found
 
 

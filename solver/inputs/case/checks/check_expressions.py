@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ....dynamics.model.quantities import LAST
-from ....errors import InputError, nearest
+from ....errors import InputError, unknown
 from ....math import laws
 from ....math.curves import NamedCurve
 from ....math.expressions import operations as op
@@ -29,9 +29,7 @@ def check_combined(mechanism: Mechanism) -> Iterator[str]:
         if signal.kind not in KINDS:
             continue
         for part in parts(signal):
-            if part not in signals:
-                hint = nearest(part, signals)
-                yield f'signals.{name}.of = "{part}": no such signal{hint}'
+            yield from unknown(f"signals.{name}.of", part, "signal", signals)
         if _depends_on(name, name, signals, frozenset()):
             yield f"signals.{name}: depends on itself; expected other signals"
         if mechanism.fidelity is not None and signal.run is not None:
@@ -54,7 +52,7 @@ def check_elsewhere(mechanism: Mechanism, runs: Mapping[str, Mechanism]) -> Iter
         if not elsewhere(signal):
             continue
         if signal.run not in runs:
-            yield f'signals.{name}.run = "{signal.run}": no such run{nearest(signal.run, runs)}'
+            yield from unknown(f"signals.{name}.run", signal.run, "run", runs)
             continue
         there: Mapping[str, Any] = runs[signal.run].signals
         for part in elsewhere(signal):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ....dynamics.elements.couplings.table import COUPLINGS
 from ....dynamics.elements.joints.table import JOINTS
-from ....errors import InputError, nearest
+from ....errors import InputError, nearest, unknown
 from ....math.curves import NamedCurve, curve_of_table
 from ....math.expressions import operations as op
 from ....math.expressions.parse import ExpressionError, parsed
@@ -34,9 +34,8 @@ def coupled(
     found = []
     for side, joint in enumerate(coupling.joints):
         key, unit = f"couplings.{name}", COUPLINGS[coupling.kind].units[side]
-        if joint not in mechanism.joints:
-            hint = nearest(joint, mechanism.joints)
-            raise InputError(f'{key}.joints = "{joint}": no such joint{hint}')
+        if wrong := unknown(f"{key}.joints", joint, "joint", mechanism.joints):
+            raise InputError(wrong[0])
         kind = mechanism.joints[joint].kind
         free = [c.name for c in JOINTS[kind].coordinates if c.unit == unit]
         given = coupling.coordinates[side] if coupling.coordinates is not None else None

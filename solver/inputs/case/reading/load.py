@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from ....errors import InputError, nearest
+from ....errors import InputError, nearest, unknown
 from ...common import lines, read_toml
 from ...common.messages import bare_lines, members, without_annotations
 from ...section.mesh_table import shape
@@ -166,11 +166,8 @@ def checked_case(
     def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
         merged = deepcopy(base)
         for variant in variants:
-            if variant not in top.variants:
-                hint = nearest(variant, top.variants)
-                findings.add([f'{file}: {key}.variants = "{variant}": no such variant{hint}'])
-                continue
-            merge(merged, top.variants[variant])
+            findings.add(unknown(f"{file}: {key}.variants", variant, "variant", top.variants))
+            merge(merged, top.variants.get(variant, {}))
         merge(merged, quick)
         return merged
 
@@ -198,10 +195,8 @@ def checked_case(
     checked_sweeps: dict[str, CheckedSweep] = {}
     for name, sweep in top.sweeps.items():
         key = f"sweeps.{name}"
-        if sweep.run not in top.runs:
-            hint = nearest(sweep.run, top.runs)
-            findings.add([f'{file}: {key}.run = "{sweep.run}": no such run{hint}'])
-        elif sweep.run in runs and (sweeps is None or name in sweeps):
+        findings.add(unknown(f"{file}: {key}.run", sweep.run, "run", top.runs))
+        if sweep.run in runs and (sweeps is None or name in sweeps):
 
             def merged_of(
                 run: str, key: str = key, variants: list[str] = sweep.variants
@@ -224,10 +219,6 @@ def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:
     """Yield what figures name and the case does not have."""
     for name, figure in top.figures.items():
         for run in figure.runs:
-            if run not in top.runs:
-                hint = nearest(run, top.runs)
-                yield f'figures.{name}.runs = "{run}": no such run{hint}'
+            yield from unknown(f"figures.{name}.runs", run, "run", top.runs)
         for mechanism in runs.values():
-            if figure.signal not in mechanism.signals:
-                hint = nearest(figure.signal, mechanism.signals)
-                yield f'figures.{name}.signal = "{figure.signal}": no such signal{hint}'
+            yield from unknown(f"figures.{name}.signal", figure.signal, "signal", mechanism.signals)

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ....errors import nearest
+from ....errors import unknown
 from ....math.arrays import Array
 from ...common import lines
 from ...common.messages import bare_lines
@@ -75,9 +75,7 @@ def check_sweep(
     found = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
         for name in getattr(sweep, key):
-            if name not in base.signals:
-                hint = nearest(name, base.signals)
-                found.append(f'{where}.{key} = "{name}": no such signal{hint}')
+            found += unknown(f"{where}.{key}", name, "signal", base.signals)
     try:
         parameters = parameters_of(sweep, base, specs.folder)
     except Misplaced as error:
