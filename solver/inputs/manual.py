@@ -24,9 +24,10 @@ from .case.tables.signals import SIGNAL_TABLES
 from .case.tables.solid_schema import SolidBody
 from .case.tables.solver import Solver, Spin
 from .case.tables.sweeps import Sweep, Variation
+from .common.lay_up import Laminate, Ply
 from .common.material import MATERIAL_TABLES
 from .json_schema import referred, tables
-from .section.description import Direction, Laminate, Ply, Region, SectionDescription
+from .section.description import Direction, Region, SectionDescription
 from .section.mesh_table import SHAPE_MESHES, FileMesh, MeshTable
 from .section.shapes.library import SHAPES, walls
 from .shell import description as shell

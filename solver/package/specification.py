@@ -124,6 +124,14 @@ class LineTable(TypedDict):
     x2_axes: list[list[float]]
 
 
+class PlyTable(TypedDict):
+    """A ply of a section or shell; of a section without thickness: an equal share of the wall."""
+
+    material: str
+    angle_deg: float
+    thickness: NotRequired[float]
+
+
 class StationTable(TypedDict):
     """A section at a fraction of the length; between two stations K and mass change linearly."""
 

@@ -10,7 +10,7 @@ from section_texts import BOX, replaced
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.manual import section_keys, with_keys
-from plymotion.solver.inputs.section.description import Laminate, describe
+from plymotion.solver.inputs.section.description import Laminate
 from plymotion.solver.inputs.section.expand import load_section
 
 READY = {
@@ -287,7 +287,7 @@ def test_thin_twisted_strips_have_two_elements_across(
 
 def test_missing_file(tmp_path):
     with pytest.raises(InputError, match="no such section description"):
-        describe(tmp_path / "box.toml")
+        load_section(tmp_path / "box.toml")
 
 
 def test_page_is_current(repository):

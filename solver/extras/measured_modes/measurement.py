@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import ValidationError, model_validator
+from pydantic import model_validator
 
 from ...errors import InputError, nearest
-from ...inputs.common import lines, read_toml
+from ...inputs.common import read_toml, validated
 from ...inputs.common.table import Name, Table, entry
 from ...math.arrays import Array, IntArray
 
@@ -206,10 +206,7 @@ def load_measurement(file: Path) -> Measurement:
     InputError : names file, key or line and column, value and expectation.
     """
     table = read_toml(file, "file of measured modes")
-    try:
-        keys = MeasuredFile.model_validate(table)
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, MeasuredFile, str(file)))) from error
+    keys = validated(MeasuredFile, table, file)
     nodes_file = file.parent / keys.nodes
     node_ids, columns = read_columns(nodes_file, ("x", "y", "z", "mass"), tuple(INERTIAS))
     if not (columns["mass"] >= 0.0).all() or not columns["mass"].sum() > 0.0:

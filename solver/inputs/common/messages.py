@@ -2,12 +2,13 @@
 
 import re
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from ...errors import did_you_mean, nearest, printable
+from ...errors import InputError, did_you_mean, nearest, printable
 
+Model = TypeVar("Model", bound=BaseModel)
 _WORDS = {"model_type": "expected a table", "dict_type": "expected a table"}
 _DECIMAL = re.compile(r"0\.0{6,}\d+")  # a limit like 1e-30, which pydantic writes out
 _WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a list"}
@@ -16,6 +17,25 @@ _WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a
 def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
     """Return one message per finding of `error`, sorted; `where` names file and run."""
     return [f"{where}: {line}" for line in bare_lines(error, model)]
+
+
+def validated(model: type[Model], table: Any, where: object, **context: Any) -> Model:
+    """Return a table as its model.
+
+    Parameters
+    ----------
+    where : names the file in messages
+    context : of validators
+
+    Raises
+    ------
+    InputError
+        One line per error: file, key, value, expectation.
+    """
+    try:
+        return model.model_validate(table, context=context)
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, model, str(where)))) from error
 
 
 def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:

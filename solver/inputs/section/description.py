@@ -6,50 +6,15 @@ docs/section-description.md is generated from here (`make docs`).
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from ...errors import InputError
-from ..common import lines, read_toml
-from ..common.lay_up import Angle, LayUp, LayUpPly
+from ..common import validated
+from ..common.lay_up import Angle, Content, Laminate
 from ..common.material import Material
 from ..common.table import Name, Pair, Table, entry
 from .mesh_table import Mesh
 
 Curvature = Annotated[list[float], Field(min_length=3, max_length=3)]
-
-
-class Ply(LayUpPly):
-    """One entry of `plies`."""
-
-    angle_deg: Angle = entry(
-        "fibre direction from x1 towards the layer direction; sign by `convention`", "deg", 0.0
-    )
-    thickness: float | None = entry(
-        "given for all plies of a laminate, or for none: the wall is divided equally",
-        "m",
-        None,
-        gt=0,
-    )
-
-
-class Laminate(LayUp):
-    """`[laminates.NAME]`: plies, outermost first.
-
-    Either `plies`, or the short form of one material: `material` and `angles_deg`, with
-    `ply_thickness` if it is known. Both may be repeated and mirrored, in this order: [0/30]3s is
-    angles_deg = [0, 30], repeat = 3, symmetric = true.
-    """
-
-    plies: list[Ply] | None = entry("the plies, outermost first", default=None, min_length=1)
-    angles_deg: list[Angle] | None = entry(
-        "short form: angle of each ply, outermost first", "deg", None, min_length=1
-    )
-    ply_thickness: float | None = entry(
-        "short form: thickness of each ply; absent: equal shares of the wall", "m", None, gt=0
-    )
-    symmetric: bool = entry(
-        "true: followed by the same plies in reverse order, innermost last", default=False
-    )
 
 
 class Direction(Table):
@@ -80,15 +45,13 @@ class Direction(Table):
         return self
 
 
-class Region(Table):
+class Region(Content):
     """`[regions.NAME]`: material or plies of a wall of the shape, or of a named region of the mesh.
 
     NAME is a wall of the library shape or a physical surface, element set or group of the mesh;
     `all` applies to every region without its own table.
     """
 
-    laminate: Name | None = entry("name of a laminate", default=None)
-    material: Name | None = entry("name of a material: one thick ply", default=None)
     angle_deg: Angle | None = entry(
         "with `material`: fibre direction as in a ply; absent: 0", "deg", None
     )
@@ -99,9 +62,7 @@ class Region(Table):
     )
 
     @model_validator(mode="after")
-    def _one_content(self) -> "Region":
-        if (self.laminate is None) == (self.material is None):
-            raise ValueError("expected either `laminate` or `material`")
+    def _own_angle(self) -> "Region":
         if self.laminate is not None and self.angle_deg is not None:
             raise ValueError("expected `angle_deg` with `material` only: plies have their own")
         return self
@@ -140,20 +101,6 @@ class SectionDescription(Table):
     regions: dict[str, Region] = entry("material or plies of each wall or region", min_length=1)
 
 
-def describe(file: Path) -> SectionDescription:
-    """Read a section description and check its keys, types and bounds; see `checked`."""
-    return checked(read_toml(file, "section description"), file)
-
-
 def checked(table: dict[str, Any], file: Path) -> SectionDescription:
-    """Check keys, types and bounds of a description.
-
-    Raises
-    ------
-    InputError
-        One line per error: file, key, value, expectation.
-    """
-    try:
-        return SectionDescription.model_validate(table)
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, SectionDescription, str(file)))) from error
+    """Check keys, types and bounds of a description. Raises InputError, one line per error."""
+    return validated(SectionDescription, table, file)

@@ -15,14 +15,16 @@ laminates and materials in use, so an unused laminate has no effect.
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, nearest
+from ...errors import InputError, unknown
+from ...package.specification import PlyTable
 from ..common import read_toml
+from ..common.lay_up import unknown_materials
 from ..common.material import check_materials, plain
 from .codes.other_codes import is_of_another_code, spec_of_another_code
 from .description import Region, SectionDescription, checked
 from .mesh_file import file_mesh
 from .mesh_table import ShapeMesh
-from .shape_mesh import shape_mesh
+from .shape_mesh import Stacks, shape_mesh
 
 BUILD = Path("build/sections")  # default folder of arrays
 
@@ -68,7 +70,7 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
     """
     description = checked(table, file)
     problems = check_materials(description.materials)
-    stacks: dict[str, list[dict[str, Any]]] = {}
+    stacks: dict[str, list[PlyTable]] = {}
     for name, region in description.regions.items():
         try:
             stacks[name] = _stack(name, region, description)
@@ -118,34 +120,24 @@ def _along(description: SectionDescription) -> dict[str, Any]:
     return keys
 
 
-def _stack(name: str, region: Region, description: SectionDescription) -> list[dict[str, Any]]:
+def _stack(name: str, region: Region, description: SectionDescription) -> list[PlyTable]:
     """Return the plies of a region, outermost first."""
-    plies: list[dict[str, Any]]
+    plies: list[PlyTable]
     if region.material is not None:
         plies = [{"material": region.material, "angle_deg": region.angle_deg or 0.0}]
         key = f"regions.{name}.material"
     else:
-        if region.laminate not in description.laminates:
-            raise InputError(
-                f'regions.{name}.laminate = "{region.laminate}": no such laminate'
-                f"{nearest(str(region.laminate), description.laminates)}"
-            )
-        plies = description.laminates[region.laminate].stack()
-        key = f"laminates.{region.laminate}"
-    unknown = dict.fromkeys(p["material"] for p in plies)
-    found = [
-        f'{key} = "{material}": no such material{nearest(material, description.materials)}'
-        for material in unknown
-        if material not in description.materials
-    ]
-    if found:
+        key, laminate = f"laminates.{region.laminate}", str(region.laminate)
+        laminates = description.laminates
+        if found := unknown(f"regions.{name}.laminate", laminate, "laminate", laminates):
+            raise InputError(found[0])
+        plies = laminates[laminate].stack()
+    if found := unknown_materials(key, (p["material"] for p in plies), description.materials):
         raise InputError("\n".join(found))
     return plies
 
 
-def _convention(
-    description: SectionDescription, stacks: dict[str, list[dict[str, Any]]]
-) -> list[str]:
+def _convention(description: SectionDescription, stacks: Stacks) -> list[str]:
     """Return an error if `convention` is missing: the sense of ply angles has no default."""
     if description.convention is not None:
         return []

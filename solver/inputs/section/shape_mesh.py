@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, nearest
+from ...package.specification import PlyTable
 from .description import Region
 from .mesh_table import ShapeMesh
 from .shapes.library import Wall, expand, shape, walls
@@ -14,7 +15,7 @@ from .shapes.solid import few_across
 ALL = "all"  # every wall or region without its own table
 ADD_UP = 1e-6  # relative difference of plies and wall due to rounding
 
-Stacks = Mapping[str, list[dict[str, Any]]]
+Stacks = Mapping[str, list[PlyTable]]  # plies of each region
 
 
 def shape_mesh(
@@ -84,7 +85,7 @@ def shape_mesh(
 
 
 def _fit(
-    wall: Wall, key: str, plies: list[dict[str, Any]], given: dict[str, Any], sizes: dict[str, Any]
+    wall: Wall, key: str, plies: list[PlyTable], given: dict[str, Any], sizes: dict[str, Any]
 ) -> list[str]:
     """Compare the plies with their wall and return errors, or add the wall to `sizes`."""
     if not wall.stacked or "thickness" not in plies[0]:

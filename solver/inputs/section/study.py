@@ -10,10 +10,10 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
-from ..common import Table, entry, lines
+from ..common import Table, entry, validated
 
 # Change of keys of a section description.
 
@@ -126,10 +126,7 @@ def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:
     ------
     InputError : a wrong key or value, sweeps of different length, a wrong CSV file.
     """
-    try:
-        study = Study.model_validate(table)
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, Study, str(path)))) from error
+    study = validated(Study, table, path)
     return study, _combinations(path, study)
 
 

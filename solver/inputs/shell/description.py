@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
 from ...package.shell import elements
 from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_words
-from ..common import lines, read_toml
-from ..common.lay_up import Angle, LayUp, LayUpPly
+from ..common import validated
+from ..common.lay_up import Content, Laminate, Ply
 from ..common.material import Material
 from ..common.table import Around, Axis, Name, Pair, Table, Vector, entry
 from .loading import Buckling, Frequencies, Link, Load, Probe, Support
@@ -54,16 +54,13 @@ class Mesh(Table):
     refine: int = entry(REFINE, default=0, ge=0, le=MOST_REFINED)
 
 
-class Ply(LayUpPly):
+class ShellPly(Ply):
     """One entry of `plies`."""
 
-    angle_deg: Angle = entry(
-        "fibre direction from e1 towards e2, right-handed about the normal", "deg", 0.0
-    )
     thickness: float = entry("of the ply", "m", gt=0)
 
 
-class Laminate(LayUp):
+class ShellLaminate(Laminate):
     """`[laminates.NAME]`: plies from BOTTOM to TOP along the normal of the shell.
 
     Either `plies`, or the short form of one material: `material`, `angles_deg` and
@@ -71,13 +68,8 @@ class Laminate(LayUp):
     angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
 
-    plies: list[Ply] | None = entry("the plies, bottom one first", default=None, min_length=1)
-    angles_deg: list[Angle] | None = entry(
-        "short form: angle of each ply, bottom one first", "deg", None, min_length=1
-    )
-    ply_thickness: float | None = entry("short form: thickness of each ply", "m", None, gt=0)
-    symmetric: bool = entry(
-        "true: followed by the same plies in reverse order, top one last", default=False
+    plies: list[ShellPly] | None = entry(  # type: ignore[assignment]
+        "the plies, bottom one first", default=None, min_length=1
     )
     offset: Offset = entry(
         "position of the mesh in the laminate: mid-plane, top or bottom face; a number: height of"
@@ -106,14 +98,12 @@ class AxisAbout(Around):
     """`axis_about`: e1 points around an axis, right-handed."""
 
 
-class Region(Table):
+class Region(Content):
     """`[regions.NAME]`: laminate or material of a physical surface of the mesh.
 
     `all` applies to every physical surface without its own table.
     """
 
-    laminate: Name | None = entry("name of a laminate", default=None)
-    material: Name | None = entry("name of a material: one thick ply", default=None)
     thickness: float | None = entry("with `material`", "m", None, gt=0)
     offset: Offset | None = entry("with `material`, as in a laminate; absent: mid", "m", None)
     axis: Axis | None = entry(
@@ -133,9 +123,7 @@ class Region(Table):
     )
 
     @model_validator(mode="after")
-    def _one_content(self) -> Self:
-        if (self.laminate is None) == (self.material is None):
-            raise ValueError("expected either `laminate` or `material`")
+    def _own_thickness(self) -> Self:
         if (self.material is None) != (self.thickness is None):
             raise ValueError("expected `thickness` with `material`, and only there")
         if self.offset is not None and self.material is None:
@@ -235,7 +223,7 @@ class ShellDescription(Table):
     )
     mesh: Mesh = entry("a surface mesh with physical groups")
     materials: dict[Name, Material] = entry("elastic materials", min_length=1)
-    laminates: dict[Name, Laminate] = entry("lay-ups by name", default={})
+    laminates: dict[Name, ShellLaminate] = entry("lay-ups by name", default={})
     regions: dict[str, Region] = entry(
         "laminate or material of each physical surface", min_length=1
     )
@@ -278,27 +266,13 @@ class ShellDescription(Table):
 
 # In the order of a manual.
 TABLES: tuple[type[Table], ...] = (
-    *(ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements, Stiffener),
+    *(ShellDescription, Mesh, ShellLaminate, ShellPly, Region, AxisAbout, Elements, Stiffener),
 )
 
 
-def describe(file: Path) -> ShellDescription:
-    """Read a shell description and check its keys, types and bounds; see `checked`."""
-    return checked(read_toml(file, "shell description"), file)
-
-
 def checked(table: dict[str, Any], file: Path) -> ShellDescription:
-    """Check keys, types and bounds of a description.
-
-    Raises
-    ------
-    InputError
-        One line per error: file, key, value, expectation.
-    """
-    try:
-        description = ShellDescription.model_validate(table)
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, ShellDescription, str(file)))) from error
+    """Check keys, types and bounds of a description. Raises InputError, one line per error."""
+    description = validated(ShellDescription, table, file)
     wrong = [f"{file}: {line}" for line in _out_of_range(table, "")]
     if wrong:
         raise InputError("\n".join(wrong))

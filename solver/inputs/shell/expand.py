@@ -2,17 +2,17 @@
 
 import hashlib
 import os
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, few, nearest, under
+from ...errors import InputError, few, nearest, under, unknown
 from ...math.arrays import Array, IntArray
 from ...package.common.temporary import temporary_sibling
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
+from ..common.lay_up import unknown_materials
 from ..common.material import check_materials, plain
 from ..scripts import refuse_script
 from ..section.foreign import named_sets, read_mesh, region_sets
@@ -284,26 +284,16 @@ def _references(description: ShellDescription) -> list[str]:
     """Laminates and materials that are named but not described."""
     found = []
     for name, region in description.regions.items():
-        if region.laminate is not None and region.laminate not in description.laminates:
-            found.append(
-                f'regions.{name}.laminate = "{region.laminate}": no such laminate'
-                f"{nearest(region.laminate, description.laminates)}"
-            )
+        key = f"regions.{name}"
+        if region.laminate is not None:
+            found += unknown(f"{key}.laminate", region.laminate, "laminate", description.laminates)
         if region.material is not None:
-            found += _unknown(f"regions.{name}", [region.material], description)
+            found += unknown(key, region.material, "material", description.materials)
         found += _directed(name, region, description)
     for name, laminate in description.laminates.items():
         materials = [ply["material"] for ply in laminate.stack()]
-        found += _unknown(f"laminates.{name}", materials, description)
+        found += unknown_materials(f"laminates.{name}", materials, description.materials)
     return found
-
-
-def _unknown(key: str, materials: Iterable[str], description: ShellDescription) -> list[str]:
-    return [
-        f'{key} = "{material}": no such material{nearest(material, description.materials)}'
-        for material in dict.fromkeys(materials)
-        if material not in description.materials
-    ]
 
 
 def _directed(name: str, region: Region, description: ShellDescription) -> list[str]:

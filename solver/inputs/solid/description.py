@@ -3,14 +3,11 @@
 docs/solid-description.md is generated from here (`make docs`).
 """
 
-from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
-from pydantic import ValidationError, model_validator
+from pydantic import model_validator
 
-from ...errors import InputError
 from ...package.specification import LinkKind
-from ..common import lines
 from ..common.material import Material
 from ..common.table import Around, Axis, FilePath, Name, Table, Vector, entry
 
@@ -156,11 +153,3 @@ SOLID_TABLES: tuple[type[Table], ...] = (
     *(SolidDescription, SolidMesh, SolidRegion, AxisAbout, SolidInterface, Bore, Plane),
     *(SolidLoad, SolidFrequencies),
 )
-
-
-def checked(table: dict[str, Any], file: Path) -> SolidDescription:
-    """Return the description. Raises InputError, one line for each wrong key."""
-    try:
-        return SolidDescription.model_validate(table)
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, SolidDescription, str(file)))) from error

@@ -6,12 +6,12 @@ from typing import Any
 
 from ...errors import InputError, unknown
 from ...package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
-from ..common import read_toml
+from ..common import read_toml, validated
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh
 from ..common.material import check_materials, plain
 from ..common.table import plain_table
 from ..scripts import refuse_script
-from .description import LENGTHS, SolidDescription, checked
+from .description import LENGTHS, SolidDescription
 
 # Metals by their usual constants; strengths differ from alloy to alloy and are not among them.
 METALS = {
@@ -38,7 +38,7 @@ def solid_table(
     """Return the same of a description already read, with another size of the cells if given."""
     if size is not None and isinstance(table.get("mesh"), dict):
         table = {**table, "mesh": {**table["mesh"], "size": size}}
-    description = checked(table, file)
+    description = validated(SolidDescription, table, file)
     problems = [*check_materials(description.materials), *_references(description)]
     mesh: dict[str, Any] = {}
     try:

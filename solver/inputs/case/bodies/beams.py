@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ....errors import InputError, under
-from ....package.specification import BeamSpecification
+from ....package.specification import BeamSpecification, PlyTable
 from ...common.material import plain
 from ...common.table import plain_table
 from ...section.description import Region
@@ -44,7 +44,7 @@ def section_spec(
     if isinstance(table, DescribedSection):
         return _described(key, body.section, table, mechanism, folder)
     assert body.material is not None
-    ply = {"material": body.material, "angle_deg": body.ply_angle_deg or 0.0}
+    ply: PlyTable = {"material": body.material, "angle_deg": body.ply_angle_deg or 0.0}
     region = Region(material=body.material)
     mesh, regions = shape_mesh(table, {ALL: region}, {ALL: [ply]}, folder, where=key)
     if table.degree is not None:

@@ -10,7 +10,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from ....errors import InputError, nearest, unknown
-from ...common import lines, read_toml
+from ...common import read_toml, validated
 from ...common.messages import bare_lines, members, without_annotations
 from ...section.mesh_table import shape
 from ..bodies.body_specs import BodySpec, BodySpecs
@@ -151,10 +151,7 @@ def checked_case(
     over = table.get("coarse")
     if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
         merge(table, {"sweeps": over["sweeps"]})
-    try:
-        top = CaseFile.model_validate({k: v for k, v in table.items() if k in top_keys})
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, CaseFile, str(file)))) from error
+    top = validated(CaseFile, {k: v for k, v in table.items() if k in top_keys}, file)
     base = {k: v for k, v in table.items() if k not in top_keys}
     for key in base:
         if key not in Mechanism.model_fields:

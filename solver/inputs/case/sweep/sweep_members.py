@@ -7,10 +7,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ....errors import unknown
+from ....errors import InputError, unknown
 from ....math.arrays import Array
-from ...common import lines
-from ...common.messages import bare_lines
+from ...common.messages import bare_lines, validated
 from ..bodies.body_specs import BodySpec, BodySpecs
 from ..checks.check import in_parts
 from ..tables.columns import FOLDER, RESOLVED
@@ -68,9 +67,9 @@ def check_sweep(
     if merged is None:
         return []
     try:
-        base = Mechanism.model_validate(merged, context={FOLDER: specs.folder})
-    except ValidationError as error:
-        return lines(error, Mechanism, where)
+        base = validated(Mechanism, merged, where, **{FOLDER: specs.folder})
+    except InputError as error:
+        return str(error).splitlines()
     _, base_bodies, wrong = in_parts(base, specs)
     found = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
@@ -99,8 +98,8 @@ def check_sweep(
         if table is None:
             return []  # said of the run
         try:
-            other = Mechanism.model_validate(table, context={FOLDER: specs.folder})
-        except ValidationError:
+            other = validated(Mechanism, table, where, **{FOLDER: specs.folder})
+        except InputError:
             return []  # said of the run
         others[run] = maker.members(other, problems, partly=True)
     if problems.found:

@@ -4,10 +4,8 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
-from pydantic import ValidationError
-
 from ....errors import InputError
-from ...common.messages import lines
+from ...common.messages import validated
 from .beam_schema import BeamBody
 from .columns import RESOLVED
 from .dotted_keys import put
@@ -49,10 +47,7 @@ def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
     InputError
         A file that was not written by `check`, or by another version; `where` names it.
     """
-    try:
-        found = Mechanism.model_validate(table, context={RESOLVED: True})
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, Mechanism, where))) from error
+    found = validated(Mechanism, table, where, **{RESOLVED: True})
     if wrong := output_findings(found):
         raise InputError("\n".join(f"{where}: {line}" for line in wrong))
     return found
