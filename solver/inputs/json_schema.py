@@ -53,7 +53,7 @@ def json_schema(kind: str) -> Json:
         top = _shown(top)
     else:
         (file, mechanism), known = tables([CaseFile, Mechanism])
-        of_file = _within(file, known, set())
+        of_file = reached(file, known, {})
         known = {
             name: _shown(table) if name in of_file else _partial(_shown(table))
             for name, table in known.items()
@@ -64,15 +64,15 @@ def json_schema(kind: str) -> Json:
     return {"$schema": DRAFT, **top, "title": f"Plymotion {kind}", "$defs": known}
 
 
-def _within(schema: Any, known: Json, found: set[str]) -> set[str]:
-    """Return the names of all tables that a schema refers to."""
-    for item in schema.values() if isinstance(schema, dict) else schema:
-        if isinstance(item, dict | list):
-            _within(item, known, found)
+def reached(schema: Any, known: Json, found: Json) -> Json:
+    """Add the tables to which a schema refers, and those to which they refer, to `found`."""
     name = referred(schema) if isinstance(schema, dict) else ""
     if name and name not in found:
-        found.add(name)
-        _within(known[name], known, found)
+        found[name] = known[name]
+        reached(known[name], known, found)
+    for item in schema.values() if isinstance(schema, dict) else schema:
+        if isinstance(item, dict | list):
+            reached(item, known, found)
     return found
 
 

@@ -5,36 +5,17 @@ python -m plymotion.solver.inputs.manual docs
 
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
-from .case.tables.beam_schema import BeamBody, BeamInterface, BeamLine, BeamStation
-from .case.tables.body_schema import ImportedBody, PackageBody, PointInterface, RigidBody
-from .case.tables.kinds import COUPLING_TABLES, FORCE_TABLES, JOINT_TABLES
-from .case.tables.laws import LAW_TABLES, CurveTable, TablePoints
-from .case.tables.modes import MODE_TABLES
-from .case.tables.python_code import PythonCode
-from .case.tables.schema import CaseFile, Fidelity, Figure, GroundPoint, Mechanism, PointMass, Run
-from .case.tables.section_schema import DescribedSection
-from .case.tables.shell_schema import ShellBody, ShellInterface
-from .case.tables.signals import SIGNAL_TABLES
-from .case.tables.solid_schema import SolidBody
-from .case.tables.solver import Solver, Spin
-from .case.tables.sweeps import Sweep, Variation
-from .common.lay_up import Laminate, Ply
-from .common.material import MATERIAL_TABLES
-from .json_schema import referred, tables
-from .section.description import Direction, Region, SectionDescription
+from .case.tables.schema import CaseFile, Mechanism
+from .json_schema import FILES, reached, referred, tables
 from .section.mesh_table import SHAPE_MESHES, FileMesh, MeshTable
 from .section.shapes.library import SHAPES, walls
-from .shell import description as shell
-from .shell import loading
-from .solid.description import SOLID_TABLES, Bore, Plane, SolidInterface
 
-Models = Iterable[type[BaseModel]]
 HEAD = ["| key | type | unit | bounds | default | meaning |", "|---|---|---|---|---|---|"]
 IDENTITY = ("kind", "shape")  # keys that tell what a table is
 NUMBERS = ("exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum")
@@ -42,15 +23,21 @@ LEAST, MOST = ("minItems", "minLength", "minProperties"), ("maxItems", "maxLengt
 WORDS = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false"}
 
 
-def chapters(models: Models) -> list[str]:
-    """Return the lines of one chapter per model: its first line, its text, its keys."""
-    out = []
-    for table in tables(models)[0]:
-        first, _, rest = table.get("description", "").partition("\n")
-        out += [f"## {first.rstrip('.')}", ""]
-        if rest.strip():
-            out += [" ".join(rest.split()), ""]
-        out += [*keys(table), ""]
+def chapters(*models: type[BaseModel]) -> list[str]:
+    """Return the lines of a chapter for each model, and for each table to which they refer.
+
+    A chapter has the first line of the text of a model, the rest of it, and its keys. Meshes of
+    sections have chapters of their own.
+    """
+    out: list[str] = []
+    listed, known = tables(models)
+    meshes = {model.__name__ for model in SHAPE_MESHES.values()} | {FileMesh.__name__}
+    for table in [*listed, *reached(listed, known, {}).values()]:
+        if table["title"] not in meshes or table in listed:
+            first, _, rest = table.get("description", "").partition("\n")
+            out += [f"## {first.rstrip('.')}", ""]
+            out += [" ".join(rest.split()), ""] if rest.strip() else []
+            out += [*keys(table), ""]
     return out
 
 
@@ -135,11 +122,14 @@ def _direction(direction: Mapping[str, Any]) -> str:
     return "around the centre" if kind == "circle" else f"along the {value} contour"
 
 
-def section_keys() -> list[str]:
-    """Return the keys of a section description."""
+def page_keys(kind: str) -> list[str]:
+    """Return the keys of a description of a section, shell or solid."""
+    found = chapters(FILES[kind])
+    if kind != "section":
+        return found
     (mesh,), _ = tables([MeshTable])
     return [
-        *chapters((SectionDescription, Laminate, Ply, Region, Direction, *MATERIAL_TABLES)),
+        *found,
         "## `[mesh]`",
         "",
         "Either `shape` with the sizes below, or `file`. Keys for both:",
@@ -147,44 +137,21 @@ def section_keys() -> list[str]:
         *keys(mesh),
         "",
         *_shapes(),
-        *(line for line in chapters((FileMesh,)) if not line.startswith("| `degree`")),
+        *(line for line in chapters(FileMesh) if not line.startswith("| `degree`")),
     ]
 
 
-def shell_keys() -> list[str]:
-    """Return the keys of a shell description."""
-    return chapters((*shell.TABLES, *loading.TABLES, *MATERIAL_TABLES))
-
-
-def solid_keys() -> list[str]:
-    """Return the keys of a solid description."""
-    return chapters((*SOLID_TABLES, *MATERIAL_TABLES))
-
-
-PAGES = {
-    "section-description.md": section_keys,
-    "shell-description.md": shell_keys,
-    "solid-description.md": solid_keys,
-}
 BEGIN, END = "<!-- keys: begin -->\n", "<!-- keys: end -->"
 
 
-def with_keys(text: str, page: str) -> str:
-    """Return the text of one of PAGES with its keys written anew."""
+def with_keys(text: str, kind: str) -> str:
+    """Return the text of docs/KIND-description.md with its keys written anew."""
     head, rest = text.split(BEGIN)
-    return "\n".join([head + BEGIN, *PAGES[page](), END]) + rest.split(END)[1]
+    return "\n".join([head + BEGIN, *page_keys(kind), END]) + rest.split(END)[1]
 
 
 # Cases: the whole page.
 
-FIRST: Models = (CaseFile, Mechanism, *MATERIAL_TABLES)
-FLEXIBLE: Models = (DescribedSection, BeamBody, BeamLine, BeamStation, ShellBody, SolidBody)
-OTHERS: Models = (RigidBody, PackageBody, ImportedBody, *MODE_TABLES)
-FACES: Models = (BeamInterface, ShellInterface, SolidInterface, Bore, Plane)
-BETWEEN: Models = (PointInterface, GroundPoint, *JOINT_TABLES, *COUPLING_TABLES, *LAW_TABLES)
-FORCES: Models = (*FORCE_TABLES, CurveTable, TablePoints, PythonCode, PointMass, *SIGNAL_TABLES)
-RUNS: Models = (Solver, Spin, Fidelity, Run, Figure, Sweep, Variation)
-THEN: Models = (*FLEXIBLE, *OTHERS, *FACES, *BETWEEN, *FORCES, *RUNS)
 CASE = """\
 # The case file
 
@@ -208,12 +175,11 @@ _KIND = re.compile(r'kind = ("[^:]*")')
 
 def case_page() -> str:
     """Return docs/case-reference.md."""
-    found = [*chapters(FIRST), SECTIONS]
+    found = [*chapters(CaseFile, Mechanism), SECTIONS]
     for name, table in zip(SHAPE_MESHES, tables(SHAPE_MESHES.values())[0], strict=True):
         asked = [f"`{key}`" for key in table["required"] if key not in IDENTITY]
         found.append(f'- `shape = "{name}"`: {", ".join(asked)}')
-    found += ["", *chapters(THEN)]
-    return "\n".join([CASE, *_contents(found), *found])
+    return "\n".join([CASE, *_contents(found), *found, ""])
 
 
 def _contents(lines: list[str]) -> list[str]:
@@ -235,6 +201,6 @@ def _contents(lines: list[str]) -> list[str]:
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
     (folder / "case-reference.md").write_text(case_page(), encoding="utf-8")
-    for name in PAGES:
-        page = folder / name
-        page.write_text(with_keys(page.read_text(encoding="utf-8"), name), encoding="utf-8")
+    for kind in FILES:
+        page = folder / f"{kind}-description.md"
+        page.write_text(with_keys(page.read_text(encoding="utf-8"), kind), encoding="utf-8")

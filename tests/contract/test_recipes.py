@@ -30,7 +30,7 @@ except ValidationError as error:
 else:
     raise AssertionError
 """
-KEYS = "from plymotion.solver.inputs import manual; print(*manual.{}(), sep='\\n')"
+KEYS = "from plymotion.solver.inputs import manual; print(*manual.page_keys('{}'), sep='\\n')"
 PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 
 
@@ -75,7 +75,7 @@ def test_a_force_element(copy, page, repository, tmp_path):
 
 def test_a_section_shape(copy, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "section_shape.py"), str(tmp_path))
-    page = run_python(copy, repository, "-c", KEYS.format("section_keys"))
+    page = run_python(copy, repository, "-c", KEYS.format("section"))
     assert '### `shape = "square-tube"`' in page
     assert "| `side` | number | m | > 0 | required | outer width and height |" in page
 
@@ -87,7 +87,7 @@ def test_a_criterion(copy, repository):
 def test_a_shell_element(copy, repository):
     """In descriptions and their manual; tests/fe/test_shell_recipe.py computes with it."""
     run_python(copy, repository, "-c", DESCRIBED)
-    page = run_python(copy, repository, "-c", KEYS.format("shell_keys"))
+    page = run_python(copy, repository, "-c", KEYS.format("shell"))
     assert "centroid is linear, with the shear strain of its centroid" in page
 
 

@@ -94,4 +94,4 @@ def test_what_is_wrong_is_said_with_file_and_key(
 def test_the_manual_is_that_of_the_models(repository: Path) -> None:
     """`make docs` has been run."""
     page = (repository / "docs" / "solid-description.md").read_text()
-    assert with_keys(page, "solid-description.md") == page
+    assert with_keys(page, "solid") == page

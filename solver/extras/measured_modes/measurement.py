@@ -11,7 +11,7 @@ from pydantic import model_validator
 
 from ...errors import InputError, nearest
 from ...inputs.common import read_toml, validated
-from ...inputs.common.table import Name, Table, entry
+from ...inputs.common.table import Name, Table, entry, optional
 from ...math.arrays import Array, IntArray
 
 # Every key of a file of measured modes (docs/modes.md).
@@ -23,7 +23,7 @@ class MeasuredReference(Table):
     kind: Literal["clamped", "mean-axis"] = entry(
         "clamped: one interface was fixed to a rig; mean-axis: the body was free"
     )
-    at: Name | None = entry("interface that was held, if clamped", default=None)
+    at: Name | None = optional("interface that was held, if clamped")
 
     @model_validator(mode="after")
     def _place(self) -> "MeasuredReference":

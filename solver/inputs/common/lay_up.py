@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from ...errors import unknown
 from ...package.specification import PlyTable
-from .table import Name, Table, entry
+from .table import Name, Table, entry, optional
 
 Angle = Annotated[float, Field(ge=-90, le=90)]
 
@@ -22,10 +22,9 @@ class Ply(Table):
         "deg",
         0.0,
     )
-    thickness: float | None = entry(
+    thickness: float | None = optional(
         "of a section given for all plies of a laminate, or for none: the wall is divided equally",
         "m",
-        None,
         gt=0,
     )
     repeat: int = entry("how many of this ply in a row", default=1, ge=1, le=1000)
@@ -40,15 +39,12 @@ class Laminate(Table):
     symmetric = true.
     """
 
-    plies: list[Ply] | None = entry("the plies in their order", default=None, min_length=1)
-    material: Name | None = entry("short form: material of all plies", default=None)
-    angles_deg: list[Angle] | None = entry(
-        "short form: angle of each ply", "deg", None, min_length=1
-    )
-    ply_thickness: float | None = entry(
+    plies: list[Ply] | None = optional("the plies in their order", min_length=1)
+    material: Name | None = optional("short form: material of all plies")
+    angles_deg: list[Angle] | None = optional("short form: angle of each ply", "deg", min_length=1)
+    ply_thickness: float | None = optional(
         "short form: thickness of each ply; of a section absent: equal shares of the wall",
         "m",
-        None,
         gt=0,
     )
     repeat: int = entry("how many times the plies follow", default=1, ge=1, le=1000)
@@ -86,8 +82,8 @@ def _ply(material: str, angle_deg: float, thickness: float | None) -> PlyTable:
 class Content(Table):
     """Of what a region is made."""
 
-    laminate: Name | None = entry("name of a laminate", default=None)
-    material: Name | None = entry("name of a material: one thick ply", default=None)
+    laminate: Name | None = optional("name of a laminate")
+    material: Name | None = optional("name of a material: one thick ply")
 
     @model_validator(mode="after")
     def _one_content(self) -> Self:

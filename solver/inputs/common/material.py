@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ...package.common.materials import MaterialError, material_from_dict
 from ...package.common.strengths import read_strength
-from .table import Table, entry
+from .table import Table, entry, optional
 
 
 class YieldStrength(Table):
@@ -27,14 +27,14 @@ class PlyStrength(Table):
     Yt: float = entry("across the fibre in the ply, tension", "Pa", gt=0)
     Yc: float = entry("across the fibre in the ply, compression", "Pa", gt=0)
     S12: float = entry("shear in the ply", "Pa", gt=0)
-    Zt: float | None = entry("normal to the ply, tension; absent: Yt", "Pa", None, gt=0)
-    Zc: float | None = entry("normal to the ply, compression; absent: Yc", "Pa", None, gt=0)
-    S13: float | None = entry("shear 1-3; absent: S12", "Pa", None, gt=0)
-    S23: float | None = entry(
-        "shear 2-3; absent: 0.377 Yc, from the plane on which plies are crushed", "Pa", None, gt=0
+    Zt: float | None = optional("normal to the ply, tension; absent: Yt", "Pa", gt=0)
+    Zc: float | None = optional("normal to the ply, compression; absent: Yc", "Pa", gt=0)
+    S13: float | None = optional("shear 1-3; absent: S12", "Pa", gt=0)
+    S23: float | None = optional(
+        "shear 2-3; absent: 0.377 Yc, from the plane on which plies are crushed", "Pa", gt=0
     )
-    F12_star: float | None = entry(
-        "interaction of normal stresses in Tsai-Wu; absent: -0.5", "-", None, ge=-0.5, lt=1
+    F12_star: float | None = optional(
+        "interaction of normal stresses in Tsai-Wu; absent: -0.5", "-", ge=-0.5, lt=1
     )
 
 
@@ -49,15 +49,14 @@ class StressLife(Table):
         "stress amplitudes (half the range), descending", "Pa", min_length=2
     )
     cycles: list[float] = entry("cycles to failure at each amplitude, ascending", "-", min_length=2)
-    ultimate: float | None = entry(
+    ultimate: float | None = optional(
         "static strength of Goodman's line: a tensile mean m makes an amplitude count as 1 / (1 -"
         " m / ultimate) times as much; absent: means have no effect",
         "Pa",
-        None,
         gt=0,
     )
-    limit: float | None = entry(
-        "amplitude up to which cycles do no damage; absent: all do", "Pa", None, gt=0
+    limit: float | None = optional(
+        "amplitude up to which cycles do no damage; absent: all do", "Pa", gt=0
     )
 
     @model_validator(mode="after")
@@ -75,9 +74,9 @@ class StressLife(Table):
 class PlyFatigue(Table):
     """`[materials.NAME.fatigue]` of an orthotropic material: S-N lines of stresses in ply axes."""
 
-    fibre: StressLife | None = entry("of stress 11", default=None)
-    transverse: StressLife | None = entry("of stresses 22 and 33", default=None)
-    shear: StressLife | None = entry("of stresses 12, 13 and 23", default=None)
+    fibre: StressLife | None = optional("of stress 11")
+    transverse: StressLife | None = optional("of stresses 22 and 33")
+    shear: StressLife | None = optional("of stresses 12, 13 and 23")
 
 
 class IsotropicMaterial(Table):
@@ -87,11 +86,9 @@ class IsotropicMaterial(Table):
     E: float = entry("Young's modulus", "Pa", gt=0)
     nu: float = entry("Poisson's ratio", "-", gt=-1, lt=0.5)
     rho: float = entry("density", "kg/m3", gt=0)
-    strength: YieldStrength | None = entry(
-        "strength, for the margins of recovered stresses", default=None
-    )
-    fatigue: StressLife | None = entry(
-        "S-N line of any of its stresses, for Miner sums of signals", default=None
+    strength: YieldStrength | None = optional("strength, for the margins of recovered stresses")
+    fatigue: StressLife | None = optional(
+        "S-N line of any of its stresses, for Miner sums of signals"
     )
 
 
@@ -113,25 +110,11 @@ class OrthotropicMaterial(Table):
     nu13: float = entry("Poisson's ratio 1-3", "-")
     nu23: float = entry("Poisson's ratio 2-3", "-")
     rho: float = entry("density", "kg/m3", gt=0)
-    strength: PlyStrength | None = entry(
-        "strengths, for the margins of recovered stresses", default=None
-    )
-    fatigue: PlyFatigue | None = entry(
-        "S-N lines of its stresses, for Miner sums of signals", default=None
-    )
+    strength: PlyStrength | None = optional("strengths, for the margins of recovered stresses")
+    fatigue: PlyFatigue | None = optional("S-N lines of its stresses, for Miner sums of signals")
 
 
 Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind")]
-
-# In the order of a manual.
-MATERIAL_TABLES: tuple[type[Table], ...] = (
-    IsotropicMaterial,
-    YieldStrength,
-    OrthotropicMaterial,
-    PlyStrength,
-    PlyFatigue,
-    StressLife,
-)
 
 
 def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:

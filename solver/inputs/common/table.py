@@ -43,6 +43,11 @@ def entry(meaning: str, unit: str = "", default: Any = ..., **bounds: Any) -> An
     return Field(default=default, description=meaning, json_schema_extra=extra, **bounds)
 
 
+def optional(meaning: str, unit: str = "", **bounds: Any) -> Any:
+    """Return a key that may be absent, without a default; see `entry`."""
+    return entry(meaning, unit, None, **bounds)
+
+
 class Table(BaseModel):
     """A table of an input file: unknown keys are errors; true, false and "1" are no numbers.
 

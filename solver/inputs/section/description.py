@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from ..common import validated
 from ..common.lay_up import Angle, Content, Laminate
 from ..common.material import Material
-from ..common.table import Name, Pair, Table, entry
+from ..common.table import Name, Pair, Table, entry, optional
 from .mesh_table import Mesh
 
 Curvature = Annotated[list[float], Field(min_length=3, max_length=3)]
@@ -24,16 +24,15 @@ class Direction(Table):
     outward normal y3 of the wall. The first ply is on the side of y3.
     """
 
-    vector: Pair | None = entry(
-        "y2, of any length; (1, 0) for a top wall, (0, -1) for a right wall", "-", None
+    vector: Pair | None = optional(
+        "y2, of any length; (1, 0) for a top wall, (0, -1) for a right wall", "-"
     )
-    curve: str | None = entry(
+    curve: str | None = optional(
         "name of a physical curve of the mesh: the outer surface of the region. y2 is its "
-        "tangent; the depth of a ply is the distance from it",
-        default=None,
+        "tangent; the depth of a ply is the distance from it"
     )
-    circle: Pair | None = entry(
-        "centre of a round wall; the outward direction is away from it", "m", None
+    circle: Pair | None = optional(
+        "centre of a round wall; the outward direction is away from it", "m"
     )
 
     @model_validator(mode="after")
@@ -52,13 +51,12 @@ class Region(Content):
     `all` applies to every region without its own table.
     """
 
-    angle_deg: Angle | None = entry(
-        "with `material`: fibre direction as in a ply; absent: 0", "deg", None
+    angle_deg: Angle | None = optional(
+        "with `material`: fibre direction as in a ply; absent: 0", "deg"
     )
-    direction: Direction | None = entry(
+    direction: Direction | None = optional(
         "layer direction. Absent: the wall's own in a library shape; x2 for one material along "
-        "x1; required for a laminate or an angle in a mesh of your own",
-        default=None,
+        "x1; required for a laminate or an angle in a mesh of your own"
     )
 
     @model_validator(mode="after")
@@ -73,8 +71,8 @@ class SectionDescription(Table):
 
     format: Literal[1] = entry("version of this format")
     title: str = entry("one line")
-    convention: Literal["contour", "cartesian"] | None = entry(
-        "sign convention of ply angles; required if one of them is not 0", default=None
+    convention: Literal["contour", "cartesian"] | None = optional(
+        "sign convention of ply angles; required if one of them is not 0"
     )
     allow: list[
         Literal["nearly-incompressible", "ill-conditioned", "material-units", "size-units"]
@@ -84,16 +82,13 @@ class SectionDescription(Table):
         "unusual materials or sizes are meant",
         default=[],
     )
-    initial_curvature: Curvature | None = entry(
+    initial_curvature: Curvature | None = optional(
         "k1, k2, k3: initial twist and curvature of the reference line, k1 > 0 right-handed; k3 >"
         " 0 has its centre at x2 = 1/k3, k2 > 0 at x3 = -1/k2; absent: prismatic",
         "rad/m",
-        None,
     )
-    taper: float | None = entry(
-        "relative change of the size of the section per length; its neglect is estimated",
-        "1/m",
-        None,
+    taper: float | None = optional(
+        "relative change of the size of the section per length; its neglect is estimated", "1/m"
     )
     mesh: Mesh = entry("a shape of the library, or a mesh file")
     materials: dict[Name, Material] = entry("elastic materials", min_length=1)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
-from ..common.table import Table, entry
+from ..common.table import Table, entry, optional
 from .shapes.library import SHAPES, Parameter, Shape
 
 FILE = "file"  # the member of a union that is not a shape
@@ -13,7 +13,7 @@ FILE = "file"  # the member of a union that is not a shape
 class MeshTable(Table):
     """Keys of every `[mesh]`."""
 
-    degree: Literal[1, 2, 3] | None = entry("of the warping in an element; absent: 2", default=None)
+    degree: Literal[1, 2, 3] | None = optional("of the warping in an element; absent: 2")
 
 
 class ShapeMesh(MeshTable):
@@ -34,16 +34,15 @@ class FileMesh(MeshTable):
         "path, relative to this file: gmsh's .msh or .geo, or any mesh that meshio reads (.inp "
         ".med .bdf .vtu .xdmf ...); its x and y are x2 and x3"
     )
-    scale: float | None = entry(
-        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", None, gt=0
+    scale: float | None = optional(
+        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", gt=0
     )
-    parameters: dict[str, float | list[float]] | None = entry(
-        '.geo only: numbers or lists for its DefineConstant entries "Parameters/KEY"', default=None
+    parameters: dict[str, float | list[float]] | None = optional(
+        '.geo only: numbers or lists for its DefineConstant entries "Parameters/KEY"'
     )
-    region_data: str | None = entry(
+    region_data: str | None = optional(
         "neither .msh nor .geo: cell data with the number of the region, named DATA-VALUE; "
-        "absent: named sets and groups, else the only integer cell data",
-        default=None,
+        "absent: named sets and groups, else the only integer cell data"
     )
 
 

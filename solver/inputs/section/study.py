@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
-from ..common import Table, entry, validated
+from ..common import Table, entry, optional, validated
 
 # Change of keys of a section description.
 
@@ -94,9 +94,9 @@ class Sweep(Table):
     """`[[sweep]]`: a key of the descriptions and its values."""
 
     key: str = entry("dotted key, as in a description", min_length=1)
-    values: list[Any] | None = entry("its values", default=None, min_length=1)
-    csv: str | None = entry("file with a value in each row", default=None)
-    names: list[FileName] | None = entry("a short name for each value", default=None)
+    values: list[Any] | None = optional("its values", min_length=1)
+    csv: str | None = optional("file with a value in each row")
+    names: list[FileName] | None = optional("a short name for each value")
 
     @model_validator(mode="after")
     def _one_source(self) -> "Sweep":

@@ -15,7 +15,7 @@ from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_wo
 from ..common import validated
 from ..common.lay_up import Content, Laminate, Ply
 from ..common.material import Material
-from ..common.table import Around, Axis, Name, Pair, Table, Vector, entry
+from ..common.table import Around, Axis, Name, Pair, Table, Vector, entry, optional
 from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
@@ -39,17 +39,15 @@ class Mesh(Table):
         "path, relative to this file: gmsh's .msh, a .geo script, a .py with build(gmsh, "
         "parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
     )
-    parameters: dict[str, bool | float | str | list[float]] | None = entry(
-        '.geo: values of its DefineConstant entries "Parameters/KEY"; .py: what build gets',
-        default=None,
+    parameters: dict[str, bool | float | str | list[float]] | None = optional(
+        '.geo: values of its DefineConstant entries "Parameters/KEY"; .py: what build gets'
     )
-    scale: float | None = entry(
-        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", None, gt=0
+    scale: float | None = optional(
+        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", gt=0
     )
-    element: Literal["triangle", "quadrilateral"] | None = entry(
+    element: Literal["triangle", "quadrilateral"] | None = optional(
         "quadrilateral: pairs of triangles become quadrilaterals, as far as their angles allow; "
-        "triangle: a mesh with others is an error; absent: the cells of the mesh",
-        default=None,
+        "triangle: a mesh with others is an error; absent: the cells of the mesh"
     )
     refine: int = entry(REFINE, default=0, ge=0, le=MOST_REFINED)
 
@@ -68,8 +66,8 @@ class ShellLaminate(Laminate):
     angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
 
-    plies: list[ShellPly] | None = entry(  # type: ignore[assignment]
-        "the plies, bottom one first", default=None, min_length=1
+    plies: list[ShellPly] | None = optional(  # type: ignore[assignment]
+        "the plies, bottom one first", min_length=1
     )
     offset: Offset = entry(
         "position of the mesh in the laminate: mid-plane, top or bottom face; a number: height of"
@@ -104,18 +102,15 @@ class Region(Content):
     `all` applies to every physical surface without its own table.
     """
 
-    thickness: float | None = entry("with `material`", "m", None, gt=0)
-    offset: Offset | None = entry("with `material`, as in a laminate; absent: mid", "m", None)
-    axis: Axis | None = entry(
+    thickness: float | None = optional("with `material`", "m", gt=0)
+    offset: Offset | None = optional("with `material`, as in a laminate; absent: mid", "m")
+    axis: Axis | None = optional(
         "reference direction of the plies: e1 is its projection on the shell. Absent: x, or y "
         "where the normal is along x",
         "-",
-        None,
     )
-    axis_curve: str | None = entry(
-        "instead: a physical curve, e1 follows its nearest edge", default=None
-    )
-    axis_about: AxisAbout | None = entry("instead: around an axis", default=None)
+    axis_curve: str | None = optional("instead: a physical curve, e1 follows its nearest edge")
+    axis_about: AxisAbout | None = optional("instead: around an axis")
     flip: bool = entry(
         "true: the normal e3 of the shell is opposite to that of the mesh; the plies start at the"
         " other face",
@@ -169,10 +164,9 @@ class Elements(Table):
     drilling_factor: float = entry(
         "of the drilling stiffness", default=elements.DRILLING_FACTOR, gt=0
     )
-    quadrilateral: Quad | None = entry(
+    quadrilateral: Quad | None = optional(
         f"bending and transverse shear of quadrilaterals: {in_words(QUADS)}; absent: "
-        f"{elements.QUAD}",
-        default=None,
+        f"{elements.QUAD}"
     )
     mass_form: Literal["consistent", "lumped"] = entry("mass matrix", default="consistent")
 
@@ -185,20 +179,17 @@ class Stiffener(Table):
     """
 
     at: str = entry("physical curve")
-    section: str | None = entry(
-        "path of a section description, relative to this file", default=None
-    )
-    stiffness: Matrix | None = entry(
+    section: str | None = optional("path of a section description, relative to this file")
+    stiffness: Matrix | None = optional(
         "instead: the section's 6x6 stiffness, extension, shear 2, shear 3, twist, bending 2, "
         "bending 3",
         "N, N m, N m2",
-        None,
     )
-    mass: Matrix | None = entry(
-        "with `stiffness`: 6x6 mass per length, same order", "kg/m, kg, kg m", None
+    mass: Matrix | None = optional(
+        "with `stiffness`: 6x6 mass per length, same order", "kg/m, kg, kg m"
     )
-    x2_axis: Vector | None = entry(
-        "instead of the normal: direction of x2, made normal to the curve", "-", None
+    x2_axis: Vector | None = optional(
+        "instead of the normal: direction of x2, made normal to the curve", "-"
     )
     offset: Pair = entry(
         "position of the section's reference point from the edge, along x2 and x3", "m", [0.0, 0.0]
@@ -237,8 +228,8 @@ class ShellDescription(Table):
         "`[loads.CASE.NAME]`: load cases, each the sum of its loads", default={}
     )
     probes: dict[Name, Probe] = entry("values to show for each load case", default={})
-    frequencies: Frequencies | None = entry("natural frequencies; absent: none", default=None)
-    buckling: Buckling | None = entry("load factors of buckling; absent: none", default=None)
+    frequencies: Frequencies | None = optional("natural frequencies; absent: none")
+    buckling: Buckling | None = optional("load factors of buckling; absent: none")
 
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
@@ -262,12 +253,6 @@ class ShellDescription(Table):
         if self.loads and not self.supports:
             raise ValueError("loads without supports: expected at least one table [supports.NAME]")
         return self
-
-
-# In the order of a manual.
-TABLES: tuple[type[Table], ...] = (
-    *(ShellDescription, Mesh, ShellLaminate, ShellPly, Region, AxisAbout, Elements, Stiffener),
-)
 
 
 def checked(table: dict[str, Any], file: Path) -> ShellDescription:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from ...package.specification import ShellLinkKind
-from ..common.table import Table, Vector, entry
+from ..common.table import Table, Vector, entry, optional
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -38,7 +38,7 @@ class Link(Table):
         "of the group, and its loads are distributed over the group; section: its loads are the "
         "stresses in the walls of a thin-walled section, for an open end: a curve"
     )
-    point: Vector | None = entry("the reference point; absent: centre of the group", "m", None)
+    point: Vector | None = optional("the reference point; absent: centre of the group", "m")
 
 
 class Support(Table):
@@ -54,10 +54,9 @@ class Support(Table):
         "displacements and rotations along and about x, y, z; symmetry-x: the plane normal to x "
         "is a plane of symmetry"
     )
-    only: Literal["loads", "modes"] | None = entry(
+    only: Literal["loads", "modes"] | None = optional(
         "loads: in load cases only, such as the prestress of buckling; modes: in natural modes "
-        "and buckling only; absent: in all",
-        default=None,
+        "and buckling only; absent: in all"
     )
 
     @property
@@ -71,32 +70,28 @@ class Support(Table):
 class Load(Table):
     """`[loads.CASE.NAME]`: one load of a case; one of the values below."""
 
-    at: str | None = entry(
+    at: str | None = optional(
         "physical point, curve or surface, or a link; absent: the whole shell, for gravity, "
-        "pressure and force_per_area",
-        default=None,
+        "pressure and force_per_area"
     )
-    force: Vector | None = entry(
+    force: Vector | None = optional(
         "total force, distributed by length of a curve, by area of a surface, or equally by points",
         "N",
-        None,
     )
-    moment: Vector | None = entry("total moment, same distribution", "N m", None)
-    force_per_length: Vector | None = entry("on a curve", "N/m", None)
-    force_per_area: Vector | None = entry("on a surface", "N/m2", None)
-    pressure: float | None = entry("on a surface, along the normal e3 of its region", "Pa", None)
-    sine: Vector | None = entry(
+    moment: Vector | None = optional("total moment, same distribution", "N m")
+    force_per_length: Vector | None = optional("on a curve", "N/m")
+    force_per_area: Vector | None = optional("on a surface", "N/m2")
+    pressure: float | None = optional("on a surface, along the normal e3 of its region", "Pa")
+    sine: Vector | None = optional(
         "with force_per_area or pressure: [a, b, c] multiplies them by sin(pi x/a) sin(pi y/b) "
         "sin(pi z/c); a 0 omits its factor",
         "m",
-        None,
     )
-    gravity: Vector | None = entry("acceleration of gravity, on the whole shell", "m/s2", None)
+    gravity: Vector | None = optional("acceleration of gravity, on the whole shell", "m/s2")
 
-    motion: Annotated[dict[Freedom, float], Field(min_length=1)] | None = entry(
+    motion: Annotated[dict[Freedom, float], Field(min_length=1)] | None = optional(
         "displacement of components that a support holds, instead of 0: motion = { uz = 1e-3 }",
         "m, rad",
-        None,
     )
 
     @model_validator(mode="after")
@@ -119,9 +114,9 @@ class Load(Table):
 class Probe(Table):
     """`[probes.NAME]`: values to show for each load case."""
 
-    at: str | None = entry("physical point, curve or surface (mean value), or a link", default=None)
-    near: Vector | None = entry(
-        "instead: the nearest node, or for resultants the nearest cell", "m", None
+    at: str | None = optional("physical point, curve or surface (mean value), or a link")
+    near: Vector | None = optional(
+        "instead: the nearest node, or for resultants the nearest cell", "m"
     )
     what: Annotated[
         list[Asked],
@@ -141,13 +136,12 @@ class Frequencies(Table):
 
     count: int = entry("number of modes, from the lowest", default=6, ge=1, le=1000)
     free: bool = entry("true: without the supports; six frequencies are then 0", default=False)
-    prestress: str | None = entry(
-        "name of a load case: the modes of the shell under its stresses", default=None
+    prestress: str | None = optional(
+        "name of a load case: the modes of the shell under its stresses"
     )
-    error: bool | None = entry(
+    error: bool | None = optional(
         "whether to estimate the errors of the mesh, by a mesh of half the cell size; absent: up "
-        "to 4000 unknowns, and with `prestress`",
-        default=None,
+        "to 4000 unknowns, and with `prestress`"
     )
 
 
@@ -155,12 +149,8 @@ class Buckling(Table):
     """`[buckling]`: load factors of linear buckling, also with `--buckling`."""
 
     count: int = entry("of factors of each load case", default=4, ge=1, le=100)
-    cases: list[str] | None = entry(
-        "load cases that are multiplied; absent: all but `constant`", default=None
-    )
-    constant: str | None = entry(
-        "load case whose stresses are there and are not multiplied", default=None
-    )
+    cases: list[str] | None = optional("load cases that are multiplied; absent: all but `constant`")
+    constant: str | None = optional("load case whose stresses are there and are not multiplied")
     in_plane: bool = entry(
         "false: without the work of the prestress on rotations about the normal, as in tables of "
         "plates",
@@ -169,7 +159,3 @@ class Buckling(Table):
     error: bool = entry(
         "whether to estimate the errors of the mesh, by a mesh of half the cell size", default=True
     )
-
-
-# In the order of a manual.
-TABLES: tuple[type[Table], ...] = (Link, Support, Load, Probe, Frequencies, Buckling)

@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from ...package.specification import LinkKind
 from ..common.material import Material
-from ..common.table import Around, Axis, FilePath, Name, Table, Vector, entry
+from ..common.table import Around, Axis, FilePath, Name, Table, Vector, entry, optional
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 
@@ -21,25 +21,23 @@ class SolidMesh(Table):
         "path, relative to this file: STEP, IGES or BREP; a .geo script; gmsh's .msh of "
         "tetrahedra or hexahedra"
     )
-    size: float | None = entry(
+    size: float | None = optional(
         "of the cells of a CAD file, smaller at small radii; absent: a twentieth of the diagonal",
         "m",
-        None,
         gt=0,
     )
-    accuracy: float | None = entry(
+    accuracy: float | None = optional(
         "the cells of a CAD file become smaller until the estimated error of the first six "
         "frequencies of the free body is below this",
         "-",
-        None,
         gt=0,
         lt=1,
     )
-    unit: Literal["m", "cm", "mm", "in"] | None = entry(
-        "of length in the file; absent: STEP and IGES files have one", default=None
+    unit: Literal["m", "cm", "mm", "in"] | None = optional(
+        "of length in the file; absent: STEP and IGES files have one"
     )
-    parameters: dict[str, float | list[float]] | None = entry(
-        'values of the DefineConstant entries "Parameters/KEY" of a .geo', default=None
+    parameters: dict[str, float | list[float]] | None = optional(
+        'values of the DefineConstant entries "Parameters/KEY" of a .geo'
     )
 
 
@@ -54,9 +52,9 @@ class SolidRegion(Table):
     """
 
     material: Name = entry("name of a material")
-    axis: Axis | None = entry("axis 1 of an orthotropic material", "-", None)
-    normal: Axis | None = entry("axis 3, as far as it is normal to axis 1", "-", None)
-    axis_about: AxisAbout | None = entry("axes that follow a cylinder", default=None)
+    axis: Axis | None = optional("axis 1 of an orthotropic material", "-")
+    normal: Axis | None = optional("axis 3, as far as it is normal to axis 1", "-")
+    axis_about: AxisAbout | None = optional("axes that follow a cylinder")
 
 
 class Bore(Table):
@@ -65,11 +63,10 @@ class Bore(Table):
     radius: float = entry("of the cylinder", "m", gt=0)
     point: Vector = entry("on its axis", "m")
     direction: Axis = entry("of its axis, of any length", "-")
-    length: float | None = entry(
+    length: float | None = optional(
         "faces within this length along the axis, half of it on both sides of the point; absent: "
         "all on the cylinder",
         "m",
-        None,
         gt=0,
     )
 
@@ -84,15 +81,15 @@ class Plane(Table):
 class SolidInterface(Table):
     """`[interfaces.NAME]` of a solid: outer faces, by one of `bore`, `plane` and `at`."""
 
-    bore: Bore | None = entry("faces on a cylinder", default=None)
-    plane: Plane | None = entry("faces in a plane", default=None)
-    at: str | None = entry("physical surface of a script or mesh", default=None)
+    bore: Bore | None = optional("faces on a cylinder")
+    plane: Plane | None = optional("faces in a plane")
+    at: str | None = optional("physical surface of a script or mesh")
     link: LinkKind = entry(
         "rigid: the faces move as a rigid body; average: the interface follows their mean motion,"
         " and its loads are distributed over them by area",
         default="rigid",
     )
-    position: Vector | None = entry("reference point; absent: the centre of the faces", "m", None)
+    position: Vector | None = optional("reference point; absent: the centre of the faces", "m")
     rotation_deg: Vector = entry(
         "rotation vector from body to interface axes", "deg", [0.0, 0.0, 0.0]
     )
@@ -110,10 +107,10 @@ class SolidInterface(Table):
 class SolidLoad(Table):
     """`[loads.CASE.NAME]`: at an interface, or an acceleration of the whole solid."""
 
-    at: Name | None = entry("name of an interface", default=None)
-    force: Vector | None = entry("at its reference point", "N", None)
-    moment: Vector | None = entry("about its reference point", "N m", None)
-    gravity: Vector | None = entry("weight of the solid, without `at`", "m/s2", None)
+    at: Name | None = optional("name of an interface")
+    force: Vector | None = optional("at its reference point", "N")
+    moment: Vector | None = optional("about its reference point", "N m")
+    gravity: Vector | None = optional("weight of the solid, without `at`", "m/s2")
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -146,10 +143,3 @@ class SolidDescription(Table):
     supports: list[Name] = entry("interfaces that are held, with rigid links", default=[])
     loads: dict[Name, dict[Name, SolidLoad]] = entry("load cases", default={})
     frequencies: SolidFrequencies = entry("natural frequencies", default=SolidFrequencies())
-
-
-# In the order of a manual.
-SOLID_TABLES: tuple[type[Table], ...] = (
-    *(SolidDescription, SolidMesh, SolidRegion, AxisAbout, SolidInterface, Bore, Plane),
-    *(SolidLoad, SolidFrequencies),
-)

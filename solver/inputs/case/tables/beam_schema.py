@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from ....math.definite import is_positive_definite
 from ....package.specification import MassForm, Theory
-from ...common.table import FilePath, Name, Pair, Table, Vector, entry, usable_path
+from ...common.table import FilePath, Name, Pair, Table, Vector, entry, optional, usable_path
 from .beam_table import with_beam_table
 from .body_schema import DAMPING, Deformed, Reducible
 from .columns import FOLDER, RESOLVED
@@ -59,24 +59,20 @@ class BeamLine(Table):
     An arc has the given `length` and begins along body x. A spline and nodes have a length.
     """
 
-    arc_deg: float | None = entry(
-        "angle of an arc: the tangent turns by it about `axis`", "deg", None
-    )
+    arc_deg: float | None = optional("angle of an arc: the tangent turns by it about `axis`", "deg")
     axis: Vector = entry("axis of an arc in the body frame, normal to x", "-", [0.0, 0.0, 1.0])
-    points: list[Vector] | None = entry(
-        "of a cubic spline, in the body frame", "m", None, min_length=2
+    points: list[Vector] | None = optional(
+        "of a cubic spline, in the body frame", "m", min_length=2
     )
-    nodes: list[Vector] | None = entry(
+    nodes: list[Vector] | None = optional(
         "of straight elements, in the body frame; interfaces and stations take the nearest",
         "m",
-        None,
         min_length=2,
     )
-    x2_axes: list[Vector] | None = entry(
+    x2_axes: list[Vector] | None = optional(
         "with nodes: direction of the section's x2 in each element; its part normal to the "
         "element counts",
         "-",
-        None,
         min_length=1,
     )
 
@@ -95,14 +91,12 @@ class BeamStation(Table):
     """One entry of `stations` of a beam: another section along it, or its matrices."""
 
     at: float = entry("fraction of the length")
-    section: Name | None = entry("name of a section; absent: `stiffness` and `mass`", default=None)
-    stiffness: Stiffness | None = entry(
-        "6x6 of a section of your own (docs/conventions.md), about the line", "N, N m, N m2", None
+    section: Name | None = optional("name of a section; absent: `stiffness` and `mass`")
+    stiffness: Stiffness | None = optional(
+        "6x6 of a section of your own (docs/conventions.md), about the line", "N, N m, N m2"
     )
-    mass: Symmetric | None = entry(
-        "6x6 per length, of velocities along and rates about the section axes",
-        "kg/m, kg, kg m",
-        None,
+    mass: Symmetric | None = optional(
+        "6x6 per length, of velocities along and rates about the section axes", "kg/m, kg, kg m"
     )
     trapeze: list[float] = entry(
         "with them: strains of a section twisted by 1 rad/m, times -2; the tension of a spinning "
@@ -112,8 +106,8 @@ class BeamStation(Table):
         min_length=6,
         max_length=6,
     )
-    material: Name | None = entry("absent: that of the body", default=None)
-    ply_angle_deg: float | None = entry("absent: that of the body", "deg", None, ge=-90, le=90)
+    material: Name | None = optional("absent: that of the body")
+    ply_angle_deg: float | None = optional("absent: that of the body", "deg", ge=-90, le=90)
 
     @model_validator(mode="after")
     def _section_or_matrices(self) -> "BeamStation":
@@ -127,16 +121,14 @@ class BeamBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "beam": from the origin along body x, or along `line`."""
 
     kind: Literal["beam"]
-    length: float | None = entry(
+    length: float | None = optional(
         "length along the beam; required, except for a line of points or nodes, which has a length",
         "m",
-        None,
         gt=0,
     )
-    line: BeamLine | None = entry(
+    line: BeamLine | None = optional(
         "curved reference line: an arc, a spline through points, or given nodes; absent: straight"
-        " along x",
-        default=None,
+        " along x"
     )
     twist_deg: list[Pair] = entry(
         "pairs of a fraction of the length and the rotation of the section there about the line; "
@@ -144,15 +136,13 @@ class BeamBody(Reducible, Deformed):
         "deg",
         [],
     )
-    table: FilePath | None = entry(
+    table: FilePath | None = optional(
         "instead of length, line, twist_deg, section and stations: a CSV file with places, twist,"
         " 6x6 stiffness and mass along the beam (docs/blade.md), relative to the case file; "
-        "`elements` then has a default of two between stations",
-        default=None,
+        "`elements` then has a default of two between stations"
     )
-    section: Name | None = entry(
-        "name of a section; with `stations`, of the one at the start; required without `table`",
-        default=None,
+    section: Name | None = optional(
+        "name of a section; with `stations`, of the one at the start; required without `table`"
     )
     stations: list[BeamStation] = entry(
         "other sections along the beam; stiffness and mass are linear between them", default=[]
@@ -164,14 +154,13 @@ class BeamBody(Reducible, Deformed):
         ge=1,
         le=500,
     )
-    material: Name | None = entry(
-        "name of a material; required by a shape, absent with a described section", default=None
+    material: Name | None = optional(
+        "name of a material; required by a shape, absent with a described section"
     )
-    ply_angle_deg: float | None = entry(
+    ply_angle_deg: float | None = optional(
         "fibre direction from x1 towards x2 about the outward normal x3, in solid shapes; absent:"
         " 0",
         "deg",
-        None,
         ge=-90,
         le=90,
     )
@@ -186,8 +175,8 @@ class BeamBody(Reducible, Deformed):
         "vibrating wide strips with bending-twist coupling)",
         default="timoshenko",
     )
-    part_of: Name | None = entry(
-        "of a segment, written by `check`: the body that it is a part of", default=None
+    part_of: Name | None = optional(
+        "of a segment, written by `check`: the body that it is a part of"
     )
     mass_form: MassForm = entry(
         "inertia from consistent mass, or lumped (the paper)", default="consistent"

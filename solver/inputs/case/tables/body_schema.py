@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from ...common.table import FilePath, Name, Table, Vector, entry
+from ...common.table import FilePath, Name, Table, Vector, entry, optional
 from .modes import Modes
 
 
@@ -16,10 +16,9 @@ class Reducible(Table):
         "resultants and stresses are then 0",
         default=False,
     )
-    reduced: list[Modes] | None = entry(
+    reduced: list[Modes] | None = optional(
         "the modes that the run uses, as in `modes`: vibrations of the package, and static shapes"
         " rebuilt from all its modes; absent: all modes of the package",
-        default=None,
         min_length=1,
     )
 
@@ -41,14 +40,13 @@ class Placed(Table):
     rotation_deg: Vector = entry(
         "rotation vector from global to body axes at the start", "deg", [0.0, 0.0, 0.0]
     )
-    velocity: Vector | None = entry(
-        "of the frame origin at the start, global; absent: follows from the joints", "m/s", None
+    velocity: Vector | None = optional(
+        "of the frame origin at the start, global; absent: follows from the joints", "m/s"
     )
-    angular_velocity: Vector | None = entry(
+    angular_velocity: Vector | None = optional(
         "of the frame at the start, body axes; absent: follows from the joints with minimum "
         "kinetic energy",
         "rad/s",
-        None,
     )
 
 

@@ -11,7 +11,7 @@ from ....dynamics.elements.forces.table import FORCES
 from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
-from ...common.table import Axis, Name, Table, entry
+from ...common.table import Axis, Name, Table, entry, optional
 from .laws import CurveTable, LoadLaw, RotationDrive, TranslationDrive
 from .python_code import PythonCode
 from .signals import JointCoordinate
@@ -104,9 +104,8 @@ class CouplingTable(Table):
     """Keys of every coupling."""
 
     joints: list[Name] = entry("names of two joints", min_length=2, max_length=2)
-    coordinates: list[JointCoordinate] | None = entry(
+    coordinates: list[JointCoordinate] | None = optional(
         "of these joints; absent: the only rotation or displacement that each has",
-        default=None,
         min_length=2,
         max_length=2,
     )
@@ -144,15 +143,10 @@ class LoadTable(Table):
 class CoordinateTable(Table):
     """Keys of every force along a coordinate."""
 
-    joint: Name | None = entry(
-        "the joint whose coordinate it acts along; or `between`", default=None
-    )
-    coordinate: JointCoordinate | None = entry(
-        "of the joint; absent: the only one that it has", default=None
-    )
-    between: list[str] | None = entry(
+    joint: Name | None = optional("the joint whose coordinate it acts along; or `between`")
+    coordinate: JointCoordinate | None = optional("of the joint; absent: the only one that it has")
+    between: list[str] | None = optional(
         "in place of `joint`, two places: the coordinate is their distance",
-        default=None,
         min_length=2,
         max_length=2,
     )

@@ -9,20 +9,19 @@ from ....errors import printable
 from ....math import laws
 from ....math.curves import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import column
-from ...common.table import FilePath, Table, entry
+from ...common.table import FilePath, Table, entry, optional
 from .columns import FOLDER, RESOLVED, Times, read_columns
 
 
 class TimeTable(Table):
     """Points of a law of time."""
 
-    file: FilePath | None = entry(
+    file: FilePath | None = optional(
         "instead of `times` and `values`: a text file of two columns, time and value, separated "
-        "by commas; path relative to the case file",
-        default=None,
+        "by commas; path relative to the case file"
     )
-    times: Times | None = entry("ascending, from 0 or before", "s", None)
-    values: Times | None = entry("as many as times", default=None)
+    times: Times | None = optional("ascending, from 0 or before", "s")
+    values: Times | None = optional("as many as times")
 
     @model_validator(mode="before")
     @classmethod
@@ -113,17 +112,15 @@ class RotationDrive(_Law):
     of the second place relative to the first.
     """
 
-    speed: float | None = entry("constant angular velocity", "rad/s", None)
-    ramp: Ramp | None = entry("from rest to a constant speed", default=None)
+    speed: float | None = optional("constant angular velocity", "rad/s")
+    ramp: Ramp | None = optional("from rest to a constant speed")
     angle: float = entry("angle at t = 0 of speed and ramp", "rad", 0.0)
-    polynomial: Coefficients | None = entry(
-        "c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ...", "rad, rad/s, ...", None
+    polynomial: Coefficients | None = optional(
+        "c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ...", "rad, rad/s, ..."
     )
-    table: DriveTable | None = entry("angles [rad] at given times", default=None)
-    smooth_step: SmoothStep | None = entry("from 0 to an angle", default=None)
-    expression: str | None = entry(
-        "of the time `t` and of parameters, see mechanisms.md", "rad", None
-    )
+    table: DriveTable | None = optional("angles [rad] at given times")
+    smooth_step: SmoothStep | None = optional("from 0 to an angle")
+    expression: str | None = optional("of the time `t` and of parameters, see mechanisms.md", "rad")
 
 
 class TranslationDrive(_Law):
@@ -133,42 +130,29 @@ class TranslationDrive(_Law):
     displacements of the second place relative to the first.
     """
 
-    speed: float | None = entry("constant speed", "m/s", None)
-    ramp: Ramp | None = entry("from rest to a constant speed", default=None)
+    speed: float | None = optional("constant speed", "m/s")
+    ramp: Ramp | None = optional("from rest to a constant speed")
     displacement: float = entry("displacement at t = 0 of speed and ramp", "m", 0.0)
-    polynomial: Coefficients | None = entry(
-        "c0, c1, ... of displacement = c0 + c1 t + c2 t^2 + ...", "m, m/s, ...", None
+    polynomial: Coefficients | None = optional(
+        "c0, c1, ... of displacement = c0 + c1 t + c2 t^2 + ...", "m, m/s, ..."
     )
-    table: DriveTable | None = entry("displacements [m] at given times", default=None)
-    smooth_step: SmoothStep | None = entry("from 0 to a displacement", default=None)
-    expression: str | None = entry(
-        "of the time `t` and of parameters, see mechanisms.md", "m", None
-    )
+    table: DriveTable | None = optional("displacements [m] at given times")
+    smooth_step: SmoothStep | None = optional("from 0 to a displacement")
+    expression: str | None = optional("of the time `t` and of parameters, see mechanisms.md", "m")
 
 
 class LoadLaw(_Law):
     """`law` of a load, `actuator` of a spring: a force or torque over time."""
 
-    constant: float | None = entry("the same at all times", "N or N m", None)
-    polynomial: Coefficients | None = entry(
-        "c0, c1, ... of c0 + c1 t + c2 t^2 + ...", "N, N/s, ...", None
+    constant: float | None = optional("the same at all times", "N or N m")
+    polynomial: Coefficients | None = optional(
+        "c0, c1, ... of c0 + c1 t + c2 t^2 + ...", "N, N/s, ..."
     )
-    table: LoadTable | None = entry("values at given times", default=None)
-    smooth_step: SmoothStep | None = entry("from 0 to a value", default=None)
-    expression: str | None = entry(
-        "of the time, coordinates and parameters, see mechanisms.md", "N or N m", None
+    table: LoadTable | None = optional("values at given times")
+    smooth_step: SmoothStep | None = optional("from 0 to a value")
+    expression: str | None = optional(
+        "of the time, coordinates and parameters, see mechanisms.md", "N or N m"
     )
-
-
-LAW_TABLES: tuple[type[Table], ...] = (
-    RotationDrive,
-    TranslationDrive,
-    LoadLaw,
-    Ramp,
-    SmoothStep,
-    DriveTable,
-    LoadTable,
-)
 
 
 def with_columns(data: Any, info: ValidationInfo, keys: tuple[str, str]) -> Any:
@@ -207,13 +191,12 @@ class CurveTable(Table):
 class TablePoints(Table):
     """`[tables.NAME]`: a curve through points, which expressions call as `NAME(...)`."""
 
-    file: FilePath | None = entry(
+    file: FilePath | None = optional(
         "instead of `x` and `y`: a text file of two columns, separated by commas; path relative "
-        "to the case file",
-        default=None,
+        "to the case file"
     )
-    x: Times | None = entry("ascending", default=None)
-    y: Times | None = entry("as many as x", default=None)
+    x: Times | None = optional("ascending")
+    y: Times | None = optional("as many as x")
     interpolation: Interpolation = entry(
         "straight lines; a cubic spline; or a cubic without overshoot between points (pchip)",
         default="cubic",

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ....errors import nearest
 from ....package.specification import DIRECTIONS, Direction, ModeKind, ReferenceKind, SpinningKind
-from ...common.table import Name, Table, entry
+from ...common.table import Name, Table, entry, optional
 
 DEFAULT_PLACE = "root"  # of a clamped frame
 
@@ -20,10 +20,9 @@ class Reference(Table):
         "frame",
         default="clamped",
     )
-    at: Name | list[Name] | None = entry(
+    at: Name | list[Name] | None = optional(
         'interface that carries a clamped frame, absent: "root"; two for a chord, origin and '
-        "twist at the first; none for a mean axis",
-        default=None,
+        "twist at the first; none for a mean axis"
     )
 
     @model_validator(mode="before")
@@ -104,16 +103,6 @@ Modes = Annotated[
     ModeChoice | AttachmentChoice | StaticAxialChoice | StaticInertiaChoice | SpinningChoice,
     Field(discriminator="kind"),
 ]
-
-# In the order of a manual.
-MODE_TABLES: tuple[type[Table], ...] = (
-    Reference,
-    ModeChoice,
-    AttachmentChoice,
-    StaticAxialChoice,
-    StaticInertiaChoice,
-    SpinningChoice,
-)
 
 
 def check_modes(

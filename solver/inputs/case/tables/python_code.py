@@ -5,7 +5,7 @@ from typing import Any
 
 from pydantic import ValidationInfo, model_validator
 
-from ...common.table import Table, entry
+from ...common.table import Table, entry, optional
 from ...common.text_file import read_text
 from .columns import FOLDER, RESOLVED
 
@@ -21,7 +21,7 @@ class PythonCode(Table):
 
     file: str = entry("Python file; path relative to the case file")
     function: str = entry("name of the function", default="control")
-    source: str | None = entry("filled with the text of the file", default=None)
+    source: str | None = optional("filled with the text of the file")
 
     @model_validator(mode="before")
     @classmethod

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from ...common.material import Material
-from ...common.table import Name, Table, Vector, Word, entry
+from ...common.table import Name, Table, Vector, Word, entry, optional
 from .beam_schema import BeamBody
 from .body_schema import ImportedBody, PackageBody, RigidBody
 from .kinds import CaseCoupling, CaseForce, CaseJoint
@@ -24,8 +24,8 @@ class Fidelity(Table):
     """`[fidelity]`: the accuracy that a run must have; docs/fidelity.md."""
 
     accuracy: float = entry("accepted error of a signal, of its largest value", gt=0, lt=1)
-    signals: list[Name] | None = entry(
-        "the signals that must have it; absent: all", default=None, min_length=1
+    signals: list[Name] | None = optional(
+        "the signals that must have it; absent: all", min_length=1
     )
     metric: Metric = entry(
         "how two histories are compared: pointwise: largest difference at one time; extremum: "
@@ -79,9 +79,7 @@ class Mechanism(Table):
     masses: dict[Name, PointMass] = entry("point masses", default={})
     signals: dict[Name, Signal] = entry("what is measured", default={})
     solver: Solver = entry("time integration")
-    fidelity: Fidelity | None = entry(
-        "the accuracy of a run, by which its model is chosen", default=None
-    )
+    fidelity: Fidelity | None = optional("the accuracy of a run, by which its model is chosen")
 
 
 class Run(Table):

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import model_validator
 
-from ...common.table import FilePath, Table, entry
+from ...common.table import FilePath, Table, entry, optional
 from ...section.mesh_table import ShapeMesh, shape_or
 
 CHANGES = "other values at dotted keys of the description, in quotes: " + (
@@ -18,13 +18,10 @@ class DescribedSection(Table):
     Keys of a description: docs/section-description.md.
     """
 
-    file: FilePath | None = entry(
-        "path of a section description, relative to the case file", default=None
-    )
-    description: dict[str, Any] | None = entry(
+    file: FilePath | None = optional("path of a section description, relative to the case file")
+    description: dict[str, Any] | None = optional(
         "instead: the description itself, without format and title; it may use the materials of "
-        "the case",
-        default=None,
+        "the case"
     )
     changes: dict[str, Any] = entry(CHANGES, default={})
 

@@ -3,7 +3,7 @@
 from typing import Any, Literal
 
 from ....package.specification import MassForm, ShellLinkKind
-from ...common.table import FilePath, Name, Table, Vector, entry
+from ...common.table import FilePath, Name, Table, Vector, entry, optional
 from ...shell.description import MOST_REFINED, REFINE
 from .body_schema import DAMPING, Deformed, Reducible
 from .modes import Modes, Reference
@@ -20,8 +20,8 @@ class ShellInterface(Table):
         "stresses in the walls of a thin-walled section, for an open end: a curve",
         default="rigid",
     )
-    position: Vector | None = entry(
-        "reference point in the body frame; absent: centre of the group", "m", None
+    position: Vector | None = optional(
+        "reference point in the body frame; absent: centre of the group", "m"
     )
     rotation_deg: Vector = entry(
         "rotation vector from body to interface axes", "deg", [0.0, 0.0, 0.0]

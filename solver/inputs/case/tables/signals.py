@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ....dynamics.elements.joints.table import COORDINATES
 from ....strength import CRITERIA
-from ...common.table import Name, Pair, Table, Vector, entry
+from ...common.table import Name, Pair, Table, Vector, entry, optional
 
 RUN = (
     "name of another run, whose values at the same times are subtracted; in a sweep with the same "
@@ -17,9 +17,7 @@ RUN = (
 class Measured(Table):
     """Keys of every signal."""
 
-    divide_by: float | None = entry(
-        "makes the signal dimensionless (in its unit)", default=None, gt=0
-    )
+    divide_by: float | None = optional("makes the signal dimensionless (in its unit)", gt=0)
     description: str = entry("words for figures and tables", default="")
 
 
@@ -28,8 +26,8 @@ class DifferenceSignal(Measured):
 
     kind: Literal["difference"]
     of: Name = entry("name of a signal")
-    minus: Name | None = entry("name of the signal that is subtracted; absent: `of`", default=None)
-    run: Name | None = entry(RUN, default=None)
+    minus: Name | None = optional("name of the signal that is subtracted; absent: `of`")
+    run: Name | None = optional(RUN)
 
     @model_validator(mode="after")
     def _of_two(self) -> Self:
@@ -43,7 +41,7 @@ class NormSignal(Measured):
 
     kind: Literal["norm"]
     of: list[Name] = entry("names of signals of one unit", min_length=1)
-    run: Name | None = entry(f"of their differences to it: {RUN}", default=None)
+    run: Name | None = optional(f"of their differences to it: {RUN}")
 
 
 Component = Literal["x", "y", "z", "magnitude"]
@@ -83,14 +81,13 @@ class PointSignal(Measured):
         "axes"
     )
     at: str = entry('"BODY.INTERFACE"')
-    seen_from: str | None = entry(
+    seen_from: str | None = optional(
         "for a deflection: another interface of the body, whose axes (parallel to the body axes "
         "at rest) are the reference; absent: the body frame. Deflections relative to the body "
-        "frame depend on the frame, this one does not",
-        default=None,
+        "frame depend on the frame, this one does not"
     )
-    frame: SegmentFrame | None = entry(
-        "of a body in segments, written by `check`; not for users", default=None
+    frame: SegmentFrame | None = optional(
+        "of a body in segments, written by `check`; not for users"
     )
     component: Component = entry("axis")
 
@@ -177,16 +174,15 @@ class PlyStressSignal(SectionSignal):
     kind: Literal["ply_stress"]
     body: Name = entry("name of a flexible body")
     x: float = entry("place along the body", "m")
-    region: str | None = entry("region of the section; absent: the only one", default=None)
+    region: str | None = optional("region of the section; absent: the only one")
     ply: int = entry("number of the ply, 0 is the outermost", default=0, ge=0)
     component: Literal["11", "22", "33", "23", "13", "12"] = entry(
         "1 along the fibre, 3 normal to the ply [Pa]"
     )
-    point: Pair | None = entry(
+    point: Pair | None = optional(
         "x2, x3: the nearest integration point of the ply; absent: of all its points the one with"
         " the largest magnitude over the run",
         "m",
-        None,
     )
 
 
@@ -202,38 +198,21 @@ class StrengthSignal(Measured):
         "exposure: 1 / R"
     )
     body: Name = entry("name of a flexible body whose materials have strengths")
-    x: float | None = entry("place along a beam; absent: all stations", "m", None)
-    region: str | None = entry(
-        "region of the section, or laminate of a shell; absent: all", default=None
+    x: float | None = optional("place along a beam; absent: all stations", "m")
+    region: str | None = optional("region of the section, or laminate of a shell; absent: all")
+    ply: int | None = optional(
+        "number of the ply, 0 is the outermost, of a shell the bottom; absent: all", ge=0
     )
-    ply: int | None = entry(
-        "number of the ply, 0 is the outermost, of a shell the bottom; absent: all",
-        default=None,
-        ge=0,
+    criterion: CriterionName | None = optional(
+        "failure criterion; absent: all that apply to the material"
     )
-    criterion: CriterionName | None = entry(
-        "failure criterion; absent: all that apply to the material", default=None
-    )
-    point: Annotated[list[float], Field(min_length=2, max_length=3)] | None = entry(
+    point: Annotated[list[float], Field(min_length=2, max_length=3)] | None = optional(
         "of a beam x2, x3: the nearest integration point; of a shell x, y, z in body axes: the "
         "nearest cell; absent: all",
         "m",
-        None,
     )
 
 
-SIGNAL_TABLES: tuple[type[Table], ...] = (
-    PointSignal,
-    SegmentFrame,
-    JointSignal,
-    ReactionSignal,
-    ForceSignal,
-    ResultantSignal,
-    PlyStressSignal,
-    StrengthSignal,
-    DifferenceSignal,
-    NormSignal,
-)
 Signal = Annotated[
     PointSignal
     | JointSignal

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from ...common.table import FilePath, Name, entry
+from ...common.table import FilePath, Name, entry, optional
 from ...solid.description import SolidInterface
 from .body_schema import DAMPING, Deformed, Reducible
 from .modes import Modes, Reference
@@ -19,7 +19,7 @@ class SolidBody(Reducible, Deformed):
     solid: FilePath = entry(
         "path of a solid description (docs/solids.md), relative to the case file"
     )
-    size: float | None = entry("of the cells, over that of the description", "m", None, gt=0)
+    size: float | None = optional("of the cells, over that of the description", "m", gt=0)
     reference: Reference = entry("reference condition", default=Reference())
     modes: list[Modes] = entry("which modes the solver gets", min_length=1)
     damping_ratio: float = entry(DAMPING, "-", 0.0, ge=0, lt=1)

@@ -9,7 +9,7 @@ from pydantic import create_model, field_validator
 
 from ....dynamics.elements.constraints.treatment import Treatment
 from ....integrators.table import INTEGRATORS
-from ...common.table import Axis, Table, Vector, entry
+from ...common.table import Axis, Table, Vector, entry, optional
 from .kinds import field_of
 
 # Light crosses an atomic nucleus in 1e-23 s; squares of shorter times soon leave the floating point
@@ -57,9 +57,8 @@ class _Integration(Table):
         "and drives at t = 0; with `spin`, relative equilibrium in axes that turn",
         default="positions",
     )
-    spin: Spin | None = entry(
-        "spin of the start in equilibrium; its axis is that of `plymotion modes --at spin=...` too",
-        default=None,
+    spin: Spin | None = optional(
+        "spin of the start in equilibrium; its axis is that of `plymotion modes --at spin=...` too"
     )
     modes_at_start: Literal["still", "free"] = entry(
         "modal rates at t = 0: still: zero, bodies start as if rigid; free: those of minimum "
@@ -78,22 +77,18 @@ class _Integration(Table):
         ge=1e-15,
         le=0.1,
     )
-    atol_position: float | None = entry(
+    atol_position: float | None = optional(
         "absolute tolerance of positions and modal coordinates; default: rtol times their scales",
-        default=None,
         gt=0,
     )
-    atol_velocity: float | None = entry(
-        "absolute tolerance of velocities and modal rates; default: rtol times their scales",
-        default=None,
-        gt=0,
+    atol_velocity: float | None = optional(
+        "absolute tolerance of velocities and modal rates; default: rtol times their scales", gt=0
     )
-    max_step: float | None = entry(
+    max_step: float | None = optional(
         "largest step; default: t_end / 200 where an expression reads the time, t_end / 2000 with"
         " a table that has more than 2000 kinks; else none; steps also end where laws of time "
         "break",
         "s",
-        None,
         gt=0,
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ConfigDict, model_validator
 
 from ....math.arrays import Array
-from ...common.table import Name, Table, entry
+from ...common.table import Name, Table, entry, optional
 
 MOST = 100_000  # members of one sweep
 Design = Literal["grid", "list", "random", "latin-hypercube"]
@@ -31,20 +31,16 @@ class Variation(Table):
         json_schema_extra={"type": ["object", "array"], "items": {"type": "number"}}
     )
 
-    keys: list[str] | None = entry(
+    keys: list[str] | None = optional(
         "dotted keys that all get the value; absent: the parameter's name, unless `set` uses it",
-        default=None,
         min_length=1,
     )
-    unit: str | None = entry("for figures and tables; absent: that of its keys", default=None)
-    values: list[float] | None = entry("its values", default=None, min_length=1)
-    low: float | None = entry("instead of values: first", default=None, alias="from")
-    high: float | None = entry("last", default=None, alias="to")
-    count: int | None = entry(
-        "how many at equal distances; absent in designs that draw from a range",
-        default=None,
-        ge=2,
-        le=MOST,
+    unit: str | None = optional("for figures and tables; absent: that of its keys")
+    values: list[float] | None = optional("its values", min_length=1)
+    low: float | None = optional("instead of values: first", alias="from")
+    high: float | None = optional("last", alias="to")
+    count: int | None = optional(
+        "how many at equal distances; absent in designs that draw from a range", ge=2, le=MOST
     )
 
     @model_validator(mode="before")
@@ -95,9 +91,7 @@ class Sweep(Table):
         "random, latin-hypercube: `count` points drawn from the ranges",
         default="grid",
     )
-    count: int | None = entry(
-        "points of a random or latin-hypercube design", default=None, ge=1, le=MOST
-    )
+    count: int | None = optional("points of a random or latin-hypercube design", ge=1, le=MOST)
     seed: int = entry("of a random or latin-hypercube design", default=0, ge=0)
     signals: list[Name] = entry("signals to keep: final value and extremes; none: all", default=[])
     histories: list[Name] = entry("signals to keep at every output time", default=[])
