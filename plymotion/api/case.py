@@ -13,41 +13,50 @@ from ..solver.inputs.case.reading.load import checked_case
 from ..solver.inputs.case.tables.dotted_keys import split_key
 from ..solver.inputs.common import read_toml
 from .html import table
+from .keys import Keys, check, kind_of, model_of, raw
 from .plain import plain
 
 Tables = dict[str, Any]
 COUNTED = ("bodies", "joints", "forces", "signals", "runs", "sweeps")
 
 
-class _Group:
-    """A table of the case file, as a dict that may be changed."""
+class _Entry:
+    """A key of the case file that a case may lack; None then. It is checked when it is set."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
     def __get__(self, case: "Case | None", owner: type) -> Any:
-        return self if case is None else case.table.setdefault(self.name, {})
-
-    def __set__(self, case: "Case", value: Tables) -> None:
-        case.table[self.name] = value
-
-
-class _Entry(_Group):
-    """A key of the case file that a case may lack; None then."""
-
-    def __get__(self, case: "Case | None", owner: type) -> Any:
-        return self if case is None else case.table.get(self.name)
+        if case is None:
+            return self
+        value = case.table.get(self.name)
+        return self._keys(case) if isinstance(value, dict) else value
 
     def __set__(self, case: "Case", value: Any) -> None:
+        value = raw(value)
+        if value is not None:
+            check(None, model_of(self.name), {self.name: value}, self.name, "", case.folder)
         case.table[self.name] = value
+
+    def _keys(self, case: "Case") -> Keys:
+        return Keys(kind_of(self.name), self.name, self.name, case.table, case.folder)
+
+
+class _Group(_Entry):
+    """A table of the case file, by items and attributes."""
+
+    def __get__(self, case: "Case | None", owner: type) -> Any:
+        return self if case is None else self._keys(case)
 
 
 class Case:
     """A mechanism with its runs and sweeps: what a case file has, in Python.
 
-    Every key of the case file is an attribute of the same name; docs/case-reference.md lists
-    what they hold. Arrays and tuples may stand for lists. `check`, `run` and `sweep` check the
-    case. There are no other attributes: a misspelt one is an AttributeError.
+    Every key of the case file is an attribute of the same name, at every depth:
+    `case.solver.rtol = 1e-4`. docs/case-reference.md lists what they hold. Arrays and tuples may
+    stand for lists. A wrong value of an attribute is an InputError at once; `check`, `run` and
+    `sweep` check the whole case. There are no other attributes: a misspelt one is an
+    AttributeError.
 
     Parameters
     ----------

@@ -146,6 +146,47 @@ def test_every_key_of_a_case_file_is_an_attribute_and_others_are_refused(swing):
         case.gravty = (0.0, 0.0, 0.0)
 
 
+def test_keys_are_attributes_at_every_depth(swing):
+    case = pm.load(swing)
+    case.solver.rtol = 1e-4
+    case.joints.hinge.axis = np.array([0.0, 2.0, 0.0])
+    case.bodies.rod.interfaces.middle = {"position": (0.5, 0.0, 0.0)}
+    case.variants.heavy = {"bodies": {"rod": {"mass": 3.0}}}
+    case.runs.heavy = {"variants": ["heavy"]}
+    assert case.table["solver"]["rtol"] == 1e-4
+    assert case.check().runs["heavy"].bodies["rod"].mass == 3.0
+    assert case.variants.heavy.bodies.rod.mass == 3.0
+    del case.solver.integrator
+    assert case.solver.integrator == "radau", "an absent key reads as its default"
+    assert {"rtol", "t_end", "integrator"} <= set(dir(case.solver))
+    assert {"mass", "inertia"} <= set(dir(case.bodies.rod))
+    assert "plies" not in dir(case.bodies.rod), "only keys of its kind"
+    assert dir(case.bodies) == ["rod"]
+    case.coarse.solver.rtol = 1e-2
+    assert case.table["coarse"] == {"solver": {"rtol": 1e-2}}
+
+
+@pytest.mark.parametrize(
+    ("statement", "message"),
+    [
+        ("case.solver.rtol = -1", r"solver\.rtol = -1: value should be greater"),
+        ("case.solver.rtoll = 1e-3", r"solver\.rtoll: unknown key; did you mean 'rtol'"),
+        ("case.solver.integrator = 'rado'", r"solver\.integrator = .*; did you mean 'radau'"),
+        ("case.bodies.rod.mass = '2'", r'bodies\.rod\.mass = "2": value should be a valid number'),
+        ("case.bodies.arm = {'kind': 'rigd'}", r"bodies\.arm\.kind = .*did you mean 'rigid'"),
+        ("case.gravity = [1.0]", r"gravity = \[1.0\]: list should have at least 3"),
+        ("case.bodies.rd", r"bodies\.rd: unknown key; did you mean 'rod'"),
+        ("case.variants = {'a': {}}; case.variants.a.solver.rtol = 0", r"a\.solver\.rtol = 0"),
+    ],
+)
+def test_a_wrong_key_or_value_of_an_attribute_says_so_at_once(swing, statement, message):
+    case = pm.load(swing)
+    before = {**case.table}
+    with pytest.raises(pm.InputError, match=message):
+        exec(statement, {"case": case})
+    assert case.table["solver"] == before["solver"]
+
+
 def test_arithmetic_of_signals(swing):
     base, moon = pm.run(swing, "base"), pm.run(swing, "moon")
     error = base.signals["tip_z"] - moon.signals["tip_z"]
