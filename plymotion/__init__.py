@@ -19,19 +19,33 @@ __version__ = "0.1.0"
 
 # Public name -> module of this folder; __init__.pyi tells their types.
 _PUBLIC = {
+    "Campbell": "api.modes",
     "Case": "api.case",
     "InputError": "solver.errors",
+    "Modes": "api.modes",
+    "Package": "api.bodies",
     "PackageError": "solver.errors",
     "Result": "api.result",
     "Section": "api.section",
+    "Shell": "api.bodies",
     "Signal": "api.signal",
+    "Solid": "api.bodies",
     "Sweep": "api.sweeping",
     "Plan": "api.planning",
+    "campbell": "api.modes",
+    "export": "api.bodies",
+    "import_body": "api.bodies",
+    "info": "api.bodies",
     "load": "api.case",
+    "modes": "api.modes",
     "norm": "api.signal",
     "plan": "api.planning",
     "run": "api.running",
+    "section": "api.section",
+    "shell": "api.bodies",
+    "solid": "api.bodies",
     "sweep": "api.sweeping",
+    "validate": "api.bodies",
 }
 __all__ = sorted([*_PUBLIC, "__version__"])
 

@@ -5,7 +5,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..solver.errors import InputError
 from ..solver.inputs.section.described import described_spec
 from ..solver.inputs.section.expand import BUILD
 from ..solver.math.arrays import Array
@@ -13,8 +12,7 @@ from ..solver.package.common.plain_data import data_sha256
 from ..solver.package.section.io import read_section
 from ..solver.package.section.schema import RESULTANTS, SectionFile
 from ..solver.report.section.results import SectionResults, read_results
-from ..solver.workers.described import Entry, Made, make_files, write_specs
-from ..solver.workers.executors import Local
+from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
 from .frames import pandas
 from .html import table
@@ -84,25 +82,15 @@ class Section:
             return cls(path)
         own = plain(changes or {})
         name = f"{path.stem}-{data_sha256(own)[:8]}" if own else path.stem
-        entry = Entry(name, path, own)
         folder = Path(out)
+
+        def spec_of(entry: Entry) -> dict[str, Any]:
+            return described_spec(entry.file, own, name, folder)
+
+        keep_preprocessors()
         with named(None if folder == BUILD else folder):
-            requests, failed = write_specs(
-                [entry], folder, lambda one: described_spec(one.file, one.changes, name, folder)
-            )
-            made: list[Made] = list(failed)
-            keep_preprocessors()
-            make_files(
-                requests,
-                "section",
-                ["--force"] if force else [],
-                executor=lambda: Local(1, threads=True),
-                done=made.append,
-                progress=lambda text: None,
-            )
-        if made[0].status == "failed":
-            raise InputError(made[0].error)
-        return cls(made[0].file)
+            options = ["--force"] if force else []
+            return cls(made_file(Entry(name, path, own), "section", options, spec_of, folder))
 
     @property
     def name(self) -> str:
@@ -215,3 +203,21 @@ class Section:
     def _repr_html_(self) -> str:
         rows = [[name, *map(float, row)] for name, row in zip(RESULTANTS, self.K, strict=True)]
         return table(["K", *RESULTANTS], rows, repr(self).strip("<>")) + picture(self.data.mesh)
+
+
+def section(
+    file: str | Path,
+    changes: Mapping[str, Any] | None = None,
+    *,
+    out: str | Path = BUILD,
+    force: bool = False,
+) -> Section:
+    """Return `Section.from_file` of the same arguments.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.section("bar.vtkhdf").name
+    'bar'
+    """
+    return Section.from_file(file, changes, out=out, force=force)

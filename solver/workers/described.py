@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..package.common.replaceable import refuse_foreign
 from ..package.common.shares import by_mesh, mesh_key
 from ..package.common.temporary import temporary_sibling
-from .executors import Executor
+from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 
 # Which descriptions a command is given.
@@ -93,6 +93,27 @@ def write_specs(
             temporary.write_text(json.dumps(spec, indent=1) + "\n", encoding="utf-8")
         requests.append(Request(entry, spec_file, str(spec.get("title", "")), mesh_key(spec)))
     return requests, failed
+
+
+def made_file(
+    entry: Entry, command: str, options: Sequence[str], spec_of: SpecOf, folder: Path
+) -> Path:
+    """Return the results file of one description, made unless it is up to date.
+
+    Raises InputError: the description is wrong, there is no FEniCSx, or the analysis fails.
+    """
+    requests, made = write_specs([entry], folder, spec_of)
+    make_files(
+        requests,
+        command,
+        options,
+        executor=lambda: Local(1, threads=True),
+        done=made.append,
+        progress=lambda _: None,
+    )
+    if made[0].status == "failed":
+        raise InputError(made[0].error)
+    return made[0].file
 
 
 def make_files(

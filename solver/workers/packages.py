@@ -4,7 +4,7 @@ import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, few
 from ..inputs.case.tables.record import package_entries
@@ -15,6 +15,9 @@ from ..package.common.shares import by_mesh
 from ..package.fingerprint import fingerprint, has_fingerprint
 from .executors import Executor, Local
 from .launch import Line, make_all, start_of
+
+if TYPE_CHECKING:
+    from ..inputs.case.reading.load import Case
 
 LOGGER = logging.getLogger(__name__)
 Entry = dict[str, Any]  # file and digests of a package, as a run file has them
@@ -41,6 +44,24 @@ def build_needed(files: Sequence[Path]) -> None:
     """
     for folder, specs in needed_specs({file: named_packages(file) for file in files}).items():
         build_packages(specs, folder)
+
+
+def prepared(case: "Case", folder: Path, name: str, packages: Path | None) -> Path:
+    """Write a checked case into a folder and build what one of its runs or sweeps needs.
+
+    Parameters
+    ----------
+    name : of the run or sweep file in the folder, which is returned
+    packages : folder of ready packages; None: they are built if they are out of date
+
+    Raises InputError as `build_needed`.
+    """
+    from ..inputs.case.reading.specs import write_case  # 0.2 s, which `packages` need not wait for
+
+    write_case(case, folder, packages)
+    if packages is None:
+        build_needed([folder / name])
+    return folder / name
 
 
 def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]]:

@@ -10,13 +10,65 @@ from pathlib import Path
 
 import pytest
 from section_samples import rectangle
+from shell_file_samples import plate
 
 import plymotion
 from plymotion.api.names import ByName
 from plymotion.api.sweeping import SweepSignal
+from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.section.io import write_section
+from plymotion.solver.package.shell.io import write_shell
 
 PAGE = Path("docs/python.md").resolve()
+ROD = Path("tests/packages/slider-crank/rod.steel.vtkhdf").resolve()
+SOLID = {  # numbers of a bar, as preprocess/solid/analysis.py puts them into its package
+    "cells": 96,
+    "cell": "tetrahedron",
+    "size": 0.02,
+    "unknowns": 693,
+    "mass": 2.4,
+    "centre": [0.0, 0.0, 0.0],
+    "inertia": [[0.001, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.02]],
+    "exact": None,
+    "free_hz": [812.5, 1630.0],
+}
+ROTOR = """
+format = 1
+title = "A blade that flaps on a hub"
+
+[bodies.hub]
+kind = "rigid"
+mass = 1.0
+inertia = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+interfaces = { axle = { position = [0.0, 0.0, 0.0] }, rim = { position = [0.1, 0.0, 0.0] } }
+
+[bodies.blade]
+kind = "rigid"
+mass = 3.0
+position = [0.1, 0.0, 0.0]
+centre = [0.5, 0.0, 0.0]
+inertia = [[0.001, 0.0, 0.0], [0.0, 0.25, 0.0], [0.0, 0.0, 0.25]]
+interfaces = { root = { position = [0.0, 0.0, 0.0] } }
+
+[ground.axle]
+position = [0.0, 0.0, 0.0]
+
+[joints.axle]
+kind = "revolute"
+between = ["ground.axle", "hub.axle"]
+axis = [0.0, 0.0, 1.0]
+
+[joints.flap]
+kind = "revolute"
+between = ["hub.rim", "blade.root"]
+axis = [0.0, 1.0, 0.0]
+
+[solver]
+t_end = 1.0
+output_step = 0.1
+
+[runs.base]
+"""
 HAS_PANDAS = importlib.util.find_spec("pandas") is not None
 
 
@@ -54,6 +106,12 @@ def folder(tmp_path_factory):
     (found / "pendulum.toml").write_text(_blocks("toml")[0], encoding="utf-8")
     section = replace(rectangle(), provenance={"dofs": 351, "seconds": 0.25})
     write_section(found / "bar.vtkhdf", section)
+    write_shell(found / "plate.vtkhdf", plate())
+    (found / "rod.vtkhdf").write_bytes(ROD.read_bytes())
+    rod = read_package(ROD)
+    provenance = {**rod.provenance, "solid": SOLID, "seconds": {}, "warnings": []}
+    write_package(found / "bracket.vtkhdf", replace(rod, provenance=provenance))
+    (found / "rotor.toml").write_text(ROTOR, encoding="utf-8")
     with contextlib.chdir(found):
         yield found
     pyplot.close("all")

@@ -61,21 +61,9 @@ def run_shell(options: argparse.Namespace) -> int:
         entries_of(options.files),
         options,
         [f"--{word}" for word in ("verify", "force") if getattr(options, word)],
-        spec_of=lambda entry: _with_buckling(load_shell(entry.file), entry.file, options.buckling),
+        spec_of=lambda entry: load_shell(entry.file, options.buckling),
         show=show,
     )
-
-
-def _with_buckling(spec: dict[str, Any], file: Path, count: int | None) -> dict[str, Any]:
-    """The specification with a request for load factors, if there is one on the command line."""
-    if count is None:
-        return spec
-    if not spec["loads"]:
-        raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
-    return {
-        **spec,
-        "buckling": {"in_plane": True, "error": True, **spec.get("buckling", {}), "count": count},
-    }
 
 
 def figures_of(shell: ShellFile, file: Path) -> list[Path]:

@@ -3,106 +3,11 @@
 import argparse
 from typing import Any, cast
 
-import numpy as np
-
 from ...errors import InputError
 from ...inputs.solid.expand import solid_spec
-from ...package.body.io import read_package
+from ...report.solid import solid_table, solid_text
 from ...workers.described import Made, Request, entries_of
 from .described import file_lines, run_described, show_each
-
-# Results of a solid on the screen.
-
-
-def solid_text(found: dict[str, Any]) -> str:
-    """Return the main results of a solid, at most 100 columns wide.
-
-    Parameters
-    ----------
-    found : as preprocess/solid/analysis.py makes it, with name, seconds and warnings
-    """
-    lines = [
-        found["name"],
-        "",
-        f"{'Mesh':16}{found['cells']} quadratic {found['cell'].replace('dron', 'dra')} of "
-        f"{found['size']:.3g} m, {found['unknowns']} unknowns",
-        f"{'Mass':16}{found['mass']:.6g} kg",
-        f"{'Centre':16}{_row(found['centre'])} m",
-        *_inertia(found["inertia"]),
-        *_exact(found),
-        *_hertz("Free", found["free_hz"], found.get("free_error")),
-        *(_hertz("Held", found["held_hz"], found.get("held_error")) if "held_hz" in found else []),
-    ]
-    if reason := found.get("no_error"):
-        lines.append(f"{'Mesh error':16}not estimated: {reason}")
-    for name, case in found.get("cases", {}).items():
-        lines += ["", f"Load case {name}", *_case(case)]
-    lines += ["", f"{'Effort':16}{found['seconds']:.2f} s"]
-    return "\n".join(
-        [*lines, *(f"warning [{w['code']}] {w['message']}" for w in found["warnings"])]
-    )
-
-
-def _row(values: list[float]) -> str:
-    size = max(map(abs, values)) or 1.0
-    return "".join(f"{0.0 if abs(v) < 1e-10 * size else v:14.6g}" for v in values).lstrip()
-
-
-def _inertia(J: list[list[float]]) -> list[str]:
-    size = float(np.abs(J).max())
-    shown = [[0.0 if abs(v) < 1e-10 * size else v for v in row] for row in J]
-    return [
-        f"{label:16}{''.join(f'{v:14.6g}' for v in row)} kg m2"
-        for label, row in zip(("Inertia", "about centre", ""), shown, strict=True)
-    ]
-
-
-def _exact(found: dict[str, Any]) -> list[str]:
-    exact = found["exact"]
-    if exact is None:
-        return []
-    J, JE = np.array(found["inertia"]), np.array(exact["inertia"])
-    length = float(np.sqrt(np.trace(JE) / exact["mass"]))
-    gaps = (
-        abs(found["mass"] / exact["mass"] - 1.0),
-        np.linalg.norm(np.subtract(found["centre"], exact["centre"])) / length,
-        np.abs(J - JE).max() / np.abs(JE).max(),
-    )
-    return [
-        f"{'CAD geometry':16}{exact['mass']:.6g} kg; the mesh differs by {gaps[0]:.1e} in mass, "
-        f"{gaps[1]:.1e} in centre, {gaps[2]:.1e} in inertia"
-    ]
-
-
-def _hertz(label: str, values: list[float], error: list[float] | None) -> list[str]:
-    lines = []
-    for first in range(0, len(values), 6):
-        some = "".join(f"{value:12.6g}" for value in values[first : first + 6])
-        lines.append(f"{label if first == 0 else '':16}{some.lstrip() if not first else some} Hz")
-    if error is not None:
-        shown = ", ".join(f"{100.0 * e:+.2g}" for e in error)
-        lines.append(f"{'Mesh error':16}{shown} %, estimated")
-    return lines
-
-
-def _case(case: dict[str, Any]) -> list[str]:
-    lines = [
-        f"{'Displacement':16}at most {case['displacement']:.6g} m, at ({_place(case['at'])}) m",
-        f"{'von Mises':16}at most {case['mises'] / 1e6:.5g} MPa on the surface, near "
-        f"({_place(case['mises_at'])}) m",
-    ]
-    if "strength_ratio" in case:
-        lines.append(f"{'Strength':16}ratio R = {case['strength_ratio']:.4g}")
-    for name, six in case["reactions"].items():
-        lines.append(f"{'Reaction ' + name:16}{_row(six[:3])} N, {_row(six[3:])} N m")
-    return lines
-
-
-def _place(values: list[float]) -> str:
-    return ", ".join(f"{value:.4g}" for value in values)
-
-
-# The command `plymotion solid`: numbers and modal packages of parts from CAD.
 
 
 def run_solid(options: argparse.Namespace) -> int:
@@ -110,26 +15,11 @@ def run_solid(options: argparse.Namespace) -> int:
     if options.size is not None and not options.size > 0.0:
         raise InputError(f"--size {options.size:g}: expected a length above 0")
 
-    def table_of(one: Made) -> dict[str, Any]:
-        provenance = read_package(one.file).provenance
-        found = provenance.get("solid")
-        if not isinstance(found, dict) or "free_hz" not in found:
-            raise InputError(
-                f"{one.file}: expected a package that `plymotion solid` has made; "
-                "`plymotion info` shows others"
-            )
-        return {
-            "name": one.file.stem,
-            **found,
-            "seconds": sum(provenance["seconds"].values()),
-            "warnings": list(provenance["warnings"]),
-        }
-
     def text_of(one: Made) -> str:
-        return f"{solid_text(table_of(one))}\n{file_lines(one, [])}"
+        return f"{solid_text(solid_table(one.file))}\n{file_lines(one, [])}"
 
     def show(made: list[Made], _: list[Request]) -> int:
-        return show_each(made, table_of, text_of, as_json=options.json)
+        return show_each(made, lambda one: solid_table(one.file), text_of, as_json=options.json)
 
     return run_described(
         "solid",

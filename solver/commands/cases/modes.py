@@ -8,24 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ...inputs.case.reading.specs import dump
 from ...math.arrays import Array
-from ...package.common.replaceable import refuse_foreign
-from ...package.common.temporary import write_text
 from ...report.table import aligned
-from ...studies.modes.campbell import Diagram, Spins, draw
-from ...studies.modes.found import (
-    Found,
-    entries,
-    find_modes,
-    response_of,
-    span_of,
-    write_linear,
-    write_response,
-)
+from ...studies.modes.campbell import Diagram, Spins
+from ...studies.modes.files import modes_content, write_campbell, write_modes
+from ...studies.modes.found import find_modes, response_of, span_of
 from ...studies.modes.place import at_of
-from ...studies.modes.shapes import draw_shapes
 from ...studies.modes.state import States, read_spec
 
 # Modes as a table for the screen.
@@ -154,26 +142,15 @@ def run_modes(options: argparse.Namespace) -> int:
     )
     folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
     axis = None if options.axis is None else np.array(options.axis)
-    try:
-        states = States(spec)
-    except InputError as error:
-        raise InputError(f"{options.case}, run {spec.run}: {error}") from error
+    states = States(spec)
     if at.kind == "spin" and at.speeds is not None and at.speeds.size > 1:
         return _campbell(options, states, at.speeds, axis, folder)
     found = find_modes(states, states.at(at, axis))
-    content = modes_content(states, found)
     response = None
     if span is not None:
         response = response_of(found, span, options.input, options.output)
-    refuse_foreign(folder / "modes.json")
-    folder.mkdir(parents=True, exist_ok=True)
-    write_linear(folder, states, found)
-    files = ["modes.json", "linear.npz", "linear.mat"]
-    if response is not None:
-        write_response(folder, response)
-        files += ["response.csv", "response.png"]
-    files += draw_shapes(folder, states, found, options.shapes)
-    write_text(folder / "modes.json", dump(content))
+    files = write_modes(folder, states, found, options.shapes, response)
+    content = modes_content(states, found)
     if options.json:
         print(json.dumps(content, indent=2))
     else:
@@ -188,47 +165,12 @@ def _campbell(
     """Follow the modes over speed."""
     spins = Spins(states, axis)
     diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
+    files = write_campbell(folder, diagram)
     content = diagram.content()
-    refuse_foreign(folder / "campbell.json")
-    folder.mkdir(parents=True, exist_ok=True)
-    draw(folder / "campbell.png", diagram)
-    write_text(folder / "campbell.csv", diagram.csv())
-    write_text(folder / "campbell.json", dump(content))
     print(json.dumps(content, indent=2) if options.json else campbell_text(content))
     if not options.json:
-        print(f"{folder}: campbell.png, campbell.csv, campbell.json")
+        print(f"{folder}: {', '.join(files)}")
     return 0
-
-
-def modes_content(states: States, found: Found) -> dict[str, Any]:
-    """Return the content of modes.json."""
-    state, rank = found.state, found.space.rank
-    spin = None
-    if state.spin is not None:
-        spin = {
-            "axis": state.spin.axis.tolist(),
-            "point": state.spin.point.tolist(),
-            "speed": state.spin.rate,
-        }
-    return {
-        "case": states.spec.case,
-        "run": states.spec.run,
-        "state": state.words,
-        "t": state.t,
-        "spin": spin,
-        "degrees_of_freedom": found.space.n_free,
-        "constraints": {
-            "rows": rank.rows,
-            "rank": rank.value,
-            "smallest_counted": rank.last,
-            "largest_dropped": rank.first,
-            "doubtful": rank.doubtful,
-            "text": rank.text,
-        },
-        "difference_error": found.space.error,
-        "modes": entries(found, states.built.body_names),
-        "notes": list(found.notes),
-    }
 
 
 def _label(text: str) -> str:

@@ -8,7 +8,6 @@ from typing import Any
 from ...errors import InputError
 from ...inputs.case import load_case
 from ...inputs.case.file import case_file
-from ...inputs.case.reading.specs import write_case
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from ...report.fidelity import ladder_file
@@ -19,7 +18,7 @@ from ...studies.exit_codes import INCOMPLETE
 from ...studies.fidelity.delivery.execution import answered
 from ...studies.fidelity.delivery.ladder import Ladder, Rung, ladder
 from ...studies.fidelity.delivery.words import answer_text, entry
-from ...workers.packages import build_needed
+from ...workers.packages import prepared
 
 # The command `plymotion plan`: the model of a run, chosen by its accuracy.
 
@@ -42,11 +41,7 @@ def run_file_of(options: argparse.Namespace) -> Path:
             "signals (docs/fidelity.md)"
         )
     folder: Path = options.out or build_folder(file)
-    write_case(case, folder, options.packages)
-    run_file = folder / "runs" / f"{run}.json"
-    if options.packages is None:
-        build_needed([run_file])
-    return run_file
+    return prepared(case, folder, f"runs/{run}.json", options.packages)
 
 
 def run_plan(options: argparse.Namespace) -> int:

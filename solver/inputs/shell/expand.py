@@ -129,15 +129,25 @@ ALL = "all"
 SUFFIXES = (".msh", ".geo", ".py")
 
 
-def load_shell(file: Path) -> dict[str, Any]:
+def load_shell(file: Path, buckling: int | None = None) -> dict[str, Any]:
     """Return the specification of a described shell.
+
+    Parameters
+    ----------
+    buckling : number of load factors of each load case, in place of that of the description
 
     Raises
     ------
     InputError
         One line per error: file, key, value, expectation.
     """
-    return shell_spec(read_toml(file, "shell description"), file)
+    spec = shell_spec(read_toml(file, "shell description"), file)
+    if buckling is None:
+        return spec
+    if not spec["loads"]:
+        raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
+    usual = {"in_plane": True, "error": True}
+    return {**spec, "buckling": {**usual, **spec.get("buckling", {}), "count": buckling}}
 
 
 def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:

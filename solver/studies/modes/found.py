@@ -1,14 +1,9 @@
 """Modes about a state: what is reported, exported and computed as response."""
 
-import csv
-import io
 from dataclasses import dataclass, replace
 from itertools import compress
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from scipy.io import savemat
 
 from ...dynamics.analysis.recovery import body_frames
 from ...dynamics.evaluation.spinning import Spin
@@ -16,15 +11,11 @@ from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
 from ...mechanism.starting.relative_equilibrium import after_turn
-from ...package.common.temporary import temporary_sibling, write_text
-from ...report.style import Canvas, colour, house_style
 from ...signals import sensors
 from ..linearisation.constancy import change_when_turned
 from ..linearisation.modes import Modes, modes_of
-from ..linearisation.named_states import Realisation, realisation
 from ..linearisation.participation import (
     Participation,
-    coordinate_names,
     participation,
     whirl_rates,
 )
@@ -175,32 +166,6 @@ def _bent(states: States, state: State) -> list[str]:
     return found
 
 
-def entries(found: Found, body_names: list[str]) -> list[dict[str, Any]]:
-    """Return the modes as plain data."""
-    out = []
-    for k, value in enumerate(found.modes.eigenvalues):
-        w = float(found.modes.frequencies[k])
-        still = bool(found.modes.still[k])
-        whirl = float(found.whirl[k])
-        out.append(
-            {
-                "number": k + 1,
-                "frequency_hz": w / (2.0 * np.pi),
-                "angular_frequency": w,
-                "damping_ratio": float(found.modes.damping[k]),
-                "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
-                "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
-                "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,
-                "main": found.shares.main[k],
-                "bodies": {
-                    name: float(share)
-                    for name, share in zip(body_names, found.shares.bodies[:, k], strict=False)
-                },
-            }
-        )
-    return out
-
-
 # `--response`: transfer functions from forces and drives to signals.
 
 POINTS = 400
@@ -254,77 +219,3 @@ def _chosen(option: str, names: list[str] | None, known: list[str], what: str) -
         if name not in known:
             raise InputError(f"{option} {name}: no such {what}{nearest(name, known)}")
     return [known.index(name) for name in names or known]
-
-
-def write_response(folder: Path, response: Response) -> None:
-    """Write response.csv (magnitude and phase of each pair) and response.png."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    head, columns = ["frequency [Hz]"], [response.hz]
-    for i, (output, unit) in enumerate(response.outputs):
-        for j, (name, by) in enumerate(response.inputs):
-            head += [f"{name} -> {output} [{unit} / ({by})]", f"{name} -> {output} phase [deg]"]
-            g = response.G[:, i, j]
-            columns += [np.abs(g), np.degrees(np.angle(g))]
-    writer.writerow(head)
-    writer.writerows([[repr(float(v)) for v in row] for row in np.array(columns).T])
-    write_text(folder / "response.csv", out.getvalue())
-    _draw(folder / "response.png", response)
-
-
-def _draw(path: Path, response: Response) -> None:
-    n = len(response.outputs)
-    with house_style():
-        canvas = Canvas(7.2, 0.6 + 2.4 * n)
-        panels = canvas.panels(n, 2, sharex=True, width_ratios=(3, 2))
-        for i, (output, unit) in enumerate(response.outputs):
-            size, phase = panels[2 * i], panels[2 * i + 1]
-            for j, (name, by) in enumerate(response.inputs):
-                g = response.G[:, i, j]
-                label = f"{name} [{by}]"
-                size.loglog(
-                    response.hz, np.maximum(np.abs(g), 1e-300), color=colour(j), label=label
-                )
-                phase.semilogx(response.hz, np.degrees(np.angle(g)), color=colour(j))
-            size.set_title(f"{output} [{unit}] per unit of input")
-            phase.set_title("phase [deg]")
-            phase.set_ylim(-190.0, 190.0)
-            phase.set_yticks((-180, -90, 0, 90, 180))
-            size.legend(loc="best")
-        for axes in panels[-2:]:
-            axes.set_xlabel("frequency [Hz]")
-        canvas.save(path)
-
-
-# Linearised equations as files for NumPy and MATLAB.
-
-
-def write_linear(folder: Path, states: States, found: Found) -> Realisation:
-    """Write linear.npz and linear.mat: A, B, C, D with names and units of what they connect."""
-    built = states.built
-    names = coordinate_names(built.model, built.body_names, built.packages)
-    system = realisation(found.space, names, built.state_names)
-    matrices: dict[str, Any] = {key: getattr(system, key) for key in "ABCD"}
-    words = {
-        "states": system.states,
-        "inputs": system.inputs,
-        "input_units": system.input_units,
-        "outputs": system.outputs,
-        "output_units": system.output_units,
-    }
-    modes = {
-        "eigenvalues": found.modes.eigenvalues,
-        "shapes": found.modes.x,
-        "t": np.array(found.state.t),
-        "spin": found.state.spin.W if found.state.spin is not None else np.zeros(3),
-    }
-    texts = {key: np.array(value, dtype=str) for key, value in words.items()}
-    coordinates = np.array(names, dtype=str)
-    with temporary_sibling(folder / "linear.npz") as temporary:
-        content: dict[str, Any] = {**matrices, **texts, **modes, "coordinates": coordinates}
-        np.savez(temporary, **content)
-    cells = {key: np.array(value, dtype=object)[:, None] for key, value in words.items()}
-    cells["coordinates"] = np.array(names, dtype=object)[:, None]
-    with temporary_sibling(folder / "linear.mat") as temporary:
-        savemat(temporary, {**matrices, **cells, **modes}, do_compression=True)
-    return system

@@ -11,6 +11,7 @@ from ...dynamics.model.model import Model
 from ...errors import InputError, PackageError
 from ...inputs.case import load_case
 from ...inputs.case.file import case_file
+from ...inputs.case.reading.load import Case
 from ...inputs.case.reading.specs import write_case
 from ...math.arrays import Array
 from ...mechanism import BuiltMechanism, build
@@ -33,7 +34,7 @@ from ..cases import build_folder, chosen_run
 from ..linearisation.turning import common_spin
 from .place import At
 
-# The case that `plymotion modes` works on: its run, with packages built if out of date.
+# The run of a case, with packages built if out of date.
 
 
 def read_spec(
@@ -59,18 +60,25 @@ def read_spec(
         return spec, file.parent.parent
     file = case_file(file)
     case = load_case(file, coarse=coarse, sweeps=())
-    name = chosen_run(case, run)
     build = build_folder(file, coarse=coarse)
+    try:
+        return spec_of_run(case, chosen_run(case, run), build, packages), build
+    except PackageError as error:
+        raise PackageError(f"{error}; `plymotion {file}` builds the packages") from None
+
+
+def spec_of_run(case: Case, name: str, build: Path, packages: Path | None) -> RunSpec:
+    """Return a run of a checked case with its packages, built into build/bodies if out of date.
+
+    The run file of the folder stays as it is. Raises as `read_spec`.
+    """
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
         out = Path(temporary)
         write_case(case, out, packages or build / "bodies")
         if packages is None:
             specs = specs_of(out, [name])
             build_packages(specs, build / "bodies")
-        try:
-            return read_run(out / "runs" / f"{name}.json"), build
-        except PackageError as error:
-            raise PackageError(f"{error}; `plymotion {file}` builds the packages") from None
+        return read_run(out / "runs" / f"{name}.json")
 
 
 # The states that `--at` names, other than a range of speeds.
@@ -93,7 +101,10 @@ class States:
 
     def __init__(self, spec: RunSpec) -> None:
         self.spec = spec
-        self.built: BuiltMechanism = build(spec.mechanism, spec.packages)
+        try:
+            self.built: BuiltMechanism = build(spec.mechanism, spec.packages)
+        except InputError as error:
+            raise InputError(f"{spec.case}, run {spec.run}: {error}") from error
 
     def at(self, at: At, axis: Array | None) -> State:
         """Return the state of `--at`; `axis` (3,) is that of the command line.

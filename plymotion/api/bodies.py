@@ -1,0 +1,431 @@
+"""Shells and solids in Python, and modal packages: what they have, from and to other codes."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from ..solver.errors import InputError
+from ..solver.extras.exchange import export_body
+from ..solver.extras.exchange import import_body as import_from
+from ..solver.inputs.shell.expand import load_shell
+from ..solver.inputs.solid.expand import solid_spec
+from ..solver.math.arrays import Array
+from ..solver.package import ModalPackage, Remark, read_package
+from ..solver.package import validate as findings_of
+from ..solver.package.shell.io import read_shell
+from ..solver.package.shell.schema import ShellFile
+from ..solver.report.shell.show_json import shell_json
+from ..solver.report.solid import solid_table
+from ..solver.workers.described import Entry, made_file
+from ..solver.workers.launch import keep_preprocessors
+from ..solver.workers.packages import prepared
+from .case import Case, as_case
+from .html import table
+from .names import ByName
+from .running import folder_of, named, run_named
+
+FMU = "fmu"
+
+
+class _Analysed:
+    """What shells and solids share: a file, and its numbers by name.
+
+    Attributes
+    ----------
+    file : path of the results file
+    numbers : what `plymotion shell --json` or `solid --json` prints, SI
+    """
+
+    def __init__(self, file: Path, numbers: dict[str, Any]) -> None:
+        self.file, self.numbers = file, numbers
+
+    @property
+    def name(self) -> str:
+        """Name of the part."""
+        return str(self.numbers["name"])
+
+    @property
+    def cases(self) -> ByName[dict[str, Any]]:
+        """Numbers of the load cases, by name."""
+        return ByName("load cases", self.numbers.get("cases", {}))
+
+    @property
+    def warnings(self) -> list[dict[str, str]]:
+        """Warnings with `code` and `message` (docs/warnings.md)."""
+        return list(self.numbers["warnings"])
+
+    def __repr__(self) -> str:
+        words = [f"{hertz:.4g} Hz" for hertz in self.frequencies[:1]]
+        words += [f"load case {name}" for name in self.cases]
+        return f"<{type(self).__name__} {self.name}: {', '.join(words) or 'no load cases'}>"
+
+    def _repr_html_(self) -> str:
+        shown = [(k, v) for k, v in self.numbers.items() if not isinstance(v, dict | list)]
+        return table(["", ""], shown, repr(self).strip("<>"))
+
+    @property
+    def frequencies(self) -> Array:
+        """Natural frequencies (k,) [Hz]."""
+        raise NotImplementedError
+
+
+class Shell(_Analysed):
+    """An analysed plate or shell; docs/shells.md.
+
+    Attributes
+    ----------
+    file : path of the shell file
+    numbers : what `plymotion shell --json` prints, SI
+    cases : numbers of the load cases by name
+    name, warnings : text; dicts with `code` and `message`
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> shell = pm.Shell("plate.vtkhdf")
+    >>> shell.cases["bending"]["deflection"]["largest"] > 0.0
+    True
+    """
+
+    def __init__(self, file: str | Path) -> None:
+        self.data: ShellFile = read_shell(Path(file))
+        super().__init__(Path(file), shell_json(self.data))
+
+    @property
+    def frequencies(self) -> Array:
+        """Natural frequencies (k,) [Hz], without motions that have no strain energy.
+
+        >>> import plymotion as pm
+        >>> pm.Shell("plate.vtkhdf").frequencies
+        array([ 7.95774715, 19.09859317])
+        """
+        return np.array(self.numbers["frequencies_hz"] or [])
+
+    @property
+    def load_factors(self) -> dict[str, Array]:
+        """Load factors of buckling (k,) by load case; empty if they were not asked for.
+
+        >>> import plymotion as pm
+        >>> pm.Shell("plate.vtkhdf").load_factors["bending"]
+        array([2.5, 7. ])
+        """
+        found = self.numbers.get("load_factors", {})
+        return {name: np.array(case["factors"]) for name, case in found.items()}
+
+
+class Solid(_Analysed):
+    """An analysed part from CAD; docs/solids.md. Its file is a package for a case.
+
+    Attributes
+    ----------
+    file : path of the modal package
+    numbers : what `plymotion solid --json` prints, SI
+    cases : numbers of the load cases by name
+    name, warnings : text; dicts with `code` and `message`
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.Solid("bracket.vtkhdf")
+    <Solid bracket: 812.5 Hz>
+    """
+
+    def __init__(self, file: str | Path) -> None:
+        super().__init__(Path(file), solid_table(Path(file)))
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg].
+
+        >>> import plymotion as pm
+        >>> pm.Solid("bracket.vtkhdf").mass
+        2.4
+        """
+        return float(self.numbers["mass"])
+
+    @property
+    def frequencies(self) -> Array:
+        """Natural frequencies (k,) of the free part [Hz].
+
+        >>> import plymotion as pm
+        >>> pm.Solid("bracket.vtkhdf").frequencies
+        array([ 812.5, 1630. ])
+        """
+        return np.array(self.numbers["free_hz"])
+
+
+class Package:
+    """A modal package: what `plymotion info` shows.
+
+    Attributes
+    ----------
+    file : path of the package
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> package = pm.info("rod.vtkhdf")
+    >>> package.name, package.mass > 0.0, len(package.frequencies) == len(package.labels)
+    ('rod', True, True)
+    """
+
+    def __init__(self, file: str | Path) -> None:
+        self.file = Path(file)
+        self.data: ModalPackage = read_package(self.file)
+
+    @property
+    def name(self) -> str:
+        """Name of the body.
+
+        >>> import plymotion as pm
+        >>> pm.info("rod.vtkhdf").name
+        'rod'
+        """
+        return self.data.body
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg].
+
+        >>> import plymotion as pm
+        >>> pm.info("rod.vtkhdf").mass > 0.0
+        True
+        """
+        return float(self.data.invariants.mass)
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (m,) of the modes [Hz].
+
+        >>> import plymotion as pm
+        >>> bool(pm.info("rod.vtkhdf").frequencies.min() > 0.0)
+        True
+        """
+        return np.asarray(self.data.frequencies / (2.0 * np.pi))
+
+    @property
+    def labels(self) -> list[str]:
+        """Names of the modes, m words.
+
+        >>> import plymotion as pm
+        >>> len(pm.info("rod.vtkhdf").labels) == pm.info("rod.vtkhdf").data.n_mode
+        True
+        """
+        return list(self.data.mode_labels or self.data.mode_kinds)
+
+    @cached_property
+    def interfaces(self) -> dict[str, Array]:
+        """Positions (3,) of the interfaces in the body frame [m], by name.
+
+        >>> import plymotion as pm
+        >>> pm.info("rod.vtkhdf").interfaces["root"].shape
+        (3,)
+        """
+        return {place.name: place.position_B for place in self.data.interfaces}
+
+    def __repr__(self) -> str:
+        return f"<Package {self.name}: {self.data.n_mode} modes, {self.mass:.4g} kg>"
+
+    def _repr_html_(self) -> str:
+        rows = zip(self.labels, map(float, self.frequencies), strict=True)
+        return table(["mode", "Hz"], rows, repr(self).strip("<>"))
+
+
+def shell(
+    file: str | Path,
+    *,
+    buckling: int | None = None,
+    out: str | Path = "build/shells",
+    force: bool = False,
+) -> Shell:
+    """Return the shell of a description (TOML), analysed unless that is up to date, or of a shell
+    file (.vtkhdf), which needs no FEniCSx.
+
+    Parameters
+    ----------
+    buckling : number of load factors of each load case
+    out : folder of shell files
+    force : analyse what is up to date
+
+    Raises
+    ------
+    InputError
+        A mistake in the description, one line each; an analysis that fails.
+    PackageError
+        Not a shell file.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.shell("plate.vtkhdf").name
+    'plate'
+    """
+
+    def spec_of(entry: Entry) -> dict[str, Any]:
+        return load_shell(entry.file, buckling)
+
+    return Shell(_analysed(Path(file), "shell", spec_of, out, force=force))
+
+
+def solid(
+    file: str | Path,
+    *,
+    material: str | None = None,
+    size: float | None = None,
+    out: str | Path = "build/solids",
+    force: bool = False,
+) -> Solid:
+    """Return the solid of a CAD file or a description (TOML), analysed unless that is up to date,
+    or of a package (.vtkhdf) that was made so, which needs no FEniCSx.
+
+    Parameters
+    ----------
+    material : of a CAD file: a metal, or "E,nu,rho" in SI
+    size : of the cells [m]
+    out : folder of the packages
+    force : analyse what is up to date
+
+    Raises
+    ------
+    InputError
+        A mistake in the description, one line each; an analysis that fails.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.solid("bracket.step", size=-1.0)
+    Traceback (most recent call last):
+    plymotion.solver.errors.InputError: size = -1: expected a length above 0
+    """
+    if size is not None and not size > 0.0:
+        raise InputError(f"size = {size:g}: expected a length above 0")
+
+    def spec_of(entry: Entry) -> dict[str, Any]:
+        return cast(dict[str, Any], solid_spec(entry.file, material, size))
+
+    return Solid(_analysed(Path(file), "solid", spec_of, out, force=force))
+
+
+def _analysed(file: Path, command: str, spec_of: Any, out: str | Path, *, force: bool) -> Path:
+    """Return the results file of a description; a results file as it is."""
+    if file.suffix == ".vtkhdf":
+        return file
+    keep_preprocessors()
+    with named(out):
+        options = ["--force"] if force else []
+        return made_file(Entry(file.stem, file), command, options, spec_of, Path(out))
+
+
+def info(package: str | Path) -> Package:
+    """Return what a modal package has: modes, mass, interfaces.
+
+    Raises PackageError if it is none.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.info("rod.vtkhdf").interfaces.keys() >= {"root", "tip"}
+    True
+    """
+    return Package(package)
+
+
+def validate(file: str | Path) -> list[Remark]:
+    """Return what is wrong or doubtful in a modal package or a section file (docs/format.md).
+
+    Each remark has `level` (error, warning, note), `dataset` and `message`. The file can be used
+    if none is an error.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> [remark for remark in pm.validate("rod.vtkhdf") if remark.level == "error"]
+    []
+    """
+    return findings_of(file)
+
+
+def import_body(file: str | Path, out: str | Path, *, source: str | None = None) -> Package:
+    """Make a modal package from a body of another code (docs/exchange.md).
+
+    Parameters
+    ----------
+    file : names the files of the other code, their units, the interfaces and the modes (TOML)
+    out : the package, PACKAGE.vtkhdf
+    source : the other code; None: the key `from` of the file
+
+    Raises
+    ------
+    InputError
+        A mistake in a file, as `plymotion import` tells it.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.import_body("nothing.toml", "body.vtkhdf")
+    Traceback (most recent call last):
+    plymotion.solver.errors.InputError: nothing.toml: no such file...
+    """
+    with named(out):
+        _refused(*import_from(Path(file), Path(out), source, quiet=True, heard=False))
+    return Package(out)
+
+
+def export(
+    what: Case | str | Path,
+    to: str,
+    out: str | Path,
+    *,
+    run: str | None = None,
+    inputs: Sequence[str] | None = None,
+    packages: str | Path | None = None,
+    coarse: bool = False,
+) -> Path:
+    """Write a modal package in the format of another code, or a run of a case as an FMU.
+
+    Parameters
+    ----------
+    what : a modal package; with `to="fmu"` a case, or its file
+    to : exudyn, uff, med, dmig, mbdyn, sid or fmu
+    out : the new file, which is returned
+    run, inputs, packages, coarse : of an FMU: the run, names of the drives and forces that are its
+        inputs (None: all); others as for `plymotion.run`
+
+    Raises
+    ------
+    InputError
+        A package or a case that is wrong; no C compiler (FMU).
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.export("rod.vtkhdf", "sid", "rod.SID_FEM").name
+    'rod.SID_FEM'
+    """
+    if to != FMU:
+        of_fmu: Mapping[str, Any] = {"run": run, "inputs": inputs, "packages": packages}
+        for key in (key for key, value in of_fmu.items() if value is not None):
+            raise InputError(f'export(): {key}: expected with to="fmu" only')
+        if isinstance(what, Case):
+            raise InputError(f'export(): {what!r}: expected a modal package, or to="fmu"')
+        _refused(*export_body(Path(what), to, Path(out), heard=False))
+        return Path(out)
+    from ..solver.extras.fmu.write import write_fmu
+
+    case = as_case(what)
+    checked = case.check(coarse=coarse, sweeps=())
+    run = run_named(case.name, run, checked.runs)
+    folder = folder_of(case, None, coarse=coarse)
+    ready = None if packages is None else Path(packages)
+    write_fmu(prepared(checked, folder, f"runs/{run}.json", ready), Path(out), inputs)
+    return Path(out)
+
+
+def _refused(code: int, text: str) -> None:
+    """Raise InputError with the messages of an exchange that failed."""
+    if code:
+        lines = [line for line in text.splitlines() if line.startswith("error: ")]
+        raise InputError("\n".join(line.removeprefix("error: ") for line in lines) or text.strip())

@@ -1,0 +1,77 @@
+"""The exchange of bodies with other codes, which is a part of the preprocessor, in this Python.
+
+The solver does not import the preprocessor. It starts it as a process, as it does with FEniCSx; the
+two exchange files only. This part of the preprocessor needs no FEniCSx, so the Python is the same.
+"""
+
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..interrupts import INTERRUPTED
+from ..workers.launch import environment, importable
+from .measured_modes import experimental_package, load_measurement, write_measured
+
+TABLES = 4  # exit code of the exchange: the source has modes only, and their tables are written
+ENDED = 70  # exit code of a process that a signal has ended
+
+
+def import_body(
+    file: Path, out: Path, source: str | None = None, *, quiet: bool = False, heard: bool = True
+) -> tuple[int, str]:
+    """Make a modal package from a body of another code; return as `exchange`.
+
+    Parameters
+    ----------
+    file : names the files of the other code (docs/exchange.md)
+    source : the other code; None: its key `from`
+    """
+    words = ["import", str(file), "--out", str(out)]
+    words += ["--from", source] if source else []
+    words += ["--quiet"] if quiet else []
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
+        code, text = exchange([*words, "--tables", folder], heard=heard)
+        if code != TABLES:
+            return code, text
+        package = experimental_package(load_measurement(Path(folder) / "measured.toml"))
+        package.provenance["command"] = "plymotion import"
+        package.provenance["import"] = file.read_text(encoding="utf-8")
+        return 0, write_measured(out, package, file)
+
+
+def export_body(
+    package: Path, target: str, out: Path | None = None, *, heard: bool = True
+) -> tuple[int, str]:
+    """Write a modal package in the format of another code; return as `exchange`."""
+    words = ["export", str(package), "--to", target]
+    return exchange([*words, *(["--out", str(out)] if out else [])], heard=heard)
+
+
+def exchange(words: Sequence[str], *, heard: bool = True) -> tuple[int, str]:
+    """Run `python -m plymotion.preprocess.exchange`; return its exit code and its messages.
+
+    Parameters
+    ----------
+    heard : its output is that of this process, and messages are none
+    """
+    with importable() as folder:
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "plymotion.preprocess.exchange", *words],
+            env=environment(folder),
+            stdout=None if heard else subprocess.DEVNULL,
+            stderr=None if heard else subprocess.PIPE,
+            text=True,
+        )
+        try:
+            _, text = process.communicate()
+        except KeyboardInterrupt:  # the terminal has interrupted both
+            process.wait()
+            return INTERRUPTED, ""
+    code = process.returncode
+    if code < 0:
+        how = signal.strsignal(-code) or f"signal {-code}"
+        return ENDED, f"error: {words[0]} of {words[1]}: the process was ended: {how}"
+    return code, text or ""
