@@ -5,12 +5,25 @@ import re
 from pathlib import Path
 
 from ...errors import InputError
+from ..scripts import refuse_script
 
 _NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
 _NAME = re.compile(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
 _GEO = re.compile(r'^\s*(?:Merge|Include)\s+"([^"]+)"', re.MULTILINE)
 _PY = re.compile(r"""["']([\w./-]+\.(?:py|geo|dat|csv|txt|json|toml|msh|step|stp))["']""")
 _OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the files that it reads
+
+
+def mesh_source(name: str, folder: Path) -> tuple[Path, str]:
+    """Return the file of `[mesh]`, and its key for messages.
+
+    Raises InputError : a script where none is allowed, no such file, a .msh of another program.
+    """
+    file, key = folder / name, f'mesh.file = "{name}"'
+    refuse_script(file, key)
+    if not file.is_file():
+        raise InputError(f"{key}: there is no file {file}")
+    return file, key
 
 
 def is_gmsh_mesh(file: Path) -> bool:

@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, few, nearest
-from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_names
-from ..scripts import refuse_script
+from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source, physical_names
 from .description import Region, SectionDescription
 from .foreign import read_foreign
 from .mesh_arrays import assign_regions, write_arrays
@@ -37,10 +36,7 @@ def file_mesh(
     """
     table, regions = description.mesh, description.regions
     assert isinstance(table, FileMesh)
-    file = folder / table.file
-    refuse_script(file, f'mesh.file = "{table.file}"')
-    if not file.is_file():
-        raise InputError(f'mesh.file = "{table.file}": there is no file {file}')
+    file, _ = mesh_source(table.file, folder)
     found = [line for name, region in regions.items() for line in _direction(name, region, stacks)]
     try:
         if file.suffix == ".geo" or (file.suffix == ".msh" and is_gmsh_mesh(file)):

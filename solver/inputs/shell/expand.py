@@ -1,6 +1,5 @@
 """From a shell description to the specification that the FE side reads."""
 
-import hashlib
 import os
 from pathlib import Path
 from typing import Any
@@ -8,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, few, nearest, under, unknown
-from ...math.arrays import Array, IntArray
-from ...package.common.temporary import temporary_sibling
+from ...math.arrays import IntArray
 from ..common import read_toml
-from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
+from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source, physical_groups
 from ..common.lay_up import unknown_materials
 from ..common.material import check_materials, plain
-from ..scripts import refuse_script
+from ..common.table import plain_table
+from ..scripts import SUFFIXES as SCRIPTS
 from ..section.foreign import named_sets, read_mesh, region_sets
+from ..section.mesh_arrays import write_npz
 from .description import Mesh, Region, ShellDescription, checked
 
 # Surface meshes of other programs, read by meshio into arrays for the preprocessor.
@@ -61,7 +61,7 @@ def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
     }
     arrays |= {f"curve:{name}": row[lines] for name, lines in _curves(mesh).items()}
     arrays |= {f"point:{name}": row[np.asarray(n)] for name, n in mesh.point_sets.items()}
-    return _written(arrays, file)
+    return write_npz(BUILD, file.stem, **arrays)
 
 
 def _padded(data: Any, wide: int) -> IntArray:
@@ -94,20 +94,6 @@ def _curves(mesh: Any) -> dict[str, IntArray]:
     return {name: ends[mask] for name, mask in named_sets(mesh, lines).items()}
 
 
-def _written(arrays: dict[str, Array | IntArray], file: Path) -> tuple[Path, str]:
-    digest = hashlib.sha256()
-    for name in sorted(arrays):
-        digest.update(f"{name}\0{arrays[name].dtype}{arrays[name].shape}\0".encode())
-        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
-    content = digest.hexdigest()
-    target = BUILD / f"{file.stem}-{content[:12]}.npz"
-    if not target.is_file():
-        BUILD.mkdir(parents=True, exist_ok=True)
-        with temporary_sibling(target) as temporary, temporary.open("wb") as stream:
-            np.savez(stream, **arrays)  # type: ignore[arg-type]
-    return target, content
-
-
 # From a shell description to the specification that the FE side reads.
 #
 #     {"name": "panel", "title": "...",
@@ -126,7 +112,6 @@ def _written(arrays: dict[str, Array | IntArray], file: Path) -> tuple[Path, str
 # bottom to top. Materials and laminates that no region uses are omitted.
 
 ALL = "all"
-SUFFIXES = (".msh", ".geo", ".py")
 
 
 def load_shell(file: Path, buckling: int | None = None) -> dict[str, Any]:
@@ -180,17 +165,15 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         raise InputError("\n".join(f"{file}: {problem}" for problem in dict.fromkeys(problems)))
     laminates, regions = _regions(description)
     used = {ply["material"] for laminate in laminates.values() for ply in laminate["plies"]}
+    asked = {"elements", "links", "loads", "probes", "frequencies", "buckling"}
     spec = {
         "name": file.stem,
         "title": description.title,
-        **({"allow": list(description.allow)} if description.allow else {}),
         "mesh": mesh,
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "laminates": laminates,
         "regions": regions,
-        "elements": description.elements.model_dump(exclude_none=True),
-        **({"stiffeners": stiffeners} if stiffeners else {}),
-        "links": _plain(description.links),
+        **description.model_dump(include=asked, exclude_none=True),
         "supports": {
             name: {
                 "at": support.at,
@@ -199,25 +182,19 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
             }
             for name, support in description.supports.items()
         },
-        "loads": {case: _plain(loads) for case, loads in description.loads.items()},
-        "probes": _plain(description.probes),
     }
-    if description.frequencies is not None:
-        asked = description.frequencies.model_dump(exclude_none=True)
-        estimated = {"error": True} if "prestress" in asked else {}
-        spec["frequencies"] = {**estimated, **asked}
-    if description.buckling is not None:
-        spec["buckling"] = description.buckling.model_dump(exclude_none=True)
+    if description.allow:
+        spec["allow"] = list(description.allow)
+    if stiffeners:
+        spec["stiffeners"] = stiffeners
+    if "prestress" in spec.get("frequencies", {}):
+        spec["frequencies"] = {"error": True, **spec["frequencies"]}
     return spec
-
-
-def _plain(tables: dict[str, Any]) -> dict[str, Any]:
-    return {name: table.model_dump(exclude_none=True) for name, table in tables.items()}
 
 
 def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
     """Stiffeners with the specifications of their sections."""
-    found = _plain(description.stiffeners)
+    found = {n: plain_table(each) for n, each in description.stiffeners.items()}
     for name, table in found.items():
         if "section" not in table:
             continue
@@ -233,35 +210,15 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
 
 
 def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
-    file = folder / table.file
-    refuse_script(file, f'mesh.file = "{table.file}"')
-    if not file.is_file():
-        raise InputError(f'mesh.file = "{table.file}": there is no file {file}')
-    if file.suffix not in SUFFIXES:
-        if table.parameters is not None:
-            raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
-        arrays, content = shell_arrays(file, f'mesh.file = "{table.file}"')
-        return _options({"file": os.path.relpath(arrays), "sha256": content}, table)
-    if file.suffix == ".msh":
-        if table.parameters is not None:
-            raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
-        if not is_gmsh_mesh(file):
-            raise InputError(f'mesh.file = "{table.file}": not a mesh of gmsh')
-    mesh: dict[str, Any] = {"file": os.path.relpath(file), "sha256": content_sha256(file)}
-    if table.parameters is not None:
-        mesh["parameters"] = table.parameters
-    return _options(mesh, table)
-
-
-def _options(mesh: dict[str, Any], table: Mesh) -> dict[str, Any]:
-    """Add the keys that all meshes have, if they are given."""
-    if table.scale is not None:
-        mesh["scale"] = table.scale
-    if table.element is not None:
-        mesh["element"] = table.element
-    if table.refine:
-        mesh["refine"] = table.refine
-    return mesh
+    file, key = mesh_source(table.file, folder)
+    if table.parameters is not None and file.suffix not in SCRIPTS:
+        raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
+    if file.suffix == ".msh" and not is_gmsh_mesh(file):
+        raise InputError(f"{key}: not a mesh of gmsh")
+    known = file.suffix in (".msh", *SCRIPTS)
+    mesh, content = (file, content_sha256(file)) if known else shell_arrays(file, key)
+    options = table.model_dump(exclude={"file"}, exclude_defaults=True)
+    return {"file": os.path.relpath(mesh), "sha256": content, **options}
 
 
 def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -7,10 +7,9 @@ from typing import Any
 from ...errors import InputError, unknown
 from ...package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from ..common import read_toml, validated
-from ..common.gmsh_file import content_sha256, is_gmsh_mesh
+from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source
 from ..common.material import check_materials, plain
 from ..common.table import plain_table
-from ..scripts import refuse_script
 from .description import LENGTHS, SolidDescription
 
 # Metals by their usual constants; strengths differ from alloy to alloy and are not among them.
@@ -115,10 +114,7 @@ def _material(file: Path, text: str | None) -> dict[str, Any]:
 
 def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
     table = description.mesh
-    file, key = folder / table.file, f'mesh.file = "{table.file}"'
-    refuse_script(file, key)
-    if not file.is_file():
-        raise InputError(f"{key}: there is no file {file}")
+    file, key = mesh_source(table.file, folder)
     if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
         raise InputError(f"{key}: expected {', '.join(CAD)}, .geo or .msh")
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
