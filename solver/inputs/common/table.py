@@ -59,6 +59,17 @@ class Table(BaseModel):
     )
 
 
+class Oriented(Table):
+    """Reference point and axes of an interface."""
+
+    position: Vector | None = optional(
+        "reference point in the body frame; absent: centre of the group or faces", "m"
+    )
+    rotation_deg: Vector = entry(
+        "rotation vector from body to interface axes", "deg", [0.0, 0.0, 0.0]
+    )
+
+
 class Around(Table):
     """`axis_about`: directions around an axis."""
 

@@ -27,17 +27,20 @@ def _as_list(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
+LINKS = (
+    "rigid: group and point move as a rigid body; average: the point follows the mean motion "
+    "of the group, and its loads are distributed over the group; section: its loads are the "
+    "stresses in the walls of a thin-walled section, for an open end: a curve"
+)
+
+
 class Link(Table):
     """`[links.NAME]`: a reference point of six degrees of freedom for a group of nodes."""
 
     at: str | Annotated[list[str], Field(min_length=1)] = entry(
         "physical point, curve or surface, or names of several of one kind"
     )
-    kind: ShellLinkKind = entry(
-        "rigid: group and point move as a rigid body; average: the point follows the mean motion "
-        "of the group, and its loads are distributed over the group; section: its loads are the "
-        "stresses in the walls of a thin-walled section, for an open end: a curve"
-    )
+    kind: ShellLinkKind = entry(LINKS)
     point: Vector | None = optional("the reference point; absent: centre of the group", "m")
 
 

@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from ...package.specification import LinkKind
 from ..common.material import Material
-from ..common.table import Around, Axis, FilePath, Name, Table, Vector, entry, optional
+from ..common.table import Around, Axis, FilePath, Name, Oriented, Table, Vector, entry, optional
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 
@@ -78,7 +78,7 @@ class Plane(Table):
     normal: Axis = entry("of the plane, of any length", "-")
 
 
-class SolidInterface(Table):
+class SolidInterface(Oriented):
     """`[interfaces.NAME]` of a solid: outer faces, by one of `bore`, `plane` and `at`."""
 
     bore: Bore | None = optional("faces on a cylinder")
@@ -88,10 +88,6 @@ class SolidInterface(Table):
         "rigid: the faces move as a rigid body; average: the interface follows their mean motion,"
         " and its loads are distributed over them by area",
         default="rigid",
-    )
-    position: Vector | None = optional("reference point; absent: the centre of the faces", "m")
-    rotation_deg: Vector = entry(
-        "rotation vector from body to interface axes", "deg", [0.0, 0.0, 0.0]
     )
 
     @model_validator(mode="after")

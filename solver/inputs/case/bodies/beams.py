@@ -2,14 +2,13 @@
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from ....errors import InputError, under
 from ....package.specification import BeamSpecification, PlyTable
 from ...common.material import plain
-from ...common.table import plain_table
 from ...section.description import Region
 from ...section.expand import section_spec as described_section
 from ...section.expand import source_files
@@ -21,6 +20,7 @@ from ..tables.schema import Mechanism
 from ..tables.section_schema import DescribedSection
 from .beam_lines import division, fractions, is_plain, line_of, line_table
 from .descriptions import INLINE, section_table
+from .surfaces import reduction
 
 
 def section_spec(
@@ -133,7 +133,7 @@ def beam_spec(
         raise InputError("\n".join(found))
     line = None if is_plain(body) else line_of(body)
     nodes = None if line is None else division(body, line)
-    spec: BeamSpecification = {
+    own = {
         "body": name,
         "kind": "beam",
         "length": _length(body),
@@ -142,11 +142,8 @@ def beam_spec(
         "section": stations[0][1],
         "theory": body.theory,
         "mass_form": body.mass_form,
-        "reference": plain_table(body.reference),
-        "modes": [plain_table(mode) for mode in body.modes],
-        "damping_ratio": body.damping_ratio,
-        "interfaces": {k: plain_table(v) for k, v in body.interfaces.items()},
     }
+    spec = cast(BeamSpecification, {**own, **reduction(body)})
     if line is not None and nodes is not None:
         spec["line"] = line_table(line, nodes)
     if len(stations) > 1:

@@ -13,13 +13,10 @@ from ....package.common.plain_data import inputs_sha256
 from ....package.specification import ImportedSpecification, Specification
 from ...common import read_toml
 from ..tables.beam_schema import BeamBody
-from ..tables.body_schema import ImportedBody, Placed, Reducible
+from ..tables.body_schema import ImportedBody, Placed, Reducible, ShellBody, SolidBody
 from ..tables.schema import Mechanism
-from ..tables.shell_schema import ShellBody
-from ..tables.solid_schema import SolidBody
 from .beams import beam_spec
-from .shells import shell_body_spec
-from .solids import solid_body_spec
+from .surfaces import shell_body_spec, solid_body_spec
 
 
 def imported_spec(

@@ -12,9 +12,9 @@ from ...section.study import changed
 from ...shell.description import checked as checked_shell
 
 if TYPE_CHECKING:
+    from ..tables.body_schema import ShellBody
     from ..tables.schema import Mechanism
     from ..tables.section_schema import DescribedSection
-    from ..tables.shell_schema import ShellBody
 
 INLINE = "description"
 

@@ -9,10 +9,9 @@ from typing import Any
 
 from ....errors import unknown
 from ..tables.beam_schema import BeamBody
-from ..tables.body_schema import Reducible
+from ..tables.body_schema import Reducible, ShellBody
 from ..tables.loaded import loaded_places
 from ..tables.schema import Mechanism
-from ..tables.shell_schema import ShellBody
 from ..tables.signals import PlyStressSignal
 
 # Vibrations of a beam by kind, of the model and of the check.

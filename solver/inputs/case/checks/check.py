@@ -14,12 +14,11 @@ from ..bodies.segments import check_names, in_segments
 from ..expressions.expressions import check_couplings
 from ..expressions.of_time import drives, is_along
 from ..tables.beam_schema import BeamBody
-from ..tables.body_schema import RigidBody
+from ..tables.body_schema import RigidBody, ShellBody, SolidBody
 from ..tables.kinds import CoordinateTable, LoadTable
 from ..tables.laws import RotationDrive
 from ..tables.resolved import output_findings
 from ..tables.schema import Mechanism
-from ..tables.shell_schema import ShellBody
 from ..tables.signals import (
     DifferenceSignal,
     ForceSignal,
@@ -31,7 +30,6 @@ from ..tables.signals import (
     Signal,
     StrengthSignal,
 )
-from ..tables.solid_schema import SolidBody
 from .check_bodies import Body, check_bodies, check_place
 from .check_expressions import check_combined, check_drive, check_force, check_tables
 

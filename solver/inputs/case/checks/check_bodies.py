@@ -8,10 +8,8 @@ from ..bodies.beams import check_motion
 from ..bodies.body_specs import BodySpec, BodySpecs
 from ..bodies.rich import CHECK, rich_bodies
 from ..tables.beam_schema import BeamBody
-from ..tables.body_schema import ImportedBody, PackageBody, RigidBody
+from ..tables.body_schema import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
 from ..tables.schema import Mechanism
-from ..tables.shell_schema import ShellBody
-from ..tables.solid_schema import SolidBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
 TRIANGLE = 1e-5  # relative: the same digits

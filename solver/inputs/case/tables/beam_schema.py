@@ -10,9 +10,9 @@ from ....math.definite import is_positive_definite
 from ....package.specification import MassForm, Theory
 from ...common.table import FilePath, Name, Pair, Table, Vector, entry, optional, usable_path
 from .beam_table import with_beam_table
-from .body_schema import DAMPING, Deformed, Reducible
+from .body_schema import Flexible
 from .columns import FOLDER, RESOLVED
-from .modes import Modes, Reference
+from .modes import Modes
 
 SYMMETRY = 1e-6  # of sqrt(A_ii A_jj): matrices may be given to six digits
 Rows = list[list[float]]
@@ -117,7 +117,7 @@ class BeamStation(Table):
         return self
 
 
-class BeamBody(Reducible, Deformed):
+class BeamBody(Flexible):
     """`[bodies.NAME]` with kind = "beam": from the origin along body x, or along `line`."""
 
     kind: Literal["beam"]
@@ -181,13 +181,11 @@ class BeamBody(Reducible, Deformed):
     mass_form: MassForm = entry(
         "inertia from consistent mass, or lumped (the paper)", default="consistent"
     )
-    reference: Reference = entry("reference condition", default=Reference())
     modes: list[Modes] = entry(
         "which modes the solver gets, at least one; of segments, those beside the static shapes "
         "of their ends",
         default=[],
     )
-    damping_ratio: float = entry(DAMPING, "-", 0.0, ge=0, lt=1)
     interfaces: dict[Name, BeamInterface] = entry(
         "named places; some carry the reference condition", min_length=1
     )

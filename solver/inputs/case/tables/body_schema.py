@@ -1,11 +1,16 @@
-"""Keys of bodies in a case file: of every body, its reduction, rigid, packaged, imported ones."""
+"""Keys of bodies in a case file: of every body; of shells, solids, rigid bodies and packages."""
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import ConfigDict
 
-from ...common.table import FilePath, Name, Table, Vector, entry, optional
-from .modes import Modes
+from ....package.specification import MassForm, ShellLinkKind
+from ...common.table import FilePath, Name, Oriented, Table, Vector, entry, optional
+from ...shell.description import MOST_REFINED, REFINE
+from ...shell.loading import LINKS
+from ...solid.description import SolidInterface
+from .modes import Modes, Reference
+from .section_schema import CHANGES
 
 
 class Reducible(Table):
@@ -63,10 +68,79 @@ class Deformed(Placed):
     )
 
 
-DAMPING = (
-    "of every mode of the body by itself; a mode of the mechanism at a lower frequency f, because "
-    "the body carries masses, has about damping_ratio * f / f_body (docs/modes.md)"
-)
+class Flexible(Reducible, Deformed):
+    """Keys of every body that the preprocessor reduces."""
+
+    reference: Reference = entry("reference condition", default=Reference())
+    damping_ratio: float = entry(
+        "of every mode of the body by itself; a mode of the mechanism at a lower frequency f, "
+        "because the body carries masses, has about damping_ratio * f / f_body (docs/modes.md)",
+        "-",
+        0.0,
+        ge=0,
+        lt=1,
+    )
+
+
+class Meshed(Flexible):
+    """Keys of shells and solids."""
+
+    modes: list[Modes] = entry("which modes the solver gets", min_length=1)
+    second_order: bool = entry(
+        "second-order displacements of the modes, which geometric stiffening needs "
+        "(docs/stiffening.md)",
+        default=False,
+    )
+
+
+class ShellInterface(Oriented):
+    """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
+
+    at: str = entry("physical point, curve or surface of the mesh")
+    link: ShellLinkKind = entry(LINKS, default="rigid")
+
+
+class ShellBody(Meshed):
+    """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
+
+    Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
+    links, supports, loads, probes and frequencies are ignored.
+    """
+
+    kind: Literal["shell"]
+    shell: FilePath = entry(
+        "path of a shell description (docs/shell-description.md), relative to the case file"
+    )
+    parameters: dict[str, bool | float | str | list[float]] = entry(
+        "of the mesh's script, over those of the description", default={}
+    )
+    refine: int = entry(
+        f"{REFINE}; added to that of the description", default=0, ge=0, le=MOST_REFINED
+    )
+    changes: dict[str, Any] = entry(CHANGES, default={})
+    mass_form: MassForm = entry(
+        "inertia from consistent mass, or lumped (the paper)", default="consistent"
+    )
+    interfaces: dict[Name, ShellInterface] = entry(
+        "named places; some carry the reference condition", min_length=1
+    )
+
+
+class SolidBody(Meshed):
+    """`[bodies.NAME]` with kind = "solid": a part from CAD, its axes those of the file.
+
+    Geometry, materials and regions come from the description; its own interfaces, supports, loads
+    and frequencies are ignored.
+    """
+
+    kind: Literal["solid"]
+    solid: FilePath = entry(
+        "path of a solid description (docs/solids.md), relative to the case file"
+    )
+    size: float | None = optional("of the cells, over that of the description", "m", gt=0)
+    interfaces: dict[Name, SolidInterface] = entry(
+        "named places; some carry the reference condition", min_length=1
+    )
 
 
 class RigidBody(Placed):

@@ -7,11 +7,10 @@ from typing import Any
 from ....errors import InputError
 from ...common.messages import validated
 from .beam_schema import BeamBody
+from .body_schema import ShellBody, SolidBody
 from .columns import RESOLVED
 from .dotted_keys import put
 from .schema import Mechanism
-from .shell_schema import ShellBody
-from .solid_schema import SolidBody
 
 RIGID = 13  # coordinates and velocities of a body without modes, kept at each output
 

@@ -7,13 +7,11 @@ from pydantic import Field
 from ...common.material import Material
 from ...common.table import Name, Table, Vector, Word, entry, optional
 from .beam_schema import BeamBody
-from .body_schema import ImportedBody, PackageBody, RigidBody
+from .body_schema import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
 from .kinds import CaseCoupling, CaseForce, CaseJoint
 from .laws import TablePoints
 from .section_schema import Section
-from .shell_schema import ShellBody
 from .signals import Signal
-from .solid_schema import SolidBody
 from .solver import Solver
 from .sweeps import Sweep
 
