@@ -16,6 +16,7 @@ from .compiled.explicit import (
     new_explicit_workspace,
 )
 from .compiled.step_control import Ends
+from .generic.advice import RATE_EVALUATIONS
 from .generic.base import Dense
 from .generic.dormand_prince import Order5, Order8
 from .generic.explicit import (
@@ -24,6 +25,7 @@ from .generic.explicit import (
     Powers,
     RungeKutta5,
     RungeKutta8,
+    keep_stable,
     stiffness_hint,
 )
 from .step_loop import ClosingLoop
@@ -45,7 +47,15 @@ class ExplicitLoop(ClosingLoop):
 
     def __init_subclass__(cls) -> None:
         """Take over from the method what describes it."""
-        for key in ("name", "meaning", "place", "order", "limited_above", "local_share"):
+        for key in (
+            "name",
+            "meaning",
+            "place",
+            "order",
+            "limited_above",
+            "local_share",
+            "stable_below",
+        ):
             setattr(cls, key, getattr(cls.method, key))
 
     def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
@@ -55,6 +65,20 @@ class ExplicitLoop(ClosingLoop):
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         model, tableau = self._model, self.tableau
         return new_explicit_workspace(model, tableau, self.t, self.y, rate, self._h_next)
+
+    def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:
+        """See `StepLoop`."""
+        self._keep_stable()
+        return super().stride(times, rows, filled, keep)
+
+    def _advance(self) -> None:
+        self._keep_stable()
+        super()._advance()
+
+    def _keep_stable(self) -> None:
+        if keep_stable(self):
+            self._evaluated += RATE_EVALUATIONS
+            self._options = self._options._replace(max_step=float(self.max_step))
 
     def _restart(self, rate: Array, multipliers: Array) -> None:
         self._workspace.y[:], self._workspace.f[:] = self.y, rate

@@ -108,6 +108,15 @@ def test_a_beam_at_rest_has_an_energy_to_compare_with(tmp_path, integrator):
     assert not {"energy-drift", "energy-jump"} & codes(summary).keys()
 
 
+def test_a_beam_at_rest_stays_at_rest(tmp_path):
+    """At the default rtol: 8e-5 of the strain energy had become vibration by steps too long."""
+    text = WEIGHT + clamped()
+    solver = {"start": "equilibrium", "integrator": "rk8"}
+    summary = found(tmp_path, text, {"column": column()}, t_end=0.3, step=0.001, **solver)
+    assert summary["checks"]["energy_drift_relative"] < 1e-9
+    assert codes(summary) == {}
+
+
 def test_a_mass_at_rest_on_a_spring(tmp_path):
     """The change of its balance is the rounding of potential energies: a jump "by 1" before."""
     text = WEIGHT.replace("0.0, -9.81", "-9.81, 0.0") + slide(1.0, 10.0)
@@ -186,6 +195,21 @@ stiffness = 1e6
     cost = summary["cost"]
     assert cost["rejected"] > 0.2 * (cost["steps"] + cost["rejected"])
     assert "steps-refused" not in codes(summary)
+
+
+@pytest.mark.parametrize("integrator", ["rk8", "radau"])
+def test_refused_steps_at_one_ramp_are_no_trouble(tmp_path, integrator):
+    """A force that grows within a thousandth of a run at rest: steps begin anew there."""
+    table = "times = [0.0, 5.0, 5.01, 10.0], values = [0.0, 0.0, 1.0, 1.0]"
+    push = f"""
+[forces.push]
+kind = "force"
+at = "car.a"
+direction = [1.0, 0.0, 0.0]
+law = {{ table = {{ {table}, interpolation = "linear" }} }}
+"""
+    summary = found(tmp_path, slide(1.0) + push, t_end=10.0, step=0.01, integrator=integrator)
+    assert codes(summary) == {}
 
 
 @pytest.mark.parametrize(("duration", "buckles"), [(1e-4, False), (0.02, True)])

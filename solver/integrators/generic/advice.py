@@ -121,8 +121,16 @@ def of_stability(h_mean: float, rate: float) -> str:
     )
 
 
+ITERATIONS = 12
+RATE_EVALUATIONS = 2 * ITERATIONS + 1
+
+
 def fastest_rate(
-    f: Callable[[float, Array], Array], t: float, y: Array, weight: Array, iterations: int = 12
+    f: Callable[[float, Array], Array],
+    t: float,
+    y: Array,
+    weight: Array,
+    iterations: int = ITERATIONS,
 ) -> float:
     """Largest modulus of the eigenvalues of df/dy [1/s]; see `fastest_motion`."""
     return fastest_motion(f, t, y, weight, iterations)[0]

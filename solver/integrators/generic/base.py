@@ -104,6 +104,8 @@ class Integrator(ABC):
     limited_above: ClassVar[float | None] = None
 
     unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
+    stable_below: ClassVar[float] = np.inf  # |h w| of steps that let no vibration grow
+    bounded_to = 0  # steps after which a bound by the fastest vibration is found anew
     vibrates = True  # whether anything in the system stores energy and could vibrate
 
     def __init__(
@@ -146,6 +148,7 @@ class Integrator(ABC):
         self.norm = ErrorNorm(self.n, rtol, atol, block_starts)
         self.jacobian = jacobian
         self.max_step, self.min_step, self.fixed_step = max_step, min_step, fixed_step
+        self.longest_step = max_step
         self.h = 0.0
         self.status = "running"
         self.message = ""
@@ -381,10 +384,10 @@ class Integrator(ABC):
         """Remarks on a finished run of mean step `h_mean` [s]."""
         if self.limited_above is None:
             return []
-        rate = self._fastest_rate()
+        rate = self.fastest_rate()
         return [] if h_mean * rate < self.limited_above else [advice.of_stability(h_mean, rate)]
 
-    def _fastest_rate(self) -> float:
+    def fastest_rate(self) -> float:
         """Highest rate of the motion at the end of the run [1/s]; some evaluations of f."""
         return self._fastest_motion()[0]
 

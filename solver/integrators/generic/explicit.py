@@ -20,6 +20,7 @@ SAFETY = 0.9
 # below one say that what was rough is over.
 CAUTION, RELAX, RELAX_FAR, FAR_BELOW = 0.9, 1.02, 2.0, 1e-3
 STIFF_TESTS = 15  # in a row, before the hint is given
+RATE_EVERY = 200  # steps: one per cent of the evaluations of rk8
 TEST_EVERY = 25  # steps, while nothing looks stiff
 
 
@@ -68,6 +69,10 @@ class ExplicitRungeKutta(Integrator):
 
     def _go_behind(self, *, jump: bool) -> None:
         self._f_now = np.array(self.derivative(self.t, self.y))
+
+    def _advance(self) -> None:
+        keep_stable(self)
+        super()._advance()
 
     def _attempt(self, h: float, t_new: float) -> Array | None:
         K, work, y = self._K, self._work, self.y
@@ -142,6 +147,22 @@ class ExplicitRungeKutta(Integrator):
         """Local error in units of the tolerance."""
 
 
+def keep_stable(run: Integrator) -> bool:
+    """Bound the steps of a run by its fastest vibration, every RATE_EVERY steps; True if it did.
+
+    The error of a body at rest is none whatever the step: longer steps let rounding grow to the
+    tolerance, which is relative to the mechanism and may be much of a small deflection.
+    """
+    steps = run.counters.steps
+    free = run.fixed_step is None and run.stable_below < np.inf and run.vibrates
+    if not free or steps < run.bounded_to:
+        return False
+    run.bounded_to = steps + RATE_EVERY
+    rate = run.fastest_rate()
+    run.max_step = min(run.longest_step, run.stable_below / rate if rate > 0.0 else np.inf)
+    return True
+
+
 def stiffness_hint(t: float, h: float) -> str:
     """Remark on a run whose step h [s] at time t is as long as stability allows."""
     return (
@@ -166,6 +187,7 @@ class RungeKutta8(ExplicitRungeKutta):
     A, B, C = Order8.A, Order8.B, Order8.C
     n_rows = 16
     integral, min_factor, max_factor = 0.04, 0.333, 6.0
+    stable_below = 5.8  # of 5.95 on the imaginary axis, 6.4 on the real one
     stability_limit = 5.4
     limited_above = 2.0
     exponent, first_same_as_last = 8.0, False
