@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -67,6 +68,8 @@ def write_result(
         check_result(result)
     except ResultError as error:
         raise ResultError(f"{path}: {error}") from None
+    if result.node_positions_G.nbytes <= MOST_STORED:  # written twice, computed once
+        result = replace(result, node_positions_G=np.asarray(result.node_positions_G[:]))
     with new_file(path) as file:
         set_text(file, "format", FORMAT)
         many = max(len(result.bodies), len(result.links), len(result.signals)) > MOST_NAMED
