@@ -215,6 +215,7 @@ BAD = {
         'laminate = "skin"\ndirection = { vector = [0, 0] }',
         r"regions\.top\.direction = .*: expected a vector of non-zero length",
     ),
+    "a modulus in GPa": ("E1 = 142e9", "E1 = 142", r"cfrp\.E1 = 142: expected Pa.*in GPa\?"),
     "elastic constants": ("nu12 = 0.42", "nu12 = 4.2", r"materials\.cfrp\.nu12 = 4\.2: expected"),
     "strength": (
         "rho = 1600.0",

@@ -94,6 +94,7 @@ BAD = {
     "history": (f"{MASS} = [1]", 'histories = ["xx"]', r"no such signal; did you mean 'x'"),
     "variant": (f"{MASS} = [1]", 'variants = ["w"]', r's\.variants = "w": no such variant'),
     "key": (f"{MASS} = [1]", "sed = 3", r"sweeps\.s\.sed: unknown key; did you mean 'seed'"),
+    "no quotes": ("bodies.ball.mass = [1]", "", r"expected quotes around a dotted key, such as"),
     "times": ('"solver.t_end" = [1, 2]', 'histories = ["x"]', "expected none where solver.t_end"),
     "too many": (
         f"{MASS} = {{ from = 1, to = 2, count = 1000 }}\n{FORCE} = {{ from = 1, to = 2, count "

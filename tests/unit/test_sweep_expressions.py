@@ -92,6 +92,11 @@ def test_a_variant_changes_a_lay_up(tmp_path):
 
 ANGLE = "angle = [0, 30]"
 BAD = {
+    "dots": (
+        '"sections.tube.laminates.wall.angles_deg.0" = [1]',
+        "",
+        r'follows a colon, "sections.tube:laminates.wall.angles_deg.0"',
+    ),
     "name": (ANGLE, f'{FIRST} = "-angel"', r"no name `angel`; did you mean 'angle'"),
     "code": (ANGLE, f'{FIRST} = "angle.real"', "is not allowed"),
     "call": (ANGLE, f'{FIRST} = "__import__(angle)"', "no function `__import__`"),

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...package.common.materials import MaterialError, material_from_dict
+from ...package.common.plausible import MIXED
 from ...package.common.strengths import read_strength
 from .table import Table, entry, optional
 
@@ -137,5 +138,13 @@ def _error_of(name: str, text: str) -> str:
         if "strength" in table:
             read_strength(table["strength"], table["kind"], f"materials.{name}.strength")
     except MaterialError as error:
+        moduli = {key: value for key, value in table.items() if key[0] in "EG"}
+        most = max(moduli, key=lambda key: float(moduli[key]))
+        least = min(moduli, key=lambda key: float(moduli[key]))
+        if moduli[least] < MIXED * moduli[most]:
+            return (
+                f"materials.{name}.{least} = {moduli[least]:g}: expected Pa, as {most} = "
+                f"{moduli[most]:g}: in GPa?"
+            )
         return str(error)
     return ""

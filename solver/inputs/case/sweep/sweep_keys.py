@@ -162,7 +162,8 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
     """Return the unit at a key below a model; `shown` is the key in messages."""
     here: Any = model
     unit, way = "", list[str]()
-    for part in key.split("."):
+    parts = key.split(".")
+    for number, part in enumerate(parts):
         known: list[str]
         if isinstance(here, BaseModel):
             known = list(type(here).model_fields)
@@ -175,6 +176,9 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
         else:
             raise Misplaced(f"{shown}: {'.'.join(way)} has no keys")
         way.append(part)
+        if part not in known and "changes" in known:
+            right = f"{'.'.join(parts[:number])}:{'.'.join(parts[number:])}"
+            raise Misplaced(f'{shown}: a key of the description follows a colon, "{right}"')
         if part not in known:
             raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{nearest(part, known)}")
         if isinstance(here, BaseModel):

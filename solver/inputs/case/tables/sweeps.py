@@ -46,6 +46,9 @@ class Variation(Table):
     @model_validator(mode="before")
     @classmethod
     def _list(cls, table: Any) -> Any:
+        known = {field.alias or name for name, field in cls.model_fields.items()}
+        if isinstance(table, dict) and table and not known & table.keys():
+            raise ValueError('expected quotes around a dotted key, such as "bodies.arm.length"')
         return {"values": table} if isinstance(table, list) else table
 
     @model_validator(mode="after")
