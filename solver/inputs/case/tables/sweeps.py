@@ -46,8 +46,8 @@ class Variation(Table):
     @model_validator(mode="before")
     @classmethod
     def _list(cls, table: Any) -> Any:
-        known = {field.alias or name for name, field in cls.model_fields.items()}
-        if isinstance(table, dict) and table and not known & table.keys():
+        items = table.items() if isinstance(table, dict) else ()
+        if any(isinstance(value, dict) or name.isdecimal() for name, value in items):
             raise ValueError('expected quotes around a dotted key, such as "bodies.arm.length"')
         return {"values": table} if isinstance(table, list) else table
 
