@@ -7,7 +7,7 @@ import os
 import shlex
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -57,18 +57,6 @@ class CommandParser(argparse.ArgumentParser):
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
 
-    def describe_commands(self) -> None:
-        """Let `COMMAND --help` begin with its line in the list of commands, and end with the exit
-        codes.
-        """
-        for action in self._actions:
-            if isinstance(action, argparse._SubParsersAction):
-                for line in action._choices_actions:
-                    command, text = action.choices[line.dest], line.help or ""
-                    command.description = command.description or f"{text[:1].upper()}{text[1:]}."
-                    if "exit code" not in (command.epilog or ""):
-                        command.epilog = f"{command.epilog or ''}\n{EXIT_CODE}".lstrip()
-
     def commands(self) -> dict[str, "CommandParser"]:
         """Return the parsers of the commands by name."""
         for action in self._actions:
@@ -77,18 +65,42 @@ class CommandParser(argparse.ArgumentParser):
         return {}
 
 
-def add_command(commands: Any, name: str, call: str, help: str, **texts: str) -> Any:
-    """Add a subcommand to an argument parser and return its parser.
+Declare = Callable[[Any], None]  # adds the arguments of a command to its parser, or to a group
+
+
+def command(name: str, call: str, epilog: str = "") -> Callable[[Declare], Declare]:
+    """Return a decorator by which a function that declares arguments adds a whole command.
+
+    Its docstring is the help of the command: a title, what follows the arguments, and above a line
+    `---` what precedes them.
 
     Parameters
     ----------
     call : the function that executes it, `module:name` below this folder; imported for the call
-    texts : its description and epilog
+    epilog : more text after the arguments
     """
-    formatter = argparse.RawDescriptionHelpFormatter
-    parser = commands.add_parser(name, help=help, formatter_class=formatter, **texts)
-    parser.set_defaults(command=call)
-    return parser
+
+    def decorated(declare: Declare) -> Declare:
+        title, _, text = (declare.__doc__ or "").replace("\n    ", "\n").partition("\n")
+        before, _, after = text.rpartition("\n---\n")
+        after = after.strip() or epilog
+        if "exit code" not in after:
+            after = f"{after}\n{EXIT_CODE}".lstrip()
+
+        def add(commands: Any) -> None:
+            parser = commands.add_parser(
+                name,
+                help=title[:1].lower() + title[1:].rstrip("."),
+                description=before.strip() or title,
+                epilog=after,
+                formatter_class=argparse.RawDescriptionHelpFormatter,
+            )
+            parser.set_defaults(command=call)
+            declare(parser)
+
+        return add
+
+    return decorated
 
 
 def flag(group: Any, name: str, help: str) -> None:

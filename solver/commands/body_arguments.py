@@ -12,9 +12,9 @@ from ..studies.modes.place import at_of
 from .arguments import (
     FOLDERS,
     add_case_options,
-    add_command,
     add_executor,
     add_no_scripts,
+    command,
     flag,
     number,
     numbers,
@@ -25,96 +25,34 @@ from .arguments import (
 # Without --out None: a folder that the user has named may be a link.
 EXCHANGED = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
 PACKAGE = "PACKAGE.vtkhdf"
-SECTION_TEXT = """\
-Stiffness, mass, centres and stresses of beam cross-sections. FILE is a description (TOML,
-docs/section-description.md), an input file of VABS (.dat, .sg), a folder of BECAS input, or a
-section file (.vtkhdf) to show again. It runs in the Python with FEniCSx:
-$FENICSX_PYTHON, the one that `make fenicsx` found, python3 or /usr/bin/python3.
-"""
-SECTION = """\
-Writes DIR/<name>/<name>.vtkhdf, a section file with mesh, plies, warping and stress recovery that
-ParaView opens, and figures beside it. Files made from the same description, options and sources
-are not made again, so an interrupted batch continues where it stopped.
-
-A batch (LIST) is a folder of descriptions, a pattern in quotes, a text file with one description
-per line, or a study in TOML: `sections` to vary and [[sweep]] tables of a key and its values (or a
-CSV file with a row of numbers for each). It writes DIR/summary.csv and .json.
-
-K relates [F1 F2 F3 M1 M2 M3] to [extension, shear 2, shear 3, twist, bending 2, bending 3] at the
-origin of the description; --order gives it in the order of other codes (docs/conventions.md).
-
-exit code: 0 done; 2 wrong input, the other sections of a batch are made; 130 interrupted,
-complete files are kept.
-"""
-SHELL_TEXT = """\
-Deflections, reactions, ply stresses and natural frequencies of laminated plates and shells. FILE
-is a description (TOML, docs/shell-description.md), or a shell file (.vtkhdf) to show again.
-It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found, python3 or
-/usr/bin/python3.
-"""
-SHELL = """\
-Writes DIR/<name>/<name>.vtkhdf, a shell file with mesh, laminates, displacements, resultants and
-modes that ParaView opens, and figures beside it. Files made from the same description and sources
-are not made again.
-
-exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
-kept.
-"""
-SOLID_TEXT = """\
-Mass, inertia, natural frequencies and load cases of solids. FILE is a CAD file (STEP, IGES), a
-description (TOML, docs/solids.md), or a package that this command made (.vtkhdf) to show again.
-It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found, python3 or
-/usr/bin/python3.
-"""
-SOLID = """\
-Writes DIR/<name>/<name>.vtkhdf, the modal package of the free solid: ParaView opens it, and a case
-takes it with kind = "package". Files made from the same description and sources are not made
-again.
-
-exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
-kept.
-"""
-BLADE_TEXT = """\
-Cross-sections of a rotor blade: stiffness and mass matrices of its stations from a windIO 2 file.
-The shell is meshed layer by layer to the thickness of the file, with its reinforcements, sandwich
-panels, spar caps and webs.
-"""
-BLADE = """\
-Writes in DIR:
-  stations/  a mesh and a section description of each station (docs/section-description.md)
-  sections/  a section file of each station (.vtkhdf), and summary.csv
-  blade.csv  span, chord, twist, 6x6 stiffness and mass of each station
-  beam.csv   the blade as a body of a case: kind = "beam", table = "beam.csv"
-  case.toml  this body on the turning hub of the file: plymotion modes DIR/case.toml --at spin=...
-  blade_*    with --to: stiffness, mass and geometry for another code
-  with --spin: frequencies.csv (at rest, with estimated errors), campbell.csv, .json and .png
-
-Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the suction
-side, x1 to the tip. The matrices are about the reference axis, without twist. Stations that are up
-to date are not analysed again, so an interrupted command continues where it stopped.
-
-exit code: 0 done; 2 wrong input, or a station that cannot be analysed (the others are); 130
-interrupted, complete files are kept.
-
-example:
-  plymotion blade IEA-15-240-RWT.yaml --stations 50 --jobs 2 --to beamdyn --spin 0:0.8:0.1 -o blade
-"""
-IMPORT = """\
-Make a modal package from a body of another code. FILE (TOML, docs/exchange.md) names the files,
-their units, the interfaces and the modes.
-"""
-EXPORT = """\
-Write a modal package in the format of another code: exudyn (a script that adds the body), uff
-(modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
-joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation (fmu).
-"""
 
 
-def add_section(commands: Any) -> None:
-    """Add `section` to the subcommands of an argument parser."""
-    texts = {"description": SECTION_TEXT, "epilog": SECTION}
-    title = "analyse beam cross-sections"
-    parser = add_command(commands, "section", "bodies.section:run_section", title, **texts)
+@command("section", "bodies.section:run_section")
+def add_section(parser: Any) -> None:
+    """Analyse beam cross-sections.
+
+    Stiffness, mass, centres and stresses of beam cross-sections. FILE is a description (TOML,
+    docs/section-description.md), an input file of VABS (.dat, .sg), a folder of BECAS input, or a
+    section file (.vtkhdf) to show again. It runs in the Python with FEniCSx:
+    $FENICSX_PYTHON, the one that `make fenicsx` found, python3 or /usr/bin/python3.
+
+    ---
+
+    Writes DIR/<name>/<name>.vtkhdf, a section file with mesh, plies, warping and stress recovery
+    that ParaView opens, and figures beside it. Files made from the same description, options and
+    sources are not made again, so an interrupted batch continues where it stopped.
+
+    A batch (LIST) is a folder of descriptions, a pattern in quotes, a text file with one
+    description per line, or a study in TOML: `sections` to vary and [[sweep]] tables of a key and
+    its values (or a CSV file with a row of numbers for each). It writes DIR/summary.csv and .json.
+
+    K relates [F1 F2 F3 M1 M2 M3] to [extension, shear 2, shear 3, twist, bending 2, bending 3] at
+    the origin of the description; --order gives it in the order of other codes
+    (docs/conventions.md).
+
+    exit code: 0 done; 2 wrong input, the other sections of a batch are made; 130 interrupted,
+    complete files are kept.
+    """
     add_no_scripts(parser)
     what = parser.add_argument_group("what to make")
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
@@ -152,11 +90,24 @@ def add_section(commands: Any) -> None:
     shown.add_argument("--corner-distance", type=_distance, metavar="D", help=text)
 
 
-def add_shell(commands: Any) -> None:
-    """Add `shell` to the subcommands of an argument parser."""
-    texts = {"description": SHELL_TEXT, "epilog": SHELL}
-    title = "load cases and frequencies of laminated shells"
-    parser = add_command(commands, "shell", "bodies.shell:run_shell", title, **texts)
+@command("shell", "bodies.shell:run_shell")
+def add_shell(parser: Any) -> None:
+    """Load cases and frequencies of laminated shells.
+
+    Deflections, reactions, ply stresses and natural frequencies of laminated plates and shells.
+    FILE is a description (TOML, docs/shell-description.md), or a shell file (.vtkhdf) to show
+    again. It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found,
+    python3 or /usr/bin/python3.
+
+    ---
+
+    Writes DIR/<name>/<name>.vtkhdf, a shell file with mesh, laminates, displacements, resultants
+    and modes that ParaView opens, and figures beside it. Files made from the same description and
+    sources are not made again.
+
+    exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
+    kept.
+    """
     add_no_scripts(parser)
     text = "shell description or shell file"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
@@ -176,11 +127,24 @@ def add_shell(commands: Any) -> None:
     add_executor(parser, "shells")
 
 
-def add_solid(commands: Any) -> None:
-    """Add `solid` to the subcommands of an argument parser."""
-    texts = {"description": SOLID_TEXT, "epilog": SOLID}
-    title = "inertia, frequencies and load cases of solids from CAD"
-    parser = add_command(commands, "solid", "bodies.solid:run_solid", title, **texts)
+@command("solid", "bodies.solid:run_solid")
+def add_solid(parser: Any) -> None:
+    """Inertia, frequencies and load cases of solids from CAD.
+
+    Mass, inertia, natural frequencies and load cases of solids. FILE is a CAD file (STEP, IGES), a
+    description (TOML, docs/solids.md), or a package that this command made (.vtkhdf) to show again.
+    It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found, python3
+    or /usr/bin/python3.
+
+    ---
+
+    Writes DIR/<name>/<name>.vtkhdf, the modal package of the free solid: ParaView opens it, and a
+    case takes it with kind = "package". Files made from the same description and sources are not
+    made again.
+
+    exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
+    kept.
+    """
     add_no_scripts(parser)
     text = "CAD file, description or package"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
@@ -193,11 +157,36 @@ def add_solid(commands: Any) -> None:
     add_executor(parser, "solids")
 
 
-def add_blade(commands: Any) -> None:
-    """Add `blade` to the subcommands of an argument parser."""
-    texts = {"description": BLADE_TEXT, "epilog": BLADE}
-    title = "cross-sections of a rotor blade from a windIO file"
-    parser = add_command(commands, "blade", "bodies.blade:run_blade", title, **texts)
+@command("blade", "bodies.blade:run_blade")
+def add_blade(parser: Any) -> None:
+    """Cross-sections of a rotor blade from a windIO file.
+
+    Cross-sections of a rotor blade: stiffness and mass matrices of its stations from a windIO 2
+    file. The shell is meshed layer by layer to the thickness of the file, with its reinforcements,
+    sandwich panels, spar caps and webs.
+
+    ---
+
+    Writes in DIR:
+      stations/  a mesh and a section description of each station (docs/section-description.md)
+      sections/  a section file of each station (.vtkhdf), and summary.csv
+      blade.csv  span, chord, twist, 6x6 stiffness and mass of each station
+      beam.csv   the blade as a body of a case: kind = "beam", table = "beam.csv"
+      case.toml  this body on its turning hub: plymotion modes DIR/case.toml --at spin=...
+      blade_*    with --to: stiffness, mass and geometry for another code
+      with --spin: frequencies.csv (at rest, with estimated errors), campbell.csv, .json and .png
+
+    Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the
+    suction side, x1 to the tip. The matrices are about the reference axis, without twist. Stations
+    that are up to date are not analysed again, so an interrupted command continues where it
+    stopped.
+
+    exit code: 0 done; 2 wrong input, or a station that cannot be analysed (the others are); 130
+    interrupted, complete files are kept.
+
+    example:
+      plymotion blade IEA-15-240-RWT.yaml --stations 50 --to beamdyn --spin 0:0.8:0.1 -o blade
+    """
     text = "turbine file of windIO 2 (.yaml)"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     text = "equal distances from root to tip (default: the grid of the file's chord)"
@@ -218,11 +207,15 @@ def add_blade(commands: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
-def add_import(commands: Any) -> None:
-    """Add `import` to the subcommands of an argument parser."""
-    title = "make a modal package from a body of another code"
-    call = "bodies.exchange:run_import"
-    parser = add_command(commands, "import", call, title, description=IMPORT)
+@command("import", "bodies.exchange:run_import")
+def add_import(parser: Any) -> None:
+    """Make a modal package from a body of another code.
+
+    Make a modal package from a body of another code. FILE (TOML, docs/exchange.md) names the files,
+    their units, the interfaces and the modes.
+
+    ---
+    """
     parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML")
     text = "the other code (default: its key `from`)"
     parser.add_argument("--from", dest="source", metavar="CODE", help=text)
@@ -230,11 +223,16 @@ def add_import(commands: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
-def add_export(commands: Any) -> None:
-    """Add `export` to the subcommands of an argument parser."""
-    title = "write a modal package in the format of another code"
-    call = "bodies.exchange:run_export"
-    parser = add_command(commands, "export", call, title, description=EXPORT)
+@command("export", "bodies.exchange:run_export")
+def add_export(parser: Any) -> None:
+    """Write a modal package in the format of another code.
+
+    Write a modal package in the format of another code: exudyn (a script that adds the body), uff
+    (modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
+    joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation (fmu).
+
+    ---
+    """
     text = "PACKAGE.vtkhdf; with --to fmu CASE.toml"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     parser.add_argument("--to", dest="target", required=True, choices=EXCHANGED, help="the format")
@@ -251,18 +249,23 @@ def add_export(commands: Any) -> None:
     add_no_scripts(fmu)
 
 
-def add_package_commands(commands: Any) -> None:
-    """Add `experimental`, `info` and `validate` to the subcommands of an argument parser."""
-    title = "make a modal package from measured modes (docs/modes.md)"
-    parser = add_command(commands, "experimental", "bodies.packages:run_experimental", title)
+@command("experimental", "bodies.packages:run_experimental")
+def add_experimental(parser: Any) -> None:
+    """Make a modal package from measured modes (docs/modes.md)."""
     text = "nodes, modes and places of a test, TOML"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     _add_new_package(parser, "--out")
-    title = "show the content of a modal package"
-    parser = add_command(commands, "info", "bodies.packages:run_info", title)
+
+
+@command("info", "bodies.packages:run_info")
+def add_info(parser: Any) -> None:
+    """Show the content of a modal package."""
     parser.add_argument("package", type=Path, metavar="PACKAGE", help=PACKAGE)
-    title = "check modal packages against docs/format.md"
-    parser = add_command(commands, "validate", "bodies.packages:run_validate", title)
+
+
+@command("validate", "bodies.packages:run_validate")
+def add_validate(parser: Any) -> None:
+    """Check modal packages against docs/format.md."""
     parser.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help=PACKAGE)
 
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from .arguments import (
     add_case_options,
-    add_command,
     add_doubtful,
     add_executor,
     add_no_scripts,
     add_packages,
     add_report_figures,
+    command,
     flag,
     numbers,
     shard,
@@ -28,87 +28,22 @@ STARTERS = {
     "pendulum": "a laminated bar on a hinge, set swinging",
     "blade": "a rotating composite blade, stiffened by its spin",
 }
+
+
 NEW = "starters:\n" + "\n".join(f"  {name:10} {text}" for name, text in STARTERS.items())
-RUN = """\
-`plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
-Python with FEniCSx, integrates its runs and writes DIR/report.html. What is up to date by content
-is not done again.
-
-Several run files are integrated in one process, or in --jobs processes, which saves the time to
-start.
-A run that fails does not stop the others. Each run writes result.vtkhdf and summary.json.
-
-exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its results
-up to that time are kept, or its own findings call its results invalid; 130, 143, 129 ended by
-Ctrl-C, TERM or HUP, results are kept.
-"""
-MODES = """\
---at (default start):
-  start              the start of the run, as the case gives it
-  equilibrium        at rest under gravity, springs and loads; with solver.spin, turning
-  t=0.5              the run at this time [s]
-  spin=200           turning as a whole at a constant speed [rad/s]
-  spin=20:400:20     from 20 to 400 rad/s by 20: a Campbell diagram
-  spin=0:3000:100rpm the same in revolutions per minute
-
-The axis of a spin is that of --axis, of solver.spin in the case, or of the hinge to the ground.
-
-Writes modes.json (all numbers), modes.png (shapes), mode-NN.vtkhdf (one period of a mode
-for ParaView), linear.npz and linear.mat (A, B, C, D with names and units), with --response also
-response.csv and response.png. A range of speeds writes campbell.json, campbell.csv and campbell.png
-instead. Meaning and accuracy: docs/modes-about-a-state.md
-
-exit code: 0 done; 2 something is wrong with the input.
-
-examples:
-  plymotion modes cases/double-pendulum/case.toml --at equilibrium
-  plymotion modes cases/rotating-blade/case.toml --run stiffened --at spin=0:400:20 --axis 0,0,1
-"""
-PLAN = """\
-The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan is
-written to DIR/plans/RUN.toml, where `plymotion run` finds it.
-
-exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.
-"""
-PACKAGES = """\
-Builds the packages that run files (build/<case>/runs/<run>.json) and sweep files
-(build/<case>/sweeps/<name>.json) name, each once, into the folders where runs and sweeps look for
-them. Packages that are up to date are not built again.
-
-exit code: 0 all packages are up to date; 2 wrong input; 3 some bodies could not be built, the
-others were; 130 interrupted, complete packages are kept.
-"""
-SWEEP = """\
-Writes DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure for each signal. Members
-that the same solver has computed before, with the same values and packages, are not computed again:
-an interrupted sweep, or one with additional values, continues.
-
-exit code: 0 all members finished; 2 something is wrong with the input; 3 some members stopped or
-failed, the table has their messages and the others are complete; 130 interrupted, finished members
-are kept.
-"""
-MERGE = """\
-Writes DIR/sweep.h5, the table and the figures from DIR/sweep-k-of-N.h5, the files of
-`plymotion sweep --shard k/N`, and from an earlier DIR/sweep.h5. The files of the shards stay.
-
-exit code: 0 all members finished; 2 something is wrong with the input; 3 members are missing, or
-some stopped or failed.
-"""
 
 
-def add_new(commands: Any) -> None:
-    """Add `new` to the subcommands of an argument parser."""
-    title = "write a starter case, which runs as it is"
-    parser = add_command(commands, "new", "new.command:run_new", title, epilog=NEW)
+@command("new", "new.command:run_new", NEW)
+def add_new(parser: Any) -> None:
+    """Write a starter case, which runs as it is."""
     parser.add_argument("starter", metavar=f"{{{','.join(STARTERS)}}}", help="see below")
     text = "new folder of the case (default: named like the starter)"
     parser.add_argument("folder", type=Path, nargs="?", metavar="DIR", help=text)
 
 
-def add_check(commands: Any) -> None:
-    """Add `check` to the subcommands of an argument parser."""
-    title = "check a case file; with --out, write the input of the other commands"
-    parser = add_command(commands, "check", "cases.check:run_check", title)
+@command("check", "cases.check:run_check")
+def add_check(parser: Any) -> None:
+    """Check a case file; with --out, write the input of the other commands."""
     parser.add_argument("case", type=Path, nargs="?", metavar="CASE", help="CASE.toml")
     text = "write case.json, bodies/, runs/, sweeps/ there"
     parser.add_argument("--out", type=Path, metavar="DIR", help=text)
@@ -117,10 +52,22 @@ def add_check(commands: Any) -> None:
     flag(parser, "reference", "print docs/case-reference.md")
 
 
-def add_run(commands: Any) -> None:
-    """Add `run` to the subcommands of an argument parser."""
-    title = "run a case file from check to report, or integrate run files"
-    parser = add_command(commands, "run", "cases.command:run_any", title, epilog=RUN)
+@command("run", "cases.command:run_any")
+def add_run(parser: Any) -> None:
+    """Run a case file from check to report, or integrate run files.
+
+    `plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
+    Python with FEniCSx, integrates its runs and writes DIR/report.html. What is up to date by
+    content is not done again.
+
+    Several run files are integrated in one process, or in --jobs processes, which saves the time to
+    start.
+    A run that fails does not stop the others. Each run writes result.vtkhdf and summary.json.
+
+    exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its
+    results up to that time are kept, or its own findings call its results invalid; 130, 143, 129
+    ended by Ctrl-C, TERM or HUP, results are kept.
+    """
     text = "a case file, CASE.toml; or run files, build/CASE/runs/RUN.json"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
     text = "of a case: its folder (default build/CASE); of one run file: folder of its results"
@@ -148,10 +95,9 @@ def add_run(commands: Any) -> None:
     flag(several, "update", "only runs whose inputs or solver have changed")
 
 
-def add_report(commands: Any) -> None:
-    """Add `report` to the subcommands of an argument parser."""
-    title = "write report.html and the table of a case"
-    parser = add_command(commands, "report", "cases.report:run_report", title)
+@command("report", "cases.report:run_report")
+def add_report(parser: Any) -> None:
+    """Write report.html and the table of a case."""
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a case, build/CASE")
     add_report_figures(parser)
     flag(parser, "glb", "also write RUN/motion.glb, for Blender and slides")
@@ -159,16 +105,35 @@ def add_report(commands: Any) -> None:
     flag(parser, "vtk", text)
 
 
-def add_modes(commands: Any) -> None:
-    """Add `modes` to the subcommands of an argument parser."""
-    parser = add_command(
-        commands,
-        "modes",
-        "cases.modes:run_modes",
-        "frequencies, damping and shapes about a state; Campbell diagram",
-        description="Linearise a run about a state: frequencies, damping ratios, shapes.",
-        epilog=MODES,
-    )
+@command("modes", "cases.modes:run_modes")
+def add_modes(parser: Any) -> None:
+    """Frequencies, damping and shapes about a state; Campbell diagram.
+
+    Linearise a run about a state: frequencies, damping ratios, shapes.
+
+    ---
+
+    --at (default start):
+      start              the start of the run, as the case gives it
+      equilibrium        at rest under gravity, springs and loads; with solver.spin, turning
+      t=0.5              the run at this time [s]
+      spin=200           turning as a whole at a constant speed [rad/s]
+      spin=20:400:20     from 20 to 400 rad/s by 20: a Campbell diagram
+      spin=0:3000:100rpm the same in revolutions per minute
+
+    The axis of a spin is that of --axis, of solver.spin in the case, or of the hinge to the ground.
+
+    Writes modes.json (all numbers), modes.png (shapes), mode-NN.vtkhdf (one period of a mode for
+    ParaView), linear.npz and linear.mat (A, B, C, D with names and units), with --response also
+    response.csv and response.png. A range of speeds writes campbell.json, campbell.csv and
+    campbell.png instead. Meaning and accuracy: docs/modes-about-a-state.md
+
+    exit code: 0 done; 2 something is wrong with the input.
+
+    examples:
+      plymotion modes cases/double-pendulum/case.toml --at equilibrium
+      plymotion modes cases/rotating-blade/case.toml --run stiffened --at spin=0:400:20 --axis 0,0,1
+    """
     text = "CASE.toml, or a run file, build/CASE/runs/RUN.json"
     parser.add_argument("case", type=Path, metavar="FILE", help=text)
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
@@ -198,39 +163,57 @@ def add_modes(commands: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
-def add_plan(commands: Any) -> None:
-    """Add `plan` to the subcommands of an argument parser."""
-    title = "choose the model of a run by its accuracy"
-    parser = add_command(commands, "plan", "cases.plan:run_plan", title, epilog=PLAN)
+@command("plan", "cases.plan:run_plan")
+def add_plan(parser: Any) -> None:
+    """Choose the model of a run by its accuracy.
+
+    The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan
+    is written to DIR/plans/RUN.toml, where `plymotion run` finds it.
+
+    exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.
+    """
     _add_run_of_case(parser)
     flag(parser, "no-check", "indicators only: no run of model and check")
     flag(parser, "json", "print the answer as JSON")
 
 
-def add_chart(commands: Any) -> None:
-    """Add `chart` to the subcommands of an argument parser."""
-    title = "draw error against CPU time of the models of a run with [fidelity]"
-    parser = add_command(commands, "chart", "cases.plan:run_chart", title)
+@command("chart", "cases.plan:run_chart")
+def add_chart(parser: Any) -> None:
+    """Draw error against CPU time of the models of a run with [fidelity]."""
     _add_run_of_case(parser)
     text = "the chart (default: DIR/plans/RUN.png)"
     parser.add_argument("--figure", type=Path, metavar="PNG", help=text)
 
 
-def add_packages_command(commands: Any) -> None:
-    """Add `packages` to the subcommands of an argument parser."""
-    title = "build the modal packages of runs and sweeps"
-    call = "bodies.packages:run_packages"
-    parser = add_command(commands, "packages", call, title, epilog=PACKAGES)
+@command("packages", "bodies.packages:run_packages")
+def add_packages_command(parser: Any) -> None:
+    """Build the modal packages of runs and sweeps.
+
+    Builds the packages that run files (build/<case>/runs/<run>.json) and sweep files
+    (build/<case>/sweeps/<name>.json) name, each once, into the folders where runs and sweeps look
+    for them. Packages that are up to date are not built again.
+
+    exit code: 0 all packages are up to date; 2 wrong input; 3 some bodies could not be built, the
+    others were; 130 interrupted, complete packages are kept.
+    """
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="run or sweep file")
     add_executor(parser, "bodies")
     add_no_scripts(parser)
     flag(parser, "quiet", "print warnings and errors only")
 
 
-def add_sweep(commands: Any) -> None:
-    """Add `sweep` to the subcommands of an argument parser."""
-    title = "integrate the members of a sweep"
-    parser = add_command(commands, "sweep", "cases.sweep:run_sweep", title, epilog=SWEEP)
+@command("sweep", "cases.sweep:run_sweep")
+def add_sweep(parser: Any) -> None:
+    """Integrate the members of a sweep.
+
+    Writes DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure for each signal.
+    Members that the same solver has computed before, with the same values and packages, are not
+    computed again: an interrupted sweep, or one with additional values, continues.
+
+    exit code: 0 all members finished; 2 something is wrong with the input; 3 some members stopped
+    or failed, the table has their messages and the others are complete; 130 interrupted, finished
+    members are kept.
+    """
     _add_place(parser)
     add_doubtful(parser)
     text = "only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see `merge`"
@@ -243,10 +226,16 @@ def add_sweep(commands: Any) -> None:
     flag(parser, "quiet", "no progress bar")
 
 
-def add_merge(commands: Any) -> None:
-    """Add `merge` to the subcommands of an argument parser."""
-    title = "merge the shards of a sweep into one file"
-    parser = add_command(commands, "merge", "cases.sweep:run_merge", title, epilog=MERGE)
+@command("merge", "cases.sweep:run_merge")
+def add_merge(parser: Any) -> None:
+    """Merge the shards of a sweep into one file.
+
+    Writes DIR/sweep.h5, the table and the figures from DIR/sweep-k-of-N.h5, the files of
+    `plymotion sweep --shard k/N`, and from an earlier DIR/sweep.h5. The files of the shards stay.
+
+    exit code: 0 all members finished; 2 something is wrong with the input; 3 members are missing,
+    or some stopped or failed.
+    """
     _add_place(parser)
     _add_shown(parser)
 

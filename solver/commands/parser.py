@@ -3,13 +3,14 @@
 import argparse
 import gc
 from importlib import import_module
+from typing import Any
 
 from plymotion import __version__
 
 from ..interrupts import starting
 from . import body_arguments as bodies
 from . import case_arguments as cases
-from .arguments import COMMAND, CommandParser, add_command, flag
+from .arguments import COMMAND, CommandParser, command, flag
 
 EPILOG = """\
 examples:
@@ -21,13 +22,36 @@ exit code: 0 done; 2 something is wrong with the input; 3 a run or a member of a
 or is invalid, see the help of the command; 70 a defect of the program; 130, 143, 129 ended by
 Ctrl-C, TERM or HUP.
 """
+
+
+@command("compile", "compile:run_compile")
+def add_compile(parser: Any) -> None:
+    """Compile before the first run."""
+    flag(parser, "all", "also that of generalized-alpha, and what FEniCSx needs of bodies")
+
+
+@command("schema", "schema:run_schema")
+def add_schema(parser: Any) -> None:
+    """Print the JSON schema of a file, by which editors complete and check it."""
+    kinds = ["case", "section", "shell", "solid"]
+    parser.add_argument("kind", nargs="?", choices=kinds, default="case", help="see docs/runs.md")
+
+
+@command("completion", "completion:run_completion")
+def add_completion(parser: Any) -> None:
+    """Print the completion of commands and options for a shell."""
+    parser.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")
+
+
 # A case, its parts, packages, many runs, the rest.
 COMMANDS = (
     *(cases.add_new, cases.add_check, cases.add_run, cases.add_report),
     *(cases.add_modes, cases.add_plan, cases.add_chart),
     *(bodies.add_section, bodies.add_shell, bodies.add_solid, bodies.add_blade),
-    *(bodies.add_import, bodies.add_export, bodies.add_package_commands),
+    *(bodies.add_import, bodies.add_export),
+    *(bodies.add_experimental, bodies.add_info, bodies.add_validate),
     *(cases.add_packages_command, cases.add_sweep, cases.add_merge),
+    *(add_compile, add_schema, add_completion),
 )
 
 
@@ -45,16 +69,6 @@ def parser() -> CommandParser:
     commands = parser.add_subparsers(required=True, metavar=COMMAND, prog="plymotion")
     for add in COMMANDS:
         add(commands)
-    ahead = add_command(commands, "compile", "compile:run_compile", "compile before the first run")
-    flag(ahead, "all", "also that of generalized-alpha, and what FEniCSx needs of bodies")
-    title = "print the JSON schema of a file, by which editors complete and check it"
-    schema = add_command(commands, "schema", "schema:run_schema", title)
-    kinds = ["case", "section", "shell", "solid"]
-    schema.add_argument("kind", nargs="?", choices=kinds, default="case", help="see docs/runs.md")
-    title = "print the completion of commands and options for a shell"
-    completion = add_command(commands, "completion", "completion:run_completion", title)
-    completion.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")
-    parser.describe_commands()
     return parser
 
 

@@ -1,6 +1,7 @@
 """The commands `plymotion sweep` and `plymotion merge`."""
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
@@ -44,26 +45,13 @@ def run_sweep(options: argparse.Namespace) -> int:
     begin = time.perf_counter()
     through = work.compute(lambda: executor_of(options))
     result = result_of(plan, work.rows)
-    if not through:
-        return _interrupted(result, file)
     seconds = time.perf_counter() - begin
-    if options.shard:
-        _tell(outcome_lines(result, work.kept, seconds, file, "", planned))
-        return _incomplete(result)
     try:
-        told = _tabulated(folder, result, options)
+        if through:
+            lines = outcome_lines(result, work.kept, seconds, planned)
+            return _told(result, lines, file, options, table=not options.shard)
     except KeyboardInterrupt:
-        return _interrupted(result, file)
-    if not told:
-        _tell(outcome_lines(result, work.kept, seconds, file, f", {CSV}", planned))
-    return _incomplete(result)
-
-
-def _tell(lines: list[str]) -> None:
-    print("\n".join(lines))
-
-
-def _interrupted(result: SweepResult, file: Path) -> int:
+        pass
     total = len(result.rows)
     print(
         f"{result.name}: interrupted; {total - result.count(PENDING)} of {total} members are in "
@@ -71,10 +59,6 @@ def _interrupted(result: SweepResult, file: Path) -> int:
         file=sys.stderr,
     )
     return INTERRUPTED
-
-
-def _incomplete(result: SweepResult) -> int:
-    return INCOMPLETE if result.count(FAILED, STOPPED) else 0
 
 
 def run_merge(options: argparse.Namespace) -> int:
@@ -90,17 +74,15 @@ def run_merge(options: argparse.Namespace) -> int:
     work.save()
     result = result_of(plan, work.rows)
     missing = result.count(PENDING)
+    lines = outcome_lines(result, work.kept, time.perf_counter() - begin)
+    code = _told(result, lines, file, options, table=not missing)
     if missing:
-        _tell(outcome_lines(result, work.kept, time.perf_counter() - begin, file, ""))
         print(
             f"{plan.name}: {missing} of {len(plan.members)} members are in none of {len(shards)} "
             f"shards; `plymotion sweep {options.sweep}` computes them",
             file=sys.stderr,
         )
-        return INCOMPLETE
-    if not _tabulated(folder, result, options):
-        _tell(outcome_lines(result, work.kept, time.perf_counter() - begin, file, f", {CSV}"))
-    return _incomplete(result)
+    return INCOMPLETE if missing else code
 
 
 def _folder(options: argparse.Namespace) -> Path:
@@ -110,15 +92,28 @@ def _folder(options: argparse.Namespace) -> Path:
     return folder
 
 
-def _tabulated(folder: Path, result: SweepResult, options: argparse.Namespace) -> bool:
-    """Draw figures and write the table, last: it is the sign of a complete sweep.
+def _told(
+    result: SweepResult,
+    lines: list[str],
+    file: Path,
+    options: argparse.Namespace,
+    *,
+    table: bool,
+) -> int:
+    """Say what became of the members; return the exit code.
 
-    Return whether the table was printed.
+    Parameters
+    ----------
+    table : write the table after the figures, last: it is the sign of a complete sweep
     """
-    text = sweep_csv(result)
-    if options.figures:
-        draw_sweep(folder, result)
-    write_text(folder / CSV, text)
-    if options.csv:
+    if table:
+        text = sweep_csv(result)
+        if options.figures:
+            draw_sweep(file.parent, result)
+        write_text(file.parent / CSV, text)
+    if table and options.csv:
         print(text, end="")
-    return bool(options.csv)
+    else:
+        print(f"{lines[0]}; {os.path.relpath(file)}{f', {CSV}' if table else ''}")
+        print("\n".join(lines[1:]))
+    return INCOMPLETE if result.count(FAILED, STOPPED) else 0

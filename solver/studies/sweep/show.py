@@ -1,6 +1,5 @@
 """The results of a sweep on the screen and as figures."""
 
-import os
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -22,29 +21,22 @@ NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
 def outcome_lines(
-    result: SweepResult,
-    kept: int,
-    seconds: float,
-    file: Path,
-    table: str,
-    planned: Sequence[str] = (),
+    result: SweepResult, kept: int, seconds: float, planned: Sequence[str] = ()
 ) -> list[str]:
     """Return what became of the members, in words.
 
     Parameters
     ----------
     kept : how many were not computed; the others took `seconds`
-    table : more words about files
     planned : lines on the plan of [fidelity]
     """
     total = len(result.rows)
     counts = [
         f"{result.count(s)} {s}" for s in (FINISHED, STOPPED, FAILED, PENDING) if result.count(s)
     ]
-    shown = os.path.relpath(file)
     computed = total - kept - result.count(PENDING)
     lines = [
-        f"{result.name}: {total} members, {', '.join(counts)}; {shown}{table}",
+        f"{result.name}: {total} members, {', '.join(counts)}",
         f"  {computed} computed in {seconds:.1f} s, {kept} kept from before",
         *(f"  {line}" for line in planned),
     ]
