@@ -9,13 +9,14 @@ import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from ..errors import did_you_mean
 
 # Folder of the results of a command.
 FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "solid")}
 
+T = TypeVar("T")
 COMMAND = "COMMAND"  # what --help and messages call a command
 EXECUTORS = ("local", "dask", "mpi")
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
@@ -201,3 +202,17 @@ def numbers(text: str) -> list[float]:
     """Return numbers separated by commas; none at all if one is no finite number."""
     found = [number(part) for part in text.split(",")]
     return found if all(map(math.isfinite, found)) else []
+
+
+def expecting(
+    read: Callable[[str], T], right: Callable[[T], bool], words: str
+) -> Callable[[str], T]:
+    """Return a type of arguments: what `read` makes of the text, an error unless that is right."""
+
+    def value(text: str) -> T:
+        found = read(text)
+        if not right(found):
+            raise argparse.ArgumentTypeError(f"{text!r}: expected {words}")
+        return found
+
+    return value

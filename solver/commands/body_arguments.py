@@ -15,6 +15,7 @@ from .arguments import (
     add_executor,
     add_no_scripts,
     command,
+    expecting,
     flag,
     number,
     numbers,
@@ -25,6 +26,19 @@ from .arguments import (
 # Without --out None: a folder that the user has named may be a link.
 EXCHANGED = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
 PACKAGE = "PACKAGE.vtkhdf"
+
+
+_accuracy = expecting(number, lambda a: 0.0 < a < 1.0, "a number from 0 to 1, such as 1e-3")
+_distance = expecting(number, lambda d: 0.0 < d < math.inf, "a length above 0 [m]")
+_positions = expecting(numbers, bool, "numbers with commas [m]")
+_loads = expecting(
+    numbers, lambda F: len(F) == 6, "six numbers with commas, F1,F2,F3,M1,M2,M3 [N, N m]"
+)
+_places = expecting(
+    numbers,
+    lambda r: bool(r) and r == sorted({*r}) and r[0] >= 0.0 and r[-1] <= 1.0,
+    "rising numbers from 0 to 1",
+)
 
 
 @command("section", "bodies.section:run_section")
@@ -304,36 +318,6 @@ def _code(text: str) -> str:
     return code
 
 
-def _accuracy(text: str) -> float:
-    value = number(text)
-    if not 0.0 < value < 1.0:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a number from 0 to 1, such as 1e-3")
-    return value
-
-
-def _positions(text: str) -> list[float]:
-    values = numbers(text)
-    if not values:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected numbers with commas [m]")
-    return values
-
-
-def _distance(text: str) -> float:
-    value = number(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a length above 0 [m]")
-    return value
-
-
-def _loads(text: str) -> list[float]:
-    values = numbers(text)
-    if len(values) != 6:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: expected six numbers with commas, F1,F2,F3,M1,M2,M3 [N, N m]"
-        )
-    return values
-
-
 def _speeds(text: str) -> str:
     """The text as it is, if `plymotion modes --at spin=` can read it."""
     try:
@@ -342,10 +326,3 @@ def _speeds(text: str) -> str:
         words = str(error).rpartition("; ")[0] or str(error)
         raise argparse.ArgumentTypeError(words.removeprefix("--at spin=")) from error
     return text
-
-
-def _places(text: str) -> list[float]:
-    found = numbers(text)
-    if not found or not all(0.0 <= r <= 1.0 for r in found) or found != sorted(set(found)):
-        raise argparse.ArgumentTypeError(f"{text!r}: expected rising numbers from 0 to 1")
-    return found

@@ -13,6 +13,7 @@ from .arguments import (
     add_packages,
     add_report_figures,
     command,
+    expecting,
     flag,
     numbers,
     shard,
@@ -31,6 +32,9 @@ STARTERS = {
 
 
 NEW = "starters:\n" + "\n".join(f"  {name:10} {text}" for name, text in STARTERS.items())
+
+
+_vector = expecting(numbers, lambda v: len(v) == 3 and any(v), "three numbers X,Y,Z, not all zero")
 
 
 @command("new", "new.command:run_new", NEW)
@@ -261,10 +265,3 @@ def _add_shown(parser: Any) -> None:
     flag(parser, "csv", "print the table")
     text, action = "draw a figure for each signal (default: yes)", argparse.BooleanOptionalAction
     parser.add_argument("--figures", action=action, default=True, help=text)
-
-
-def _vector(text: str) -> list[float]:
-    found = numbers(text)
-    if len(found) != 3 or not any(found):
-        raise argparse.ArgumentTypeError(f"{text!r}: expected three numbers X,Y,Z, not all zero")
-    return found

@@ -5,7 +5,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import InputError
 from ...inputs.case.file import case_file
@@ -22,9 +22,6 @@ from ...studies.finished import (
     refuse_foreign_record,
     request_of,
 )
-
-if TYPE_CHECKING:
-    pass
 
 # The sweeps of a case that a command was asked for.
 
