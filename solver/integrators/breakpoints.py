@@ -68,7 +68,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
         kinks.append(bends)
         jumps.append(np.column_stack([leaps - GAP * np.maximum(t_end, leaps), leaps]))
     programs = model.quantities.programs
-    for p in np.unique(_programs(model)).tolist():
+    for p in np.unique(programs_read(model)).tolist():
         if TIME not in programs.code[programs.start[p] : programs.start[p + 1]]:
             continue
         longest = min(longest, t_end / EXPRESSION)
@@ -107,7 +107,7 @@ def _of_drives(model: Model) -> set[int]:
     }
 
 
-def _programs(model: Model) -> NDArray[np.int64]:
+def programs_read(model: Model) -> NDArray[np.int64]:
     """Return the expressions that the equations read at any time."""
     read = model.quantities
     used = np.concatenate([read.law, read.force, read.rate])

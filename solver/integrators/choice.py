@@ -16,6 +16,7 @@ from .breakpoints import breaks
 from .closures import projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
+from .hidden import HiddenForces
 from .table import INTEGRATORS
 
 # The work enters the energy balance alone, no motion depends on it. The estimate of the error of a
@@ -190,6 +191,8 @@ def make_integrator(
         options["project"] = projection(model)
     subject = model if kind.takes == "model" else right_hand_side(model)
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
+    if fixed_step is None and (unseen := HiddenForces(model, made.points)):
+        made.hidden = unseen.first
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = found.unsearched
     made.vibrates = bool(

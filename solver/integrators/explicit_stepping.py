@@ -127,6 +127,7 @@ class RungeKutta8Loop(ExplicitLoop):
     """Dormand-Prince 8(5,3) of mechanisms; see `RungeKutta8`."""
 
     method = RungeKutta8
+    points = RungeKutta8.points
     tableau = _tableau(
         RungeKutta8,
         np.stack((Order8.E5[:-1], Order8.E3[:-1])),
@@ -140,4 +141,5 @@ class RungeKutta5Loop(ExplicitLoop):
     """Dormand-Prince 5(4) of mechanisms; see `RungeKutta5`."""
 
     method = RungeKutta5
+    points = RungeKutta5.points
     tableau = _tableau(RungeKutta5, Order5.E[None, :], np.zeros((0, 7)), np.zeros(0), Order5.P.T)

@@ -17,7 +17,7 @@ from .compiled.cutoff import filter_error, new_cutoff, start_filter
 from .compiled.dependent_rows import PENALTY
 from .compiled.newton.pencil import freeze, new_frozen
 from .compiled.radau import advance
-from .compiled.radau_workspace import MU, RadauWorkspace, new_radau_workspace, restart_radau
+from .compiled.radau_workspace import MU, C, RadauWorkspace, new_radau_workspace, restart_radau
 from .compiled.step_control import Ends
 from .generic.advice import OWN, SHORTER, WANTED, Pace, Refusals
 from .generic.base import Dense
@@ -123,6 +123,7 @@ class Radau(ClosingLoop):
     meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
     place = 2
     order = 5
+    points = (0.0, *C.tolist())
     on_growth = (
         "Newton's iteration finds no answer for a step this long, or constraints contradict each "
         f"other: take a shorter step ({SHORTER})"

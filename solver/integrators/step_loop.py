@@ -199,17 +199,35 @@ class StepLoop(StrideMemory):
         """
         self._sample()
         watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS
-        if keep and self._begun is None:
+        ends = keep or self.hidden is not None
+        if ends and (self._begun is None or not self._ends.t.size):
             most = max(10, min(CHUNK, MOST_KEPT // self.n))
             self._ends = Ends(np.empty(most), np.empty((most, self.n)))
-        most = 1 if watched else self._ends.t.size if keep else CHUNK
+        most = 1 if watched else self._ends.t.size if ends else CHUNK
         self._begun, self._stood = self._mark() if keep else None, None
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             if self._armed:
                 return self._up_to_event(most, times, rows, filled, keep=keep)
-            code, filled = self._call(most, times, rows, filled, self._ends)
-        self._take_over(code)
-        return filled
+            return self._take(most, times, rows, filled)
+
+    def _take(self, most: int, times: Array, rows: Array, filled: int) -> int:
+        """Take up to `most` steps, none over a force that varies unseen; as `stride`.
+
+        The ends of the steps are in `_ends`.
+        """
+        while True:
+            begun = None if self.hidden is None else self._mark()
+            code, reached = self._call(most, times, rows, filled, self._ends)
+            self._take_over(code)
+            unseen = None if self.hidden is None else self.hidden(*self._ends_since(begun))
+            if unseen is None:
+                return reached
+            self._go_back(begun)
+            self._stop_also(unseen)
+            options, known = self._options, np.isin(self._kinks, self._options.kinks)
+            sharp = np.zeros(len(self._kinks), dtype=bool)
+            sharp[known] = options.sharp
+            self._options = options._replace(kinks=self._kinks, sharp=sharp)
 
     def _up_to_event(
         self, most: int, times: Array, rows: Array, filled: int, *, keep: bool = False
@@ -220,8 +238,7 @@ class StepLoop(StrideMemory):
         most, begun = min(most, LOCATED), self._mark()
         found, last = -1, np.inf
         for passes_left in range(MOST_PASSES - 1, -1, -1):
-            code, reached = self._call(most, times, rows, filled, self._ends)
-            self._take_over(code)
+            reached = self._take(most, times, rows, filled)
             t, y = self._ends_since(begun)
             if found >= 0 and len(t) > 1:
                 gap, rate = beyond(self._model, self.t, self.y)[found]
@@ -302,9 +319,12 @@ class StepLoop(StrideMemory):
         self._sample()
         if self._armed:
             self._up_to_event(1, *self._nowhere[:3])
-            return
-        code, _ = self._call(1, *self._nowhere)
-        self._take_over(code)
+        elif self.hidden is None:
+            code, _ = self._call(1, *self._nowhere)
+            self._take_over(code)
+        else:
+            self._ends = Ends(np.empty(1), np.empty((1, self.n)))
+            self._take(1, *self._nowhere[:3])
 
     def _take_over(self, code: int) -> None:
         """Bring state and counters up to date, and say why a loop came back early."""

@@ -73,6 +73,8 @@ def integrated(
             on_stall=on_stall,
             folder=folder,
         )
+        if integrator.most_hidden <= 0:
+            prepared.notes.append(_unseen(type(integrator).most_hidden))
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -82,6 +84,15 @@ def _unsearched(count: int) -> Finding:
         f"{count} of the expressions of the time may break at more than 50,000 instants: no step "
         "ends there, and short pulses may be stepped over; write the breaks as a table, give "
         "`max_step`, or a shorter `t_end`"
+    )
+    return BREAKS_UNSEARCHED.finding(text, value=count)
+
+
+def _unseen(count: int) -> Finding:
+    text = (
+        f"a force by an expression varied unseen inside of {count} steps, which then ended there; "
+        "later ones do not, and narrow forces may be stepped over: give `max_step`, or a smaller "
+        "rtol"
     )
     return BREAKS_UNSEARCHED.finding(text, value=count)
 

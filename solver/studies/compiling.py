@@ -190,6 +190,7 @@ def _compile_evaluation() -> None:
     energies(model, assemble(model, 0.0, y), y)
     series.balance(model, t, states)
     series.momenta(model, states)
+    series.quantities(model, t, states)
     series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
     series.force_sizes(model, 0, t, states, np.zeros((1, model.n_constraint)))
     series.mass_matrices(model, 0, t, states)

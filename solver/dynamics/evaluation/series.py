@@ -154,6 +154,15 @@ def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array
     return found
 
 
+def quantities(model: Model, t: Array, y: Array) -> Array:
+    """Return what expressions read (model/quantities.py), (k, n); reactions are those of before."""
+    t, y = _contiguous(t, y)
+    work = spare_work(model)
+    found = np.zeros((t.size, work.quantity.size))
+    _quantities(model, work, t, y, found)
+    return found
+
+
 def marker_motions(model: Model, k: int, y: Array) -> tuple[Array, Array]:
     """Return the rows of motion.py (k, 24) and the Jacobians (k, 6, m + 6) of marker k."""
     y = np.ascontiguousarray(y)
@@ -245,6 +254,14 @@ def _driven_speeds(model: Model, work: Work, t: Array, y: Array, found: Array) -
         evaluate(model, work, t[k], y)
         for i in range(model.n_constraint):
             found[k, i] = work.rows[i, PHI_T]
+
+
+@lean
+def _quantities(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        for j in range(found.shape[1]):
+            found[k, j] = work.quantity[j]
 
 
 @lean

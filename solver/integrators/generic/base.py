@@ -22,6 +22,7 @@ Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
 Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
+Hidden = Callable[[Array, Array], "float | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
 ROUNDING = 1e-14  # of the end of a run: what breaks there does so after it
@@ -103,6 +104,9 @@ class Integrator(ABC):
     # Of |h w| on average, above which stability and not accuracy limits the steps; None: nowhere.
     limited_above: ClassVar[float | None] = None
 
+    points: ClassVar[tuple[float, ...]] = (0.0, 1.0)  # of a step at which f is evaluated
+    hidden: Hidden | None = None  # instant in steps (t, y) at which f varies unseen: hidden.py
+    most_hidden = 1000  # such instants of a run
     unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
     stable_below: ClassVar[float] = np.inf  # |h w| of steps that let no vibration grow
     bounded_to = 0  # steps after which a bound by the fastest vibration is found anew
@@ -197,6 +201,13 @@ class Integrator(ABC):
                 self._go_behind(jump=jumps)
             self._advance()
 
+    def _stop_also(self, t: float) -> None:
+        """Let a step end at t [s], too, where f varies without having been seen."""
+        self._kinks = np.union1d(self._kinks, t)
+        self.most_hidden -= 1
+        if self.most_hidden == 0:
+            self.hidden = None
+
     def _find_stop(self) -> None:
         """Find where the next step ends at the latest, `_stop`, and goes on from, `_behind` [s]."""
         ends = [(float(t), float(t)) for t in self._next(self._kinks)]
@@ -281,17 +292,28 @@ class Integrator(ABC):
             return self._nan
 
     def project(self, t: float, y: Array) -> Array | None:
-        """State of a step on the invariants; None, with the reason kept, if none is near."""
-        if self._project is None:
-            return y
-        try:
-            nearest = self._project(t, y)
-        except (np.linalg.LinAlgError, ArithmeticError) as error:
-            self._trouble = f"{type(error).__name__} in the projection at t = {t:.9g} s: {error}"
-            return None
+        """State of a step on the invariants; None, with the reason kept, if none is near.
+
+        None, too, for the end of a step inside which f varies without having been seen.
+        """
+        nearest: Array | None = y
+        if self._project is not None:
+            try:
+                nearest = self._project(t, y)
+            except (np.linalg.LinAlgError, ArithmeticError) as error:
+                what = f"{type(error).__name__} in the projection at t = {t:.9g} s"
+                self._trouble = f"{what}: {error}"
+                return None
         if nearest is None or not np.isfinite(nearest).all():
             self._trouble = "the step cannot be projected onto the constraints"
             return None
+        if self.hidden is not None and t > self.t:
+            unseen = self.hidden(np.array([self.t, t]), np.stack([self.y, nearest]))
+            if unseen is not None:
+                self._trouble = f"a force varies inside the step, at t = {unseen:.9g} s"
+                self._stop_also(unseen)
+                self._find_stop()
+                return None
         return nearest
 
     def _projected(self, inside: Dense) -> Dense:

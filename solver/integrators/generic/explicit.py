@@ -185,6 +185,7 @@ class RungeKutta8(ExplicitRungeKutta):
     place = 3
     order = 8
     A, B, C = Order8.A, Order8.B, Order8.C
+    points = tuple(sorted({*Order8.C.tolist(), 1.0}))
     n_rows = 16
     integral, min_factor, max_factor = 0.04, 0.333, 6.0
     stable_below = 5.8  # of 5.95 on the imaginary axis, 6.4 on the real one
@@ -225,6 +226,7 @@ class RungeKutta5(ExplicitRungeKutta):
     place = 4
     order = 5
     A, B, C = Order5.A, Order5.B, Order5.C
+    points = tuple(sorted({*Order5.C.tolist(), 1.0}))
     n_rows = 7
     integral, min_factor, max_factor = 0.04, 0.2, 10.0
     stability_limit = 2.9

@@ -1,10 +1,11 @@
-"""Ranges of expressions of the time over intervals: bounds that hold for every instant in them.
+"""Ranges of expressions over intervals of the time: bounds that hold for every instant in them.
 
 Interval arithmetic on the programs of program.py, for many intervals at once. A bound may be too
 wide, never too narrow, so that no pulse and no comparison that changes is missed.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -30,10 +31,11 @@ INCREASING: dict[int, Callable[[Array], Array]] = {
 COMPARISONS = frozenset((op.LESS, op.LESS_EQUAL))
 LOGICAL = frozenset((*COMPARISONS, op.AND, op.OR, op.NOT))
 Range = tuple[Array, Array]
+NO_LOADS: Mapping[int, Range] = MappingProxyType({})
 
 
 class Part(NamedTuple):
-    """A part of an expression that depends on the time alone, over k intervals."""
+    """A part of an expression over k intervals."""
 
     code: int
     low: Array  # (k,) bounds of its value
@@ -74,8 +76,17 @@ def _values(times: Array, coefficients: Array, k: NDArray[np.int64], u: Array) -
     return found
 
 
-def parts(programs: Programs, p: int, low: Array, high: Array) -> Iterator[Part]:
-    """Yield the parts of an expression that depend on the time alone, over [low, high] (k,) [s]."""
+def parts(
+    programs: Programs,
+    p: int,
+    low: Array,
+    high: Array,
+    loads: Mapping[int, Range] = NO_LOADS,
+) -> Iterator[Part]:
+    """Yield the parts of an expression whose ranges are known, over [low, high] (k,) [s].
+
+    loads : ranges (k,) of quantities by their numbers; others are not known
+    """
     if not len(low):
         return
     stack: list[Range | None] = []
@@ -84,10 +95,11 @@ def parts(programs: Programs, p: int, low: Array, high: Array) -> Iterator[Part]
         for i in range(int(programs.start[p]), int(programs.start[p + 1])):
             code, argument = int(programs.code[i]), float(programs.argument[i])
             if code == op.CONSTANT:
-                stack.append((np.full(len(low), argument), np.full(len(low), argument)))
+                number = np.array([argument])  # the same in every interval
+                stack.append((number, number))
                 continue
             if code in op.PUSHES:
-                stack.append((low, high) if code == op.TIME else None)
+                stack.append((low, high) if code == op.TIME else loads.get(int(argument)))
                 continue
             count = 3 if code == op.SELECT else 2 if code in op.BINARY else 1
             given, stack = stack[-count:], stack[:-count]
@@ -99,8 +111,9 @@ def parts(programs: Programs, p: int, low: Array, high: Array) -> Iterator[Part]
                 found, breaks = _curve(programs, int(argument), *known[0])
             else:
                 found, breaks = _range(code, known), _breaks(code, known)
-            wrong = np.isnan(found[0]) | np.isnan(found[1])
-            found = np.where(wrong, -np.inf, found[0]), np.where(wrong, np.inf, found[1])
+            if np.isnan(found[0] + found[1]).any():  # also of both infinities
+                wrong = np.isnan(found[0]) | np.isnan(found[1])
+                found = np.where(wrong, -np.inf, found[0]), np.where(wrong, np.inf, found[1])
             stack.append(found)
             yield Part(code, *found, breaks)
 
@@ -178,8 +191,12 @@ def _range(code: int, given: list[Range]) -> Range:
 
 def _corners(function: np.ufunc, given: list[Range]) -> Range:
     (u, v), (w, x) = given
-    found = [function(a, b) for a in (u, v) for b in (w, x)]
-    return np.minimum.reduce(found), np.maximum.reduce(found)
+    a, b = function(u, w), function(v, w)
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    if x is w:  # a number
+        return low, high
+    c, d = function(u, x), function(v, x)
+    return np.minimum(low, np.minimum(c, d)), np.maximum(high, np.maximum(c, d))
 
 
 def _size(u: Array, v: Array) -> Range:
