@@ -243,7 +243,7 @@ def test_without_blocks_the_norm_is_over_all():
 
 CODE = """
 import json, sys
-sys.path.insert(0, sys.argv[1])
+sys.path[:0] = sys.argv[1:]
 import numpy as np
 from constraint_runs import new_run, prepared
 from two_body_samples import two_bodies
@@ -269,7 +269,7 @@ def test_compiled_loops_give_the_same_motion(repository):
     found = []
     for flag in ("0", "1"):
         done = subprocess.run(
-            [sys.executable, "-c", CODE, str(repository / "tests")],
+            [sys.executable, "-c", CODE, str(repository / "tests"), str(repository / "benchmarks")],
             env={**os.environ, "PLYMOTION_COMPILED": flag},
             capture_output=True,
             text=True,
