@@ -17,7 +17,7 @@ LARGE = {
     "preprocess": 14,
     "preprocess/exchange/formats": 13,
     "preprocess/shell/model": 13,
-    "solver/inputs/case/tables": 18,
+    "solver/inputs/case/tables": 17,
     "solver/math": 15,
     "solver/math/compiled": 19,
     "solver/package/common": 21,

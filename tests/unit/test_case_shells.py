@@ -8,7 +8,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.source_files import source_files
+from plymotion.solver.inputs.case.reading.load import source_files
 from plymotion.solver.inputs.case.reading.specs import write_case
 from plymotion.solver.package.common.plain_data import inputs_sha256
 

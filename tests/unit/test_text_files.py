@@ -3,8 +3,7 @@
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.tables.columns import read_columns
-from plymotion.solver.inputs.case.tables.python_code import PythonCode
+from plymotion.solver.inputs.case.tables.columns import PythonCode, read_columns
 from plymotion.solver.inputs.common.text_file import numbered_lines
 
 

@@ -3,7 +3,7 @@
     {"name": "box", "title": "...", "convention": "contour",
      "mesh": {"script": "box", "parameters": {...}}           a script of meshes/
           or {"file": "blade.msh", "sha256": "...", ...}      gmsh's .msh or .geo
-          or {"arrays": "blade-1f36fb5b0634.npz", ...}        see mesh_arrays.py
+          or {"arrays": "blade-1f36fb5b0634.npz", ...}        see foreign.py
      "materials": {"cfrp": {"kind": "orthotropic", ...}},
      "regions": {"top": {"plies": [{"material": "cfrp", "angle_deg": 30.0, "thickness": 1e-4}],
                          "direction": {"vector": [1.0, 0.0]}}}}

@@ -1,7 +1,9 @@
 """Meshes of other programs as plain arrays, with the sets of cells that their files name."""
 
 import contextlib
+import hashlib
 import io
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, few, nearest
 from ...math.arrays import Array, IntArray
+from ...package.common.temporary import temporary_sibling
 
 # Sets of cells that a mesh file names: the regions and curves of a section.
 
@@ -227,3 +230,98 @@ def _counterclockwise(points: Array, cells: IntArray, cell_type: str) -> IntArra
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
     turned = cells[:, _TURNED[cell_type]]
     return np.where((area < 0)[:, None], turned, cells)
+
+
+# Arrays of such a mesh for the preprocessor, each cell in one described region.
+
+
+def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None) -> IntArray:
+    """Return the region of every cell as a row of `names`, (c,); `default` comes after the last.
+
+    Parameters
+    ----------
+    names : described regions, names of sets of the mesh
+    default : name of the region of all other cells; None: there must be no other cell
+
+    Raises
+    ------
+    InputError
+        A name that the mesh does not have, cells in two regions or in none.
+    """
+    names = list(names)
+    found = []
+    region = np.full(len(mesh.cells), -1, dtype=np.int64)
+    for row, name in enumerate(names):
+        if name not in mesh.sets:
+            found.append(
+                f"regions.{name}: {mesh.file.name} has no such region{nearest(name, mesh.sets)}"
+            )
+            continue
+        for other in np.unique(region[mesh.sets[name] & (region >= 0)]):
+            both = int(np.count_nonzero(mesh.sets[name] & (region == other)))
+            found.append(
+                f"regions.{name}: {both} of its cells in {mesh.file.name} are in region "
+                f"{names[other]} too: expected each cell in one region"
+            )
+        region[mesh.sets[name]] = row
+    bare = region < 0
+    if default is None and bare.any() and not found:
+        left = [name for name, mask in mesh.sets.items() if (mask & bare).any()]
+        listed = f"; they are in {few(left)}" if left else ""
+        found.append(
+            f"regions: {np.count_nonzero(bare)} of {bare.size} cells of {mesh.file.name} belong to "
+            f"no described region{listed}: expected a table for each, or regions.all"
+        )
+    if found:
+        raise InputError("\n".join(found))
+    region[bare] = len(names)
+    return region
+
+
+def write_arrays(
+    mesh: ForeignMesh, names: Iterable[str], region: IntArray, folder: Path
+) -> tuple[Path, str]:
+    """Write the arrays beside the specification; return the file and its SHA-256.
+
+    The name contains the hash, so that equal content is written once. An .npz file with
+
+        points        (n, 2)  x2, x3, in the unit of the source
+        cells         (c, k)  rows of points, in gmsh's order of nodes
+        cell_type     "triangle", "triangle6", "quad" or "quad9"
+        region        (c,)    row of region_names
+        region_names  (r,)    text
+        lines         (m, 2 or 3)  line cells of the named curves: ends, then the middle
+        curve         (m,)    row of curve_names
+        curve_names   (s,)    text
+    """
+    rows, curve = np.nonzero(
+        np.array(list(mesh.curves.values()), dtype=bool).T.reshape(
+            len(mesh.lines), len(mesh.curves)
+        )
+    )
+    return write_npz(
+        folder,
+        mesh.file.stem,
+        points=mesh.points,
+        cells=mesh.cells,
+        cell_type=np.array(mesh.cell_type),
+        region=region,
+        region_names=np.array(list(names), dtype=str),
+        lines=mesh.lines[rows],
+        curve=curve,
+        curve_names=np.array(list(mesh.curves), dtype=str),
+    )
+
+
+def write_npz(folder: Path, name: str, **arrays: Any) -> tuple[Path, str]:
+    """Write named arrays to a file whose name ends in its hash; return file and SHA-256."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    content = buffer.getvalue()
+    digest = hashlib.sha256(content).hexdigest()
+    file = folder / f"{name}-{digest[:12]}.npz"
+    if not file.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        with temporary_sibling(file) as temporary:
+            temporary.write_bytes(content)
+    return file, digest

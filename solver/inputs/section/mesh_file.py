@@ -7,8 +7,7 @@ from typing import Any
 from ...errors import InputError, few, nearest
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source, physical_names
 from .description import Region, SectionDescription
-from .foreign import read_foreign
-from .mesh_arrays import assign_regions, write_arrays
+from .foreign import assign_regions, read_foreign, write_arrays
 from .mesh_table import FileMesh
 from .shape_mesh import ALL, Stacks
 

@@ -14,8 +14,7 @@ from ..common.lay_up import unknown_materials
 from ..common.material import check_materials, plain
 from ..common.table import plain_table
 from ..scripts import SUFFIXES as SCRIPTS
-from ..section.foreign import named_sets, read_mesh, region_sets
-from ..section.mesh_arrays import write_npz
+from ..section.foreign import named_sets, read_mesh, region_sets, write_npz
 from .description import Mesh, Region, ShellDescription, checked
 
 # Surface meshes of other programs, read by meshio into arrays for the preprocessor.

@@ -6,15 +6,17 @@ from ....dynamics.elements.forces.table import ELEMENTS
 from ....dynamics.elements.joints.table import JOINTS
 from ....errors import InputError, unknown
 from ....integrators.choice import treatment_of
+from ....math.definite import is_positive_definite
 from ...common.material import check_materials
 from ..bodies.beam_lines import is_plain
+from ..bodies.beams import check_motion
 from ..bodies.body_specs import BodySpec, BodySpecs
-from ..bodies.rich import check_fidelity
+from ..bodies.rich import CHECK, check_fidelity, rich_bodies
 from ..bodies.segments import check_names, in_segments
 from ..expressions.expressions import check_couplings
 from ..expressions.of_time import drives, is_along
 from ..tables.beam_schema import BeamBody
-from ..tables.body_schema import RigidBody, ShellBody, SolidBody
+from ..tables.body_schema import ImportedBody, RigidBody, ShellBody, SolidBody
 from ..tables.kinds import CoordinateTable, LoadTable
 from ..tables.laws import RotationDrive
 from ..tables.resolved import output_findings
@@ -30,8 +32,68 @@ from ..tables.signals import (
     Signal,
     StrengthSignal,
 )
-from .check_bodies import Body, check_bodies, check_place
-from .check_expressions import check_combined, check_drive, check_force, check_tables
+from .check_expressions import (
+    Body,
+    check_combined,
+    check_drive,
+    check_force,
+    check_place,
+    check_tables,
+)
+
+SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
+TRIANGLE = 1e-5  # relative: the same digits
+
+
+def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
+    """Return the specifications of the flexible bodies by name, and one line per finding."""
+    sound: dict[str, BodySpec] = {}
+    found: list[str] = []
+    for name, body in mechanism.bodies.items():
+        if isinstance(body, BeamBody) and (wrong := _names(f"bodies.{name}", body, mechanism)):
+            found += wrong + check_motion(f"bodies.{name}", body)
+        elif isinstance(body, BeamBody | ShellBody | SolidBody | ImportedBody):
+            whole = getattr(body, "part_of", None) or name  # equal segments share a package
+            try:
+                if mechanism.fidelity is None or isinstance(body, SolidBody | ImportedBody):
+                    sound[name] = specs.of(whole, body, mechanism)
+                    continue
+                model, check = rich_bodies(name, mechanism)
+                sound[name] = specs.of(whole, model, mechanism, candidates=True)
+                sound[name + CHECK] = specs.of(whole, check, mechanism, candidates=True)
+            except InputError as error:
+                found += str(error).splitlines()
+        elif isinstance(body, RigidBody):
+            inertia = np.array(body.inertia)
+            gap = np.abs(inertia - inertia.T).max()
+            if gap > SYMMETRY * np.abs(inertia).max() or not is_positive_definite(inertia):
+                found.append(
+                    f"bodies.{name}.inertia = {body.inertia}: expected a symmetric, "
+                    "positive definite 3x3 matrix"
+                )
+            else:
+                a, b, c = np.linalg.eigvalsh(inertia)
+                if c > (a + b) * (1.0 + TRIANGLE):
+                    found.append(
+                        f"bodies.{name}.inertia = {body.inertia}: no body has principal moments "
+                        f"{a:.6g}, {b:.6g}, {c:.6g} kg m2; expected none above the sum of the "
+                        "other two"
+                    )
+    return sound, found
+
+
+def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
+    found = []
+    places = [(key, body.section, body.material)]
+    places += [(f"{key}.stations[{i}]", s.section, s.material) for i, s in enumerate(body.stations)]
+    if body.section is None and all(s.at > 0.0 or s.section is not None for s in body.stations):
+        found.append(f"{key}.section: missing; expected the name of a section, or a `table`")
+    for where, section, material in places:
+        if section is not None:
+            found += unknown(f"{where}.section", section, "section", mechanism.sections)
+        if material is not None:
+            found += unknown(f"{where}.material", material, "material", mechanism.materials)
+    return found
 
 
 def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:

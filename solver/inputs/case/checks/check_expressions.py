@@ -1,4 +1,4 @@
-"""Checks of the expressions and combined signals of a case: names, functions, dependence."""
+"""Checks of places, expressions and combined signals: names, functions, dependence."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ....dynamics.model.quantities import LAST
-from ....errors import InputError, unknown
+from ....errors import InputError, nearest, unknown
 from ....math import laws
 from ....math.curves import NamedCurve
 from ....math.expressions import operations as op
@@ -15,11 +15,40 @@ from ....math.rows import column
 from ..expressions.expressions import WORDS, CaseScope, PlaceCheck, expression, of_time_alone
 from ..expressions.force_terms import force_terms
 from ..expressions.of_time import law
+from ..tables.beam_schema import BeamBody
+from ..tables.body_schema import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
 from ..tables.combining import KINDS, elsewhere, parts
 from ..tables.kinds import CoordinateTable, ForceTable
 from ..tables.laws import DriveTable, RotationDrive, TranslationDrive
 from ..tables.schema import Mechanism
-from .check_bodies import check_place
+
+Body = BeamBody | ShellBody | SolidBody | RigidBody | PackageBody | ImportedBody
+
+
+def interfaces(body: Body) -> list[str] | None:
+    """Return the interface names of a body; None if another file has them."""
+    return None if isinstance(body, PackageBody | ImportedBody) else list(body.interfaces)
+
+
+def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
+    """Return errors of a place "BODY.INTERFACE" or "ground.POINT"."""
+    owner, dot, point = place.partition(".")
+    if not dot:
+        expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
+        return [f'{key} = "{place}": expected {expected}']
+    if owner == "ground" and ground:
+        if point in mechanism.ground:
+            return []
+        hint = nearest(point, mechanism.ground)
+        return [f'{key} = "{place}": the ground has no point "{point}"{hint}']
+    if owner not in mechanism.bodies:
+        return [f'{key} = "{place}": there is no body "{owner}"{nearest(owner, mechanism.bodies)}']
+    known = interfaces(mechanism.bodies[owner])
+    if known is not None and point not in known:
+        return [
+            f'{key} = "{place}": body "{owner}" has no interface "{point}"{nearest(point, known)}'
+        ]
+    return []
 
 
 def check_combined(mechanism: Mechanism) -> Iterator[str]:

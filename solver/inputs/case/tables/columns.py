@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainSerializer, ValidationInfo, WrapValidator
+from pydantic import Field, PlainSerializer, ValidationInfo, WrapValidator, model_validator
 
 from ....math.rows import PREFIX, Packed, column, packed
-from ...common.text_file import lines_of
+from ...common.table import Table, entry, optional
+from ...common.text_file import lines_of, read_text
 
 # Keys of the validation context: the folder of the case file; whether tables are read already.
 FOLDER, RESOLVED = "folder", "resolved"
@@ -57,3 +58,30 @@ def read_columns(file: Path) -> tuple["list[float] | Packed", "list[float] | Pac
     if len(columns[0]) < LONG:
         return columns[0].tolist(), columns[1].tolist()
     return packed(np.frombuffer(columns[0])), packed(np.frombuffer(columns[1]))
+
+
+class PythonCode(Table):
+    """`code` of a controller written in Python.
+
+    `def NAME(t, inputs, memory)` returns the force. t [s] is the instant, `inputs` an array of the
+    values of `inputs`, `memory` a dictionary that is kept from call to call and empty at the start.
+    The file is read, not executed, when the case is checked. NumPy and Python's own modules can be
+    imported.
+    """
+
+    file: str = entry("Python file; path relative to the case file")
+    function: str = entry("name of the function", default="control")
+    source: str | None = optional("filled with the text of the file")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any, info: ValidationInfo) -> Any:
+        context = info.context or {}
+        if context.get(RESOLVED) or not isinstance(data, dict):
+            return data
+        if "source" in data:
+            raise ValueError("expected `file` and `function` only; found `source`")
+        if not isinstance(data.get("file"), str):
+            return data
+        file = Path(context.get(FOLDER, ".")) / data["file"]
+        return {**data, "source": read_text(file)}

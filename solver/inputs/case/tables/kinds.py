@@ -12,8 +12,8 @@ from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
 from ...common.table import Axis, Name, Table, entry, optional
+from .columns import PythonCode
 from .laws import CurveTable, LoadLaw, RotationDrive, TranslationDrive
-from .python_code import PythonCode
 from .signals import JointCoordinate
 
 Kind = TypeVar("Kind", bound=Table)

@@ -1,6 +1,6 @@
 """`[sweeps.NAME]` of a case file: many variants of one run with different numbers.
 
-sweep_keys.py finds the keys in the mechanism, sweep_members.py makes the members.
+sweep_members.py finds the keys in the mechanism and makes the members.
 """
 
 import itertools

@@ -15,7 +15,7 @@ from ....errors import InputError
 from ....math.arrays import Array, IntArray
 from ....package.common.anisotropic import elastic_from_dict
 from ....package.common.materials import MaterialError
-from ..mesh_arrays import write_npz
+from ..foreign import write_npz
 
 TRIANGLE, QUADRILATERAL = 0, 1
 ABSENT = -1
