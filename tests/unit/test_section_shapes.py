@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.common import validated
+from plymotion.solver.inputs.section.mesh_table import SHAPE_MESHES
 from plymotion.solver.inputs.section.shapes.contour import contour
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, shape, walls
 from plymotion.solver.inputs.section.shapes.spacing import (
@@ -63,16 +65,11 @@ def test_lines_ascend_to_one(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "change", "message"),
     [
-        ("box", {"width": None}, r"^width: missing"),
-        ("box", {"width": -1.0}, r"^width = -1.0: expected a number above 0 \[m\]"),
-        ("box", {"height": float("nan")}, r"^height = nan: expected a number"),
-        ("box", {"wall": "thin"}, r"^wall = 'thin': expected a number above 0 \[m\]"),
         (
             "box",
             {"wall": None},
             r"^wall: missing, expected the thickness of every wall, or wall_top \[m\]",
         ),
-        ("box", {"heigth": 1.0}, r"^heigth: unknown size.*did you mean 'height'"),
         ("box", {"wall_top": 0.013}, r"^wall_top = 0.013: .*less than the height, 0.0136 \[m\]"),
         ("box", {"wall_left": 0.0235}, r"^wall_left = 0.0235: .*less than the width, 0.0242"),
         ("two-cell", {"web_position": 0.03}, r"^web_position = 0.03: .*from -0.0235 to 0.0235"),
@@ -80,11 +77,8 @@ def test_lines_ascend_to_one(name: str) -> None:
         ("channel", {"bottom_width": 0.001}, r"^wall_web = 0.0015: .*less than bottom_width"),
         ("tube", {"wall": 0.1}, r"^wall = 0.1: expected below the outer radius, 0.1 \[m\]"),
         ("tube", {"wall": None}, r"^wall: missing, expected the thickness \[m\]"),
-        ("tube", {"span_deg": 400.0}, r"^span_deg = 400.0: expected a number above 0 up to 360"),
-        ("rectangle", {"grading": 2.0}, r"^grading = 2.0: expected a number from 0 up to 1"),
         ("rectangle", {"elements_2": 2.5}, r"^elements_2 = 2.5: expected a whole number from 1"),
         ("split-rectangle", {"interface": 0.05}, r"^interface = 0.05: expected inside the width"),
-        ("ellipse", {"density": 0}, r"^density = 0: expected a number above 0"),
         ("airfoil", {"webs": [0.5, 0.2]}, r"^webs = \[0.5, 0.2\]: expected up to three.*ascending"),
         ("airfoil", {"webs": [0.1, 0.2, 0.3, 0.4]}, r"^webs = .*expected up to three"),
         ("airfoil", {"web": [0.1, 0.2, 0.3]}, r"^web = .*one for each of 2 webs"),
@@ -95,6 +89,28 @@ def test_lines_ascend_to_one(name: str) -> None:
 def test_sizes_that_do_not_fit(name: str, change: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         expand(name, {**SIZES[name], **change})
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        ("box", {"width": None}, r"width = None: "),
+        ("box", {"width": -1.0}, r"width = -1.0: value should be greater than 0"),
+        ("box", {"height": float("nan")}, r"height = nan: value should be a finite number"),
+        ("box", {"wall": "thin"}, r'wall = "thin": value should be a valid number'),
+        ("box", {"heigth": 1.0}, r"heigth: unknown key; did you mean 'height'"),
+        (
+            "tube",
+            {"span_deg": 400.0},
+            r"span_deg = 400.0: value should be less than or equal to 360",
+        ),
+        ("rectangle", {"grading": 2.0}, r"grading = 2.0: value should be less than or equal to 1"),
+        ("ellipse", {"density": 0}, r"density = 0: value should be greater than 0"),
+    ],
+)
+def test_sizes_out_of_bounds(name: str, change: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        validated(SHAPE_MESHES[name], {"shape": name, **SIZES[name], **change}, "box.toml")
 
 
 def test_unknown_shape_and_region() -> None:

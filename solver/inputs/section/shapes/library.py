@@ -1,6 +1,5 @@
 """The library of parametric sections: mesh of a shape from its sizes and plies."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -41,7 +40,8 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
     Parameters
     ----------
     name : key of SHAPES
-    values : its sizes; for "contour" the coordinates themselves, (x, y) pairs
+    values : its sizes, which the model of the shape has checked (mesh_table.py); for "contour" the
+        coordinates themselves, (x, y) pairs
     layers : region -> thickness of each ply, outermost first, in any unit; an omitted region has
      one ply
 
@@ -53,10 +53,12 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
     Raises
     ------
     InputError
-        The text begins with the key: unknown, missing, out of bounds, or sizes that do not fit
-        together.
+        The text begins with the key: sizes that do not fit together.
     """
-    table = _checked(shape(name), values)
+    keys = {parameter.key: parameter for parameter in shape(name).parameters}
+    given = {key: value for key, value in values.items() if value is not None}
+    table: Values = {**{key: parameter.default for key, parameter in keys.items()}, **given}
+    table |= {k: [v] for k, v in given.items() if keys[k].many and not isinstance(v, list)}
     regions = [wall.region for wall in walls(name, table)]
     for region in layers or {}:
         if region not in regions:
@@ -66,45 +68,3 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
             )
     plies = {region: list((layers or {}).get(region, ())) or [1.0] for region in regions}
     return {"script": shape(name).script, **shape(name).mesh(table, plies)}
-
-
-def _checked(shape: Shape, values: Mapping[str, Any]) -> Values:
-    """All parameters of a shape, with defaults."""
-    known = {parameter.key: parameter for parameter in shape.parameters}
-    for key in values:
-        if key not in known:
-            raise InputError(
-                f"{key}: unknown size of this shape, expected {', '.join(known)}"
-                f"{did_you_mean(key, known)}"
-            )
-    table: Values = {}
-    for key, parameter in known.items():
-        value = values.get(key)
-        if value is None:
-            if parameter.required:
-                raise InputError(f"{key}: missing, expected: {parameter.meaning}")
-            table[key] = parameter.default
-        else:
-            table[key] = value if parameter.text else _in_bounds(parameter, value)
-    return table
-
-
-def _numbers(value: Any) -> list[Any]:
-    return list(value) if isinstance(value, list | tuple) else [value]
-
-
-def _in_bounds(parameter: Parameter, value: Any) -> Any:
-    for number in _numbers(value) if parameter.many else [value]:
-        good = type(number) in (int, float) and math.isfinite(number)
-        above, least, most = parameter.above, parameter.least, parameter.most
-        good = good and (above is None or number > above) and (least is None or number >= least)
-        if not good or (most is not None and number > most):
-            limits = [
-                f"{word} {limit:g}"
-                for word, limit in (("above", above), ("from", least), ("up to", most))
-                if limit is not None
-            ]
-            unit = "" if parameter.unit == "-" else f" [{parameter.unit}]"
-            expected = " ".join(["a number", *limits]) + unit
-            raise InputError(f"{parameter.key} = {value!r}: expected {expected}")
-    return _numbers(value) if parameter.many else value
