@@ -1,5 +1,6 @@
 """A windIO file of a small blade: a round root, an airfoil, spar caps, a sandwich and two webs."""
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -93,3 +94,17 @@ def write_blade(folder: Path, table: dict[str, Any] | None = None) -> Path:
     file = folder / "small.yaml"
     file.write_text(yaml.safe_dump(table or blade_table()), encoding="utf-8")
     return file
+
+
+def area(points: np.ndarray) -> float:
+    """Area of a polygon (n, 2), negative if it is clockwise."""
+    x, y = points, np.roll(points, -1, axis=0)
+    return 0.5 * float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())
+
+
+def areas(mesh: Any) -> Counter[str]:
+    """Area of each region of the mesh of a station [m2]."""
+    nodes, found = np.array(mesh.nodes), Counter[str]()
+    for cell, region in zip(mesh.cells, mesh.regions, strict=True):
+        found[region] += area(nodes[list(cell)])
+    return found

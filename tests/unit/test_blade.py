@@ -8,7 +8,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from blade_samples import along, anchor, blade_table, layer, write_blade
+from blade_samples import along, anchor, area, areas, blade_table, layer, write_blade
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.shape import contour
@@ -20,18 +20,6 @@ from plymotion.solver.math.curves import lengths_along
 
 WORDS = ["--at", "0,0.4,1", "--quiet", "--no-estimate"]  # of the stations that are analysed
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]
-
-
-def area(points: np.ndarray) -> float:
-    x, y = points, np.roll(points, -1, axis=0)
-    return 0.5 * float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())
-
-
-def areas(mesh) -> Counter:
-    nodes, found = np.array(mesh.nodes), Counter()
-    for cell, region in zip(mesh.cells, mesh.regions, strict=True):
-        found[region] += area(nodes[list(cell)])
-    return found
 
 
 @pytest.fixture
@@ -66,6 +54,15 @@ def test_layers_have_the_area_of_the_file(blade, tmp_path, r):
         assert found[cap] == pytest.approx(0.02 * 0.08 * perimeter, rel=0.06)
     # The foam is thicker than the inner skin: that one lies deeper, and is shorter on a curve.
     assert found["core-s"] == pytest.approx(0.015 * 0.23 * perimeter, rel=0.06)
+
+
+@pytest.mark.parametrize("r", [0.37, 0.4, 0.45])
+def test_walls_go_around_an_edge_that_is_round(blade, tmp_path, r):
+    """Both walls of 6 mm fit into it: nothing is cut, also where its radius is a few walls."""
+    mesh = write_station(blade, r, "one", tmp_path)
+    perimeter = float(lengths_along(contour(blade, r))[-1])
+    assert "trailing-edge" not in areas(mesh)
+    assert areas(mesh)["skin"] == pytest.approx(0.004 * (perimeter - np.pi * 0.004), rel=3e-3)
 
 
 def test_a_round_contour_is_round(blade):

@@ -6,13 +6,14 @@ import shlex
 
 import numpy as np
 import pytest
-from blade_samples import along, anchor, blade_table, circle, layer, symmetric, write_blade
+from blade_samples import along, anchor, areas, blade_table, circle, layer, symmetric, write_blade
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.extras.blade.shape import contour
+from plymotion.solver.extras.blade.shape import contour, edge_angle
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.math.curves import lengths_along
+from plymotion.solver.report.section.results import read_results
 
 PLACES = [0.1, 0.3, 0.55, 0.8, 1.0]
 PLANE = {"anchor_curve": "reference_axis", "anchors_nd_grid": [0.0, 1.0], "rotation": 0.0}
@@ -71,12 +72,7 @@ def test_a_layer_of_a_width_has_its_area(tmp_path):
         blade["structure"]["layers"].insert(1, layer("strip", "glass", 0.004))
 
     mesh = write_station(read_blade(blade_with(tmp_path, change)), 0.55, "one", tmp_path)
-    nodes, area = np.array(mesh.nodes), 0.0
-    for cell, region in zip(mesh.cells, mesh.regions, strict=True):
-        x = nodes[list(cell)]
-        after = np.roll(x, -1, axis=0)
-        area += (region == "strip") * 0.5 * (x[:, 0] @ after[:, 1] - x[:, 1] @ after[:, 0])
-    assert area == pytest.approx(0.25 * 0.004, rel=0.02)
+    assert areas(mesh)["strip"] == pytest.approx(0.25 * 0.004, rel=0.02)
 
 
 @pytest.mark.parametrize("side", ["suction", "pressure"])
@@ -274,6 +270,16 @@ UNLIKE = [
     (in_millimetres, "reference_axis.z.values: a blade of 20000 m; expected metres"),
     (lambda b, t: b["reference_axis"].update(z=along(0.0, 2.0)), "chord.values: up to 2 m"),
     (lambda b, t: b["outer_shape"].update(twist=along(60.0, 0.0)), "twist.values: up to 60"),
+    (
+        lambda b, t: t["materials"][1].update(G=50e9),
+        "materials.foam.G = 5e+10 Pa: an isotropic material of this E and nu has 5e+07 Pa",
+    ),
+    (lambda b, t: t["materials"][1].update(nu=0.5), "materials.foam.nu = 0.5"),
+    (
+        lambda b, t: t["materials"][0].update(E=[14e9] * 3, nu=[0.533] * 3),
+        "materials.glass.nu = [0.533, 0.533, 0.533]: no elastic material",
+    ),
+    (lambda b, t: t["materials"][2].update(E=4e6), "materials.adhesive: E is below 1e+08 Pa"),
 ]
 
 
@@ -297,6 +303,40 @@ def test_layers_without_room_are_a_finding(tmp_path, capsys):
     assert checked(blade_with(tmp_path, change), tmp_path) == 0
     code = "no-room"
     assert f"warning [{code}] station r = 0.8: " in capsys.readouterr().err
+
+
+def test_what_finds_no_room_is_what_the_mesh_lacks(tmp_path):
+    """Thick skins at a sharp trailing edge: also what is cut away there counts."""
+
+    def change(blade, _):
+        blade["structure"]["layers"][0]["thickness"] = along(0.02, 0.02)
+        blade["structure"]["layers"] = [
+            one for one in blade["structure"]["layers"] if one["name"] in ("skin", "inner")
+        ]
+
+    blade = read_blade(blade_with(tmp_path, change))
+    mesh = write_station(blade, 0.8, "one", tmp_path)
+    points = contour(blade, 0.8)
+    # Of an inner layer, the arc is shorter by the turn of the contour times its depth.
+    turn = np.pi + edge_angle(points)
+    arc = float(lengths_along(points)[-1])
+    full = 0.02 * (arc - turn * 0.01) + 0.002 * (arc - turn * 0.021)
+    has = sum(area for name, area in areas(mesh).items() if name != "trailing-edge")
+    assert 1.0 - has / full == pytest.approx(mesh.removed, abs=0.006)
+    assert mesh.removed > 0.03
+
+
+def test_an_adhesive_with_a_placeholder_does_not_open_the_section(fenicsx, tmp_path):
+    """Files have 4.56 MPa for 4.56 GPa: GJ of the section that is free to warp."""
+    GJ = []
+    for E in (4.56e9, 4.56e6):
+        table = blade_table()
+        table["materials"][2]["E"] = E
+        words = ["--at", "0.8", "--no-estimate", "--quiet", "-o", str(tmp_path / f"{E:g}")]
+        assert main(["blade", str(write_blade(tmp_path, table)), *words]) == 0
+        K = read_results(tmp_path / f"{E:g}/sections/r08000/r08000.vtkhdf").K
+        GJ.append(1.0 / np.linalg.inv(K)[3, 3])
+    assert GJ[1] == pytest.approx(GJ[0], rel=0.03)
 
 
 def test_keys_of_all_layers_are_one_line(tmp_path, capsys):

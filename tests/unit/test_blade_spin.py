@@ -30,9 +30,9 @@ def blade_file(folder, **assembly):
 
 @pytest.fixture(scope="module")
 def spun(fenicsx, tmp_path_factory):
-    """Files of a blade with five stations over two speeds, and the same blade of nine stations.
+    """Files of a blade with five stations over two speeds, and the same blade of more.
 
-    Of nine stations: frequencies at rest and their errors, as the command has them.
+    Of nine and of seventeen: frequencies at rest and their errors, as the command has them.
     """
     folder = tmp_path_factory.mktemp("spun")
     file = blade_file(folder)
@@ -41,10 +41,11 @@ def spun(fenicsx, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         assert main([*words, "--stations", "5", "-o", str(few), "--spin", "0:6:3"]) == 0
-        assert main([*words, "--stations", "9", "-o", str(many), "--no-estimate"]) == 0
-    places = {f"r{round(1e4 * r):05d}": float(r) for r in np.linspace(0.0, 1.0, 9)}
-    stations = analysed(many / "sections", places, [None] * 9)
-    return few, frequencies_at_rest(read_blade(file), stations, quiet=True)
+        assert main([*words, "--stations", "17", "-o", str(many), "--no-estimate"]) == 0
+    places = {f"r{round(1e4 * r):05d}": float(r) for r in np.linspace(0.0, 1.0, 17)}
+    stations = analysed(many / "sections", places, [None] * 17)
+    blade = read_blade(file)
+    return few, [frequencies_at_rest(blade, some, quiet=True) for some in (stations[::2], stations)]
 
 
 def test_one_command_gives_frequencies_over_speed(spun):
@@ -67,13 +68,17 @@ def test_one_command_gives_frequencies_over_speed(spun):
 
 
 def test_errors_of_frequencies_are_estimated_by_cause(spun):
-    """The error of five stations, by the frequencies of nine."""
-    few, (denser, errors) = spun
+    """The errors of five and of nine stations, by the frequencies of seventeen."""
+    few, ((nine, errors), (denser, _)) = spun
     estimated = rows(few / "frequencies.csv")
     assert errors.keys() == {"stations", "elements"}  # the sections have no estimate
     for k in range(2):
-        error = abs(estimated[k]["frequency_hz"] / denser[k] - 1.0)
-        assert 0.5 * error < estimated[k]["error_stations"] < 8.0 * error
+        error = abs(nine[k] / denser[k] - 1.0)
+        assert 0.5 * error < errors["stations"][k] < 8.0 * error
+        assert (
+            0.5 * abs(estimated[k]["frequency_hz"] / denser[k] - 1.0)
+            < (estimated[k]["error_stations"])
+        )
         assert 0.0 < estimated[k]["error_sections"] < 0.01
         assert 0.0 < estimated[k]["error_elements"] < 1e-3
 

@@ -154,7 +154,7 @@ def _meshes(
             _warning(
                 "no-room",
                 f"station r = {r:g}: {meshes[name].removed:.1%} of the layers find no room "
-                "between the two sides and were made thinner",
+                "between the two sides and are not there",
             )
     return meshes, codes
 

@@ -320,17 +320,19 @@ HIGH = 5.0  # height of the face over the thickness of the wall from which it is
 POINTS = 12  # of each half of the face
 
 
+def wall_of_edge(bands: Sequence[Band]) -> float:
+    """Thickness of the thicker wall at the trailing edge [m]."""
+    suction = sum(band.thickness for band in bands if band.start <= TOUCH)
+    return max(suction, sum(band.thickness for band in bands if band.end >= 1.0 - TOUCH))
+
+
 def with_face(points: Array, bands: Sequence[Band]) -> tuple[Array, list[float]]:
     """Return the contour (n, 2) of a flatback closed by its face, and the arcs of its corners.
 
     The contour of another section is returned as it is, without corners.
     """
     height = float(np.linalg.norm(points[0] - points[-1]))
-    wall = max(
-        sum(band.thickness for band in bands if band.start <= TOUCH),
-        sum(band.thickness for band in bands if band.end >= 1.0 - TOUCH),
-    )
-    if height <= HIGH * wall:
+    if height <= HIGH * wall_of_edge(bands):
         return points, []
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     corner = 0.5 * height / (length + height)

@@ -30,16 +30,21 @@ from .layers import (
     material_of,
     rows_of,
     thickness,
+    wall_of_edge,
     with_face,
 )
+from .materials import GLUE, is_soft
 from .shape import Layer, contour, edge_angle
-from .windio import GLUE, Blade, region_name
+from .windio import Blade, region_name
 
 # Mesh of a station: quadrilaterals in columns and rows, webs between inner nodes of the shell.
 
 COLUMNS = 160  # along the contour, without those at ends of layers
 ROOM = 0.9  # share of the room between the two sides that walls may fill
 MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
+BLUNT = np.radians(90.0)  # the same if both walls fit into the edge
+ROUND = 3.0  # height of an edge over the thickness of a wall, for both walls with room between them
+EDGE_GAP = 0.7  # distance of both sides over the thickness of a wall, where a sharp edge is cut
 NEXT = 0.9  # of the spacing of columns: those nearer do not limit the wall
 LEAST = 0.2  # of the length of a cell outside, its length inside
 PASSES = 6  # at most, until feet of webs are as wide as their layers
@@ -65,12 +70,12 @@ def station_mesh(
     """
     mesh = StationMesh()
     points, corners = with_face(points, bands)
+    mitred, (low, high) = _edge(points, wall_of_edge(bands))
+    if mitred:
+        points = _closed(points)
     s = lengths_along(points)
     perimeter = float(s[-1])
     rows = [joined(row, perimeter) for row in rows_of(bands)]
-    mitred = edge_angle(points) >= MITRE
-    total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
-    low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
     nose = float(s[len(points) // 2]) / perimeter
     ends = [low, *corners, high]
     fixed = [*ends, nose] if any(band.angle_deg for band in bands) else ends
@@ -79,12 +84,13 @@ def station_mesh(
         arcs = _columns(rows, webs, perimeter, fixed)
         outer = _smooth(points, s / perimeter, arcs)
         normals = _normals(points, s / perimeter, arcs, outer, ends, mitred)
-        t, mesh.removed = _thickness(rows, webs, arcs, outer, normals, perimeter)
+        t, lost = _thickness(rows, webs, arcs, outer, normals, perimeter)
         inner = outer + t.sum(axis=0)[:, None] * normals
         wider, change = fitted(webs, arcs, inner, perimeter)
         if change < FITTED or last:
             break
         webs = wider
+    mesh.removed = _removed(rows, perimeter, low, high, lost)
     depth = np.vstack([np.zeros(len(arcs)), np.cumsum(t, axis=0)])
     numbers = _grid(mesh, outer, normals, depth, mitred)
     _shell(mesh, rows, arcs, numbers, t, nose)
@@ -103,18 +109,49 @@ def _thickness(
     normals: Array,
     perimeter: float,
 ) -> tuple[Array, float]:
-    """Thickness of rows at columns [m], and the share of the layers without room."""
+    """Thickness of rows at columns [m], and the area without room over the perimeter [m]."""
     t = np.array([thickness(row, arcs, perimeter) for row in rows])
     full = t.sum(axis=0)
     limit = _uncrossed(_gradual(_room(arcs, outer, normals), outer), full, outer, normals)
     share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
     spacing = np.gradient(arcs)
-    removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
+    removed = float(((1.0 - share) * full * spacing).sum())
     t *= share
     for web in webs:
         level_under(web, t, arcs, perimeter)
     t[t < THINNEST] = 0.0
     return t, removed
+
+
+def _edge(points: Array, wall: float) -> tuple[bool, tuple[float, float]]:
+    """Whether the walls meet in a mitre at the trailing edge, and the arcs where they end.
+
+    A flat or round edge that is high beside the wall has walls that go around it; others are cut.
+    """
+    s = lengths_along(points)
+    arcs = _cut(points, s / s[-1], max(EDGE_GAP * wall, 1e-3))
+    one, two = _smooth(points, s / s[-1], np.array(arcs))
+    angle = edge_angle(points)
+    blunt = angle >= BLUNT and float(np.linalg.norm(two - one)) >= ROUND * wall
+    return (True, (0.0, 1.0)) if blunt or angle >= MITRE else (False, arcs)
+
+
+def _closed(points: Array) -> Array:
+    """The contour from the middle of a low face and back to it."""
+    if np.allclose(points[0], points[-1], rtol=0.0, atol=1e-9):
+        return points
+    middle = 0.5 * (points[:1] + points[-1:])
+    return np.vstack([middle, points, middle])
+
+
+def _removed(
+    rows: list[list[Band]], perimeter: float, low: float, high: float, lost: float
+) -> float:
+    """Share of the layers' area without room: `lost`, and what lies behind the cut of the edge."""
+    arcs = np.linspace(0.0, 1.0, 20 * COLUMNS + 1)
+    full = np.array([thickness(row, arcs, perimeter) for row in rows]).sum(axis=0)
+    beyond = np.where((arcs < low) | (arcs > high), full, 0.0)
+    return (lost + float(np.trapezoid(beyond, arcs))) / float(np.trapezoid(full, arcs))
 
 
 def _cut(points: Array, arcs: Array, gap: float) -> tuple[float, float]:
@@ -393,9 +430,13 @@ def _parts(layer: Layer, r: float) -> list[Band]:
 def _glue(blade: Blade, bands: list[Band]) -> str:
     """Material of the plate: that of the file's adhesive, or of the innermost layer at the edge.
 
-    Files have a "resin" whose stiffness is a placeholder (1 MPa); with it, the section is open.
+    A "resin" or an adhesive whose stiffness is a placeholder would leave the section open.
     """
-    named = [name for name in blade.materials if GLUE in name.lower()]
+    named = [
+        name
+        for name, material in blade.materials.items()
+        if GLUE in name.lower() and not is_soft(material)
+    ]
     behind = [band.material for band in bands if band.start <= 0.0]
     return blade.glue or next(iter([*named, *reversed(behind), bands[-1].material]))
 
