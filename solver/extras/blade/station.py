@@ -373,23 +373,12 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
     ------
     InputError : the station has no layers, an unknown material, or webs whose feet overlap.
     """
-    shell = [layer for layer in blade.layers if not layer.web and _is_there(layer, r)]
-    bands = [band for layer in shell for band in _parts(layer, r)]
+    bands = bands_of(blade, r)
     if not bands:
         raise InputError(f"{blade.file}: no layer of the shell at r = {r:g}")
-    webs = [
-        WebLayers(
-            web.name,
-            web.start.at(r),
-            web.end.at(r),
-            tuple(_band(n, r) for n in blade.layers if n.web == web.name and _is_there(n, r)),
-        )
-        for web in blade.webs
-        if web.start.covers(r) and web.end.covers(r)
-    ]
     edge = Band(EDGE, _glue(blade, bands), 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
     try:
-        mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
+        mesh = station_mesh(contour(blade, r), bands, webs_of(blade, r), edge)
     except InputError as error:
         raise InputError(f"{blade.file}: station r = {r:g}: {error}") from error
     for band in mesh.bands.values():
@@ -402,6 +391,22 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
     write_text(folder / f"{name}.msh", _msh(mesh))
     write_text(folder / f"{name}.toml", _description(blade, r, name, mesh))
     return mesh
+
+
+def bands_of(blade: Blade, r: float) -> list[Band]:
+    """Return the layers of the shell at r, from outside inwards."""
+    shell = [layer for layer in blade.layers if not layer.web and _is_there(layer, r)]
+    return [band for layer in shell for band in _parts(layer, r)]
+
+
+def webs_of(blade: Blade, r: float) -> list[WebLayers]:
+    """Return the webs at r that have layers."""
+    found = []
+    for web in blade.webs:
+        layers = [_band(n, r) for n in blade.layers if n.web == web.name and _is_there(n, r)]
+        if layers and web.start.covers(r) and web.end.covers(r):
+            found.append(WebLayers(web.name, web.start.at(r), web.end.at(r), tuple(layers)))
+    return found
 
 
 def _is_there(layer: Layer, r: float) -> bool:
