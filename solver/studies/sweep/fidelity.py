@@ -40,16 +40,16 @@ def settle(plan: Plan) -> list[str]:
     """
     assert plan.fidelity is not None
     packages, file = Packages(plan), plan.model_plan_file
-    base = _spec(plan, packages, plan.fidelity["base"], None)
-    check = {**base.packages, **packages.named(plan.fidelity["base_check"])}
+    base = _spec(plan, packages, plan.fidelity.base, None)
+    check = {**base.packages, **packages.named(plan.fidelity.base_check)}
     digest = plan.digest()
     given = kept_plan(file, known_vibrations(base), digest)
     record = _record(record_file(plan.file))
     if given is not None and record.get("plan") == given.table():
         return list(record["lines"])
     members = [
-        (int(drawn["member"]), _member(plan, packages, int(drawn["member"]), drawn["check"]))
-        for drawn in plan.fidelity["drawn"]
+        (drawn.member, _member(plan, packages, drawn.member, drawn.check))
+        for drawn in plan.fidelity.drawn
     ]
     answer = checked_member(base, check, given) if given else shared_plan(base, check)
     model = answer.plan

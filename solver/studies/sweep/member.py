@@ -135,7 +135,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
         from ..fidelity.delivery.members import member_spec  # most sweeps need no planner
         from .model_plan import model_plan
 
-        own = member_spec(own, model_plan(plan, packages.named(plan.fidelity["base"])))
+        own = member_spec(own, model_plan(plan, packages.named(plan.fidelity.base)))
     prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:

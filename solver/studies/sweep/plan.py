@@ -2,11 +2,11 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field, PrivateAttr, ValidationError
 
 from plymotion import __version__
 
@@ -49,30 +49,60 @@ class Member(Variant):
     number: Number = 0  # in the sweep
 
 
-@dataclass(frozen=True)
-class Plan:
-    """A sweep as `check` wrote it."""
+class _Package(Table):
+    file: FilePath
+    inputs_sha256: str | None = None
 
-    file: Path
+
+class _Drawn(Table):
+    member: Number
+    check: dict[str, Number]
+
+
+class _Fidelity(Table):
+    base: dict[str, Number]
+    base_check: dict[str, Number]
+    drawn: list[_Drawn]
+
+
+class Plan(Table):
+    """A sweep as `check` wrote it: build/<case>/sweeps/<name>.json, by sweep_table.py of inputs."""
+
     case: str
-    name: str
+    name: Name = Field(alias="sweep")
     title: str
     run: str
     design: str
-    parameters: tuple[Parameter, ...]
-    signals: tuple[str, ...]
-    histories: tuple[str, ...]
-    table: dict[str, Any]  # mechanism that all members change, as in the file
-    mechanism: Mechanism  # the same
+    parameters: list[Parameter]
+    signals: list[str]
+    histories: list[str]
+    table: dict[str, Any] = Field(alias="mechanism")  # that all members change
     other_runs: dict[str, dict[str, Any]]  # mechanisms of other runs, likewise
-    packages: tuple[dict[str, str], ...]  # file, inputs_sha256
-    members: tuple[Member, ...]
-    fidelity: dict[str, Any] | None = None  # numbers of packages of the base and of checks
-    allow_doubtful: bool = False  # as in `read_package`
+    members: list[Member]
+    packages: list[_Package]
+    fidelity: _Fidelity | None = None
+
+    _file: Path = PrivateAttr()
+    _allow_doubtful: bool = PrivateAttr()  # as in `read_package`
+
+    @property
+    def file(self) -> Path:
+        """The sweep file."""
+        return self._file
+
+    @property
+    def allow_doubtful(self) -> bool:
+        """Whether packages are used whose numbers contradict each other."""
+        return self._allow_doubtful
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The mechanism that all members change."""
+        return resolved(self.table, str(self.file))
 
     def part(self, members: Sequence[Member]) -> "Plan":
         """Return the same sweep with some of its members."""
-        return replace(self, members=tuple(members))
+        return self.model_copy(update={"members": list(members)})
 
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
@@ -93,15 +123,14 @@ class Plan:
 
     def package_file(self, number: int) -> Path:
         """Return where a package lies."""
-        return self.file.parent.parent / self.packages[number]["file"]
+        return self.file.parent.parent / self.packages[number].file
 
     def package(self, number: int) -> ModalPackage:
         """Read a package. Raises PackageError: unreadable, or built from other inputs."""
-        entry = self.packages[number]
         whose = f"a member of sweep {self.name} of case {self.case}"
         return package_of(
             self.package_file(number),
-            entry.get("inputs_sha256"),
+            self.packages[number].inputs_sha256,
             whose,
             "sweep",
             allow_doubtful=self.allow_doubtful,
@@ -136,40 +165,6 @@ class Plan:
             tables = [self._table_of(number), self._others_of(number)]
             found.append(data_sha256([*common, *tables, used]))
         return found
-
-
-class _Package(Table):
-    file: FilePath
-    inputs_sha256: str | None = None
-
-
-class _Drawn(Table):
-    member: Number
-    check: dict[str, Number]
-
-
-class _Fidelity(Table):
-    base: dict[str, Number]
-    base_check: dict[str, Number]
-    drawn: list[_Drawn]
-
-
-class _File(Table):
-    """Content of build/<case>/sweeps/<name>.json (inputs/case/sweep/sweep_table.py)."""
-
-    case: str
-    sweep: Name
-    title: str
-    run: str
-    design: str
-    parameters: list[Parameter]
-    signals: list[str]
-    histories: list[str]
-    mechanism: dict[str, Any]
-    other_runs: dict[str, dict[str, Any]]
-    members: list[Member]
-    packages: list[_Package]
-    fidelity: _Fidelity | None = None
 
     def check_numbers(self) -> None:
         """Raise ValueError: lengths or numbers that do not fit each other."""
@@ -211,33 +206,18 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         None of its packages can be read; if only some are missing, members fail instead.
     """
     try:
-        found = _File.model_validate_json(file.read_bytes())
-        found.check_numbers()
+        plan = Plan.model_validate_json(file.read_bytes())
+        plan.check_numbers()
     except (OSError, ValueError, RecursionError) as error:
         reason = str(error)
         if isinstance(error, ValidationError):
-            reason = "; ".join(bare_lines(error, _File)[:3])
+            reason = "; ".join(bare_lines(error, Plan)[:3])
         raise InputError(
             f"{file}: not a sweep file ({reason}); expected one written by `plymotion check`"
         ) from error
-    plan = Plan(
-        file=file,
-        case=found.case,
-        name=found.sweep,
-        title=found.title,
-        run=found.run,
-        design=found.design,
-        parameters=tuple(found.parameters),
-        signals=tuple(found.signals),
-        histories=tuple(found.histories),
-        table=found.mechanism,
-        mechanism=resolved(found.mechanism, str(file)),
-        packages=tuple(package.model_dump(exclude_none=True) for package in found.packages),
-        other_runs=found.other_runs,
-        members=tuple(m.model_copy(update={"number": k}) for k, m in enumerate(found.members)),
-        fidelity=found.fidelity.model_dump() if found.fidelity else None,
-        allow_doubtful=allow_doubtful,
-    )
+    members = [m.model_copy(update={"number": k}) for k, m in enumerate(plan.members)]
+    plan = plan.part(members)
+    plan._file, plan._allow_doubtful = file, allow_doubtful
     for key in ("signals", "histories"):
         for name in getattr(plan, key):
             if name not in plan.mechanism.signals:
