@@ -132,6 +132,35 @@ class PlyTable(TypedDict):
     thickness: NotRequired[float]
 
 
+class LayerDirection(TypedDict, total=False):
+    """Layer direction y2 of a region of a section: one of these."""
+
+    vector: list[float]
+    circle: list[float]
+    curve: str
+    cells: bool  # in the arrays of the mesh
+
+
+class SectionRegionTable(TypedDict):
+    """Plies of a region of a section, outermost first."""
+
+    plies: list[PlyTable]
+    direction: NotRequired[LayerDirection]
+
+
+class SectionMeshTable(TypedDict, total=False):
+    """Mesh of a section: a script of meshes/, a file of gmsh, or arrays of another program."""
+
+    script: str
+    parameters: dict[str, float | list[float]]
+    coordinates: list[list[float]]  # of a contour
+    file: str
+    arrays: str
+    sha256: str
+    scale: float
+    degree: int | Literal["mesh"]
+
+
 class StationTable(TypedDict):
     """A section at a fraction of the length; between two stations K and mass change linearly."""
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, unknown
-from ...package.specification import PlyTable
+from ...package.specification import PlyTable, SectionMeshTable, SectionRegionTable
 from ..common import read_toml
 from ..common.lay_up import unknown_materials
 from ..common.material import check_materials, plain
@@ -77,8 +77,8 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
         except InputError as error:
             problems += str(error).splitlines()
     problems += _convention(description, stacks)
-    mesh: dict[str, Any] = {}
-    regions: dict[str, Any] = {}
+    mesh: SectionMeshTable = {}
+    regions: dict[str, SectionRegionTable] = {}
     try:
         if isinstance(description.mesh, ShapeMesh):
             mesh, regions = shape_mesh(

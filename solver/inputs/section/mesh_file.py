@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, few, nearest
+from ...package.specification import SectionMeshTable, SectionRegionTable
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source, physical_names
+from ..common.table import plain_table
 from .description import Region, SectionDescription
 from .foreign import assign_regions, read_foreign, write_arrays
 from .mesh_table import FileMesh
@@ -17,7 +19,7 @@ Names = dict[str, str]  # region of the mesh -> its description
 
 def file_mesh(
     description: SectionDescription, stacks: Stacks, folder: Path, arrays_folder: Path
-) -> tuple[dict[str, Any], dict[str, Any]]:
+) -> tuple[SectionMeshTable, dict[str, SectionRegionTable]]:
     """Return mesh and regions of the specification.
 
     Parameters
@@ -48,17 +50,17 @@ def file_mesh(
         raise InputError("\n".join(found))
     if table.scale is not None:
         mesh["scale"] = table.scale
-    expanded: dict[str, Any] = {}
+    expanded: dict[str, SectionRegionTable] = {}
     for name, described in names.items():
         if described in stacks:
             expanded[name] = {"plies": stacks[described]}
             direction = regions[described].direction
             if direction is not None:
-                expanded[name]["direction"] = direction.model_dump(exclude_none=True)
+                expanded[name]["direction"] = plain_table(direction)
     return mesh, expanded
 
 
-def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[dict[str, Any], Names]:
+def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[SectionMeshTable, Names]:
     """Return a mesh or script of gmsh, and the description of each of its regions."""
     script = file.suffix == ".geo"
     found = []
@@ -67,7 +69,7 @@ def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[dict[str, A
             f'mesh.region_data = "{table.region_data}": expected no such key, the regions of '
             f"{table.file} are its physical surfaces"
         )
-    mesh: dict[str, Any] = {"file": os.path.relpath(file), "sha256": content_sha256(file)}
+    mesh: SectionMeshTable = {"file": os.path.relpath(file), "sha256": content_sha256(file)}
     if script:
         if table.parameters is not None:
             mesh["parameters"] = table.parameters
@@ -83,7 +85,7 @@ def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[dict[str, A
 
 def _of_others(
     file: Path, table: FileMesh, regions: Regions, arrays_folder: Path
-) -> tuple[dict[str, Any], Names]:
+) -> tuple[SectionMeshTable, Names]:
     """Return the mesh of another program as arrays, and the description of each of its regions."""
     foreign = read_foreign(file, f'mesh.file = "{table.file}"', table.region_data)
     found = [*_no_parameters(table), *_curves(regions, foreign.curves, table.file)]

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from ...errors import InputError, nearest
-from ...package.specification import PlyTable
+from ...package.specification import PlyTable, SectionMeshTable, SectionRegionTable
+from ..common.table import plain_table
 from .description import Region
 from .mesh_table import ShapeMesh
+from .shapes.contract import Values
 from .shapes.library import Wall, expand, shape, walls
 from .shapes.solid import few_across
 
@@ -26,7 +27,7 @@ def shape_mesh(
     *,
     where: str = "mesh",
     curved: bool = False,
-) -> tuple[dict[str, Any], dict[str, Any]]:
+) -> tuple[SectionMeshTable, dict[str, SectionRegionTable]]:
     """Return mesh and regions of the specification.
 
     Wall thicknesses that the description omits follow from the plies.
@@ -56,7 +57,7 @@ def shape_mesh(
     for name in regions:
         if name not in (*names, ALL):
             found.append(f"regions.{name}: a {mesh.shape} has no such wall{nearest(name, names)}")
-    expanded: dict[str, Any] = {}
+    expanded: dict[str, SectionRegionTable] = {}
     for wall in of_shape:
         key = wall.region if wall.region in regions else ALL
         if key not in regions:
@@ -66,8 +67,8 @@ def shape_mesh(
         elif key in stacks:
             found += _fit(wall, key, stacks[key], mesh.values, values)
             given = regions[key].direction
-            direction = wall.direction if given is None else given.model_dump(exclude_none=True)
-            expanded[wall.region] = {"plies": stacks[key], "direction": dict(direction)}
+            direction = wall.direction if given is None else plain_table(given)
+            expanded[wall.region] = {"plies": stacks[key], "direction": {**direction}}
     if found:
         raise InputError("\n".join(found))
     if len(expanded) < len(of_shape):  # reported elsewhere
@@ -84,9 +85,7 @@ def shape_mesh(
         raise InputError(f"{where}.{error}") from error
 
 
-def _fit(
-    wall: Wall, key: str, plies: list[PlyTable], given: dict[str, Any], sizes: dict[str, Any]
-) -> list[str]:
+def _fit(wall: Wall, key: str, plies: list[PlyTable], given: Values, sizes: Values) -> list[str]:
     """Compare the plies with their wall and return errors, or add the wall to `sizes`."""
     if not wall.stacked or "thickness" not in plies[0]:
         return []

@@ -12,13 +12,12 @@ angle turns the fibre from z towards it.
 
 import io
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ....errors import InputError
 from ....math.arrays import Array, IntArray
-from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
+from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection, Constants
 from .vabs_input import ORTHOTROPIC
 
 AS_MATLAB = str.maketrans({",": " ", "d": "e", "D": "e"})
@@ -60,7 +59,7 @@ def read_becas(folder: Path) -> CellSection:
             for m, angle in of_cells[:, 1:3]
         ]
     )
-    materials: dict[str, dict[str, Any]] = {
+    materials: dict[str, Constants] = {
         f"material-{i}": {
             "kind": "orthotropic",
             **{key: float(v) for key, v in zip((*ORTHOTROPIC, "rho"), values, strict=True)},

@@ -22,6 +22,9 @@ ABSENT = -1
 MOST_NODES = 9
 
 
+Constants = dict[str, float | str | list[float]]  # of a material
+
+
 @dataclass(frozen=True)
 class CellSection:
     """Mesh and orientation; `n` counts nodes, `c` cells.
@@ -48,7 +51,7 @@ class CellSection:
     theta1: Array
     ply: IntArray
     plies: list[tuple[str, float]]
-    materials: dict[str, dict[str, Any]]
+    materials: dict[str, Constants]
     curvature: tuple[float, float, float] = (0.0, 0.0, 0.0)
     title: str = ""
     not_computed: list[str] = field(default_factory=list)

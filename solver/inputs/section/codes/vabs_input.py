@@ -22,14 +22,13 @@ the materials (temperatures, resultants for recovery) is not read.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ....errors import InputError, few
 from ....math.arrays import Array, IntArray
 from ....package.common.anisotropic import UPPER, of_upper
-from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
+from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection, Constants
 from .records import NumberedRows, Records
 
 UNIFORM = 500.0  # a second theta1 above this says that the first holds for the whole cell
@@ -174,9 +173,9 @@ def _theta1(given: Array, kind: IntArray) -> Array:
 
 def _materials(
     records: Records, count: int, damping: bool, thermal: bool
-) -> tuple[dict[int, dict[str, Any]], dict[int, int]]:
+) -> tuple[dict[int, Constants], dict[int, int]]:
     """Constants of each material by its number, and the line where they begin."""
-    materials: dict[int, dict[str, Any]] = {}
+    materials: dict[int, Constants] = {}
     lines: dict[int, int] = {}
     for _ in range(count):
         number, kind = records.wholes(["the number of a material", "its kind, 0, 1 or 2"])
@@ -196,7 +195,7 @@ def _materials(
     return materials, lines
 
 
-def _constants(kind: int, constants: list[float]) -> dict[str, Any]:
+def _constants(kind: int, constants: list[float]) -> Constants:
     if kind == 0:
         return {"kind": "isotropic", "E": constants[0], "nu": constants[1]}
     if kind == 1:

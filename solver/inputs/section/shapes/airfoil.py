@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ....errors import InputError
+from ....package.specification import LayerDirection, SectionMeshTable
 from .contour import contour
 from .contract import DENSITY, Parameter, Plies, Shape, Values, Wall, size
 from .spacing import faces, rows, united
 from .walled import WEB
 
 ROWS_SKIN = 2  # of a skin, thin for its length
-SKIN = {"curve": "outer"}
+SKIN: LayerDirection = {"curve": "outer"}
 
 
 def walls(values: Mapping[str, Any]) -> tuple[Wall, ...]:
@@ -25,7 +26,7 @@ def walls(values: Mapping[str, Any]) -> tuple[Wall, ...]:
     return (Wall("skin-front", SKIN, "skin"), *caps, rear, *each)
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Airfoil: rows of the skin at the depths of all its plies."""
     density, n_web = values["density"], len(values["webs"])
     webs = list(values["webs"])

@@ -1,12 +1,11 @@
 """Rectangular box."""
 
-from typing import Any
-
+from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Plies, Shape, Values
 from .walled import BOTTOM, LEFT, OUTER, RIGHT, SIDES, TOP, WALL, box_walls, half_lines, skin_rows
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Rectangular box."""
     thickness, density = box_walls(values), values["density"]
     width, height = values["width"], values["height"]

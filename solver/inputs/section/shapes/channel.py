@@ -1,13 +1,12 @@
 """Channel."""
 
-from typing import Any
-
+from ....package.specification import SectionMeshTable
 from .contract import Plies, Shape, Values, Wall
 from .spacing import faces, rows, united
 from .walled import BOTTOM, FLANGES, ROWS, TOP, flanged, half_lines
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Channel."""
     sizes, thickness = flanged(values)
     lengths = {

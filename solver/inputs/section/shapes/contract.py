@@ -22,6 +22,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ....package.specification import LayerDirection, SectionMeshTable
+
 Values = dict[str, Any]  # size -> number, list, text; None: optional and not given
 Plies = dict[str, list[float]]  # region -> thickness of each ply, outermost first, in any unit
 
@@ -47,7 +49,7 @@ class Wall:
     """A region of a shape."""
 
     region: str
-    direction: Mapping[str, Any]  # {"vector": y2}, {"circle": centre} or {"curve": name}
+    direction: LayerDirection  # {"vector": y2}, {"circle": centre} or {"curve": name}
     thickness: str  # key of its thickness
     stacked: bool = True  # plies fill this thickness one below the other
 
@@ -78,7 +80,7 @@ class Shape:
     meaning: str
     parameters: tuple[Parameter, ...]
     walls: tuple[Wall, ...]
-    mesh: Callable[[Values, Plies], dict[str, Any]]
+    mesh: Callable[[Values, Plies], SectionMeshTable]
     walls_of: Callable[[Mapping[str, Any]], tuple[Wall, ...]] | None = None
     example: Mapping[str, Any] = field(default_factory=dict)
     order: int = 100

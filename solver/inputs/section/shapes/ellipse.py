@@ -1,13 +1,13 @@
 """Solid ellipse."""
 
 import math
-from typing import Any
 
+from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Parameter, Plies, Shape, Values, Wall, size
 from .solid import STACK, count
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Solid ellipse."""
     del plies  # the mesh does not follow the plies
     radius_3 = values["radius_3"] or values["radius_2"]

@@ -1,13 +1,12 @@
 """I section."""
 
-from typing import Any
-
+from ....package.specification import SectionMeshTable
 from .contract import Plies, Shape, Values
 from .spacing import faces, rows
 from .walled import BOTTOM, FLANGES, ROWS, ROWS_WEB, TOP, WEB, flanged, half_lines
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """I section."""
     sizes, thickness = flanged(values)
     density, web = values["density"], thickness["wall_web"]

@@ -5,6 +5,7 @@ from typing import Any
 
 from ....errors import InputError, did_you_mean
 from ....math.catalogue import by_name, catalogue
+from ....package.specification import SectionMeshTable
 from . import __name__ as _package
 from . import __path__ as _path
 from .contract import Parameter, Shape, Values, Wall
@@ -34,7 +35,7 @@ def walls(name: str, values: Mapping[str, Any]) -> tuple[Wall, ...]:
     return found.walls if found.walls_of is None else found.walls_of(values)
 
 
-def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -> dict[str, Any]:
+def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -> SectionMeshTable:
     """The script of a shape and values for its parameters, with the default element counts.
 
     Parameters
@@ -67,4 +68,4 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
                 f"{', '.join(regions)}{did_you_mean(region, regions)}"
             )
     plies = {region: list((layers or {}).get(region, ())) or [1.0] for region in regions}
-    return {"script": shape(name).script, **shape(name).mesh(table, plies)}
+    return {**shape(name).mesh(table, plies), "script": shape(name).script}

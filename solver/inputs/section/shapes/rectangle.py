@@ -1,13 +1,12 @@
 """Solid rectangle."""
 
-from typing import Any
-
+from ....package.specification import SectionMeshTable
 from .contract import Plies, Shape, Values, Wall
 from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows, spaced
 from .spacing import faces
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Solid rectangle: rows from the top."""
     n_2, n_3 = counts(values)
     return {

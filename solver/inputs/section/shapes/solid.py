@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from ....errors import InputError
+from ....package.specification import LayerDirection
 from .contract import DENSITY, Parameter, Values, size
 from .spacing import both_ends, cosine
 
@@ -21,7 +22,7 @@ COUNTS = (
     Parameter("grading", "-", "spacing, 0: equal, 1: cosine", 0.5, least=0.0, most=1.0),
     DENSITY,
 )
-STACK = {"vector": [1.0, 0.0]}  # plies parallel to x2, the outermost on top
+STACK: LayerDirection = {"vector": [1.0, 0.0]}  # plies parallel to x2, the outermost on top
 
 
 THIN = 99.0  # slenderness of a rectangle that is a wall
@@ -58,7 +59,7 @@ def counts(values: Values) -> tuple[int, int]:
     return n_2, n_3
 
 
-def few_across(values: dict[str, Any]) -> None:
+def few_across(values: Values) -> None:
     """Set two elements across a thin rectangle of a twisted beam, if their number is not given.
 
     Such a wall bends without stretching. That needs a high degree along it, and no cells across.

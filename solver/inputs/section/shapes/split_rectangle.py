@@ -1,15 +1,15 @@
 """Two solid rectangles side by side."""
 
 import math
-from typing import Any
 
 from ....errors import InputError
+from ....package.specification import SectionMeshTable
 from .contract import Parameter, Plies, Shape, Values, Wall
 from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows
 from .spacing import cosine, faces, united
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Two solid rectangles side by side."""
     width, interface = values["width"], values["interface"]
     if not abs(interface) < 0.5 * width:

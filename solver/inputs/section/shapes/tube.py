@@ -1,9 +1,9 @@
 """Circular tube, or part of one."""
 
 import math
-from typing import Any
 
 from ....errors import InputError
+from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Parameter, Plies, Shape, Values, Wall, size
 from .spacing import arc, faces, rows
 from .walled import wall_thickness
@@ -17,7 +17,7 @@ BENDING = 0.4
 ON_CIRCLE = 0.02
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Tube or part of one."""
     radius, wall = values["outer_radius"], wall_thickness(values, "wall")
     if not wall < radius:

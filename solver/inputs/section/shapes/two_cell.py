@@ -1,8 +1,7 @@
 """Rectangular box with a web."""
 
-from typing import Any
-
 from ....errors import InputError
+from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Parameter, Plies, Shape, Values
 from .spacing import faces, rows
 from .walled import (
@@ -23,7 +22,7 @@ from .walled import (
 )
 
 
-def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     """Rectangular box with a web."""
     skin, density = box_walls(values), values["density"]
     thickness = {**skin, "wall_web": wall_thickness(values, "wall_web")}

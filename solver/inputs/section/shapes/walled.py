@@ -1,7 +1,6 @@
 """Common parts of shapes of flat walls: sizes, regions, rows by plies, lines at corners."""
 
 import math
-from typing import Any
 
 from ....errors import InputError
 from .contract import DENSITY, Parameter, Plies, Values, Wall, size
@@ -67,7 +66,7 @@ def fits(thickness: dict[str, float], keys: tuple[str, ...], space: float, what:
 
 def half_lines(
     lengths: dict[str, float], thickness: dict[str, float], density: float
-) -> dict[str, Any]:
+) -> dict[str, float]:
     """Elements of lines between a corner and a middle: elements_*, growth_*, graded_*, even_*.
 
     Raises
