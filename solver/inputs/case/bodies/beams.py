@@ -24,13 +24,13 @@ from .surfaces import reduction
 
 
 def section_spec(
-    body: BeamBody, mechanism: Mechanism, folder: Path
+    station: BeamStation, mechanism: Mechanism, folder: Path
 ) -> tuple[dict[str, Any], list[Path]]:
-    """Return the specification of a body's section, and the files that it is made from.
+    """Return the specification of the section of a station, and the files that it is made from.
 
     Parameters
     ----------
-    body : has passed `check_section`
+    station : has passed `check_section`
     folder : of the case file, where relative paths start
 
     Raises
@@ -38,22 +38,22 @@ def section_spec(
     InputError
         Lines that begin with the key: what is wrong with the section.
     """
-    assert body.section is not None
-    key = f"sections.{body.section}"
-    table = mechanism.sections[body.section]
+    assert station.section is not None
+    key = f"sections.{station.section}"
+    table = mechanism.sections[station.section]
     if isinstance(table, DescribedSection):
-        return _described(key, body.section, table, mechanism, folder)
-    assert body.material is not None
-    ply: PlyTable = {"material": body.material, "angle_deg": body.ply_angle_deg or 0.0}
-    region = Region(material=body.material)
+        return _described(key, station.section, table, mechanism, folder)
+    assert station.material is not None
+    ply: PlyTable = {"material": station.material, "angle_deg": station.ply_angle_deg or 0.0}
+    region = Region(material=station.material)
     mesh, regions = shape_mesh(table, {ALL: region}, {ALL: [ply]}, folder, where=key)
     if table.degree is not None:
         mesh["degree"] = table.degree
     spec = {
-        "name": body.section,
+        "name": station.section,
         "convention": "contour",
         "mesh": mesh,
-        "materials": {body.material: plain(mechanism.materials[body.material])},
+        "materials": {station.material: plain(mechanism.materials[station.material])},
         "regions": regions,
     }
     return spec, []
@@ -69,24 +69,24 @@ def given_section(station: BeamStation) -> dict[str, Any]:
     }
 
 
-def check_section(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
-    """Return what does not fit between a body and its section; `key` names the body."""
-    assert body.section is not None
-    table = mechanism.sections[body.section]
-    given = {"material": body.material, "ply_angle_deg": body.ply_angle_deg}
+def check_section(key: str, station: BeamStation, mechanism: Mechanism) -> list[str]:
+    """Return what does not fit between a body and its section; `key` names the station."""
+    assert station.section is not None
+    table = mechanism.sections[station.section]
+    given = {"material": station.material, "ply_angle_deg": station.ply_angle_deg}
     if isinstance(table, DescribedSection):
         return [
-            f"{key}.{name} = {value}: expected no such key, section {body.section} has its own "
+            f"{key}.{name} = {value}: expected no such key, section {station.section} has its own "
             f"materials and angles ({table.file or INLINE})"
             for name, value in given.items()
             if value is not None
         ]
-    if body.material is None:
-        return [f"{key}.material: missing; expected the material of section {body.section}"]
+    if station.material is None:
+        return [f"{key}.material: missing; expected the material of section {station.section}"]
     plane = all(w.direction == {"vector": [1.0, 0.0]} for w in walls(table.shape, table.values))
-    if body.ply_angle_deg and not plane:
+    if station.ply_angle_deg and not plane:
         return [
-            f"{key}.ply_angle_deg = {body.ply_angle_deg:g}: expected 0, a {table.shape} has "
+            f"{key}.ply_angle_deg = {station.ply_angle_deg:g}: expected 0, a {table.shape} has "
             "walls in several directions: describe it in a file, sections.NAME.file"
         ]
     return []
@@ -159,8 +159,13 @@ def with_sections(body: BeamBody) -> list[BeamStation]:
         absent = {k: v for k, v in own.items() if getattr(station, k) is None}
         found.append(station.model_copy(update=absent) if station.section is not None else station)
     if all(station.at > 0.0 for station in found):
-        first = BeamStation(at=0.0, section=body.section, material=body.material)
-        found.insert(0, first.model_copy(update={"ply_angle_deg": body.ply_angle_deg}))
+        first = BeamStation(
+            at=0.0,
+            section=body.section,
+            material=body.material,
+            ply_angle_deg=body.ply_angle_deg,
+        )
+        found.insert(0, first)
     return sorted(found, key=lambda station: station.at)
 
 
@@ -179,13 +184,11 @@ def _stations(
         if station.section is None:
             stations.append((station.at, given_section(station)))
             continue
-        same = ("section", "material", "ply_angle_deg")
-        own = body.model_copy(update={name: getattr(station, name) for name in same})
-        wrong = check_section(key, own, mechanism)
+        wrong = check_section(key, station, mechanism)
         section, files = dict[str, Any](), list[Path]()
-        if own.material is not None or not wrong:
+        if station.material is not None or not wrong:
             try:
-                section, files = section_spec(own, mechanism, folder)
+                section, files = section_spec(station, mechanism, folder)
             except InputError as error:
                 wrong += str(error).splitlines()
         stations.append((station.at, section))
