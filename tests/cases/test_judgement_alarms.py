@@ -221,3 +221,29 @@ def test_a_load_that_passes_at_once_does_not_buckle(tmp_path, duration, buckles)
     solver = {"geometric_stiffening": True, "max_step": duration / 5}
     summary = found(tmp_path, text, {"column": column()}, t_end=0.03, step=0.001, **solver)
     assert ("buckling-by-motion" in codes(summary)) == buckles
+
+
+def test_a_planar_loop_of_hinges_starts_in_its_quasi_static_shape(tmp_path):
+    """Three of its rows follow from the others: the matrix of the start was singular."""
+    rod = {"root": (0, 0, 0), "tip": (LENGTH, 0, 0)}
+    angles, at, text, before = (-17.6, -30.6, -22.4), np.zeros(2), GROUND, "ground.o"
+    for i, angle in enumerate(angles):
+        place = {"position": [*at, 0.0], "rotation_deg": [0.0, 0.0, angle]}
+        if i == 1:
+            lines = "".join(f"{key} = {list(map(float, v))}\n" for key, v in place.items())
+            text += f'[bodies.b1]\nkind = "package"\npackage = "b1.vtkhdf"\n{lines}'
+        else:
+            text += rigid(f"b{i}", 1.0, 0.02, rod, **place)
+        text += f'[joints.j{i}]\nkind = "revolute"\nbetween = ["{before}", "b{i}.root"]\n'
+        at, before = (
+            at + LENGTH * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))]),
+            f"b{i}.tip",
+        )
+    text += f"[ground.e]\nposition = {[*map(float, at), 0.0]}\n"
+    text += f'[joints.close]\nkind = "revolute"\nbetween = ["{before}", "ground.e"]\n'
+    modes = [{"kind": "bending-xy", "count": 3}, {"kind": "bending-xz", "count": 1}]
+    beam = reduced(CLAMPED, modes, K=K, mass=MASS, length=LENGTH, elements=4).package
+    summary = found(
+        tmp_path, text, {"b1": beam}, t_end=0.01, step=0.001, start="quasi-static", integrator="rk8"
+    )
+    assert codes(summary).keys() == {"redundant-constraints"}

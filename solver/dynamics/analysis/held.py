@@ -3,9 +3,11 @@
 import numpy as np
 
 from ...math.arrays import Array
+from ..elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..elements.constraints.treatment import scaled_jacobian
 from ..evaluation.dense_equations import assemble
 from ..evaluation.series import along_solution
+from ..linear_algebra.dependence import is_tree
 from ..model.model import Model
 from .rank import free_motions, rank_of
 
@@ -20,6 +22,11 @@ def held_deformations(model: Model, t: float, y: Array) -> list[Array]:
     The change is K^-1 times these loads; of a body in static equilibrium it is zero.
     """
     heavy = model._replace(M_qq=_HEAVY * model.M_qq, alpha=0.0, beta=0.0, penalty=0.0)
+    if model.n_constraint and not is_tree(model):  # a planar loop of hinges has dependent rows
+        C = scaled_jacobian(assemble(model, t, y).Phi_q, model.inertia_scale)
+        s = np.linalg.svd(C, compute_uv=False)
+        rank = np.count_nonzero(s > RANK_TOLERANCE * s[0])
+        heavy = heavy._replace(redundant=model.n_constraint - rank)
     rates, _ = along_solution(heavy, np.array([t]), y[None, :])
     found: list[Array] = []
     for i in range(model.n_body):

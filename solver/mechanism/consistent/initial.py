@@ -233,7 +233,8 @@ def redundancy(
     involved = _involved(model, general, names)
     state = accelerations(model._replace(redundant=count), equations, y)[0]
     residual = equations.Phi_q @ state - equations.gamma
-    size = max(1.0, float(np.max(np.abs(equations.gamma))))
+    terms = np.abs(equations.Phi_q) @ np.abs(state)  # whose rounding is in the residual
+    size = max(1.0, float(np.max(np.abs(equations.gamma))), float(np.max(terms)))
     if np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * size:
         off = described_gaps(model, residual, names, ("m/s2", "rad/s2"))
         raise InputError(
