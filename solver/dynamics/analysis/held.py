@@ -25,7 +25,7 @@ def held_deformations(model: Model, t: float, y: Array) -> list[Array]:
     if model.n_constraint and not is_tree(model):  # a planar loop of hinges has dependent rows
         C = scaled_jacobian(assemble(model, t, y).Phi_q, model.inertia_scale)
         s = np.linalg.svd(C, compute_uv=False)
-        rank = np.count_nonzero(s > RANK_TOLERANCE * s[0])
+        rank = int(np.sum(s > RANK_TOLERANCE * s[0]))
         heavy = heavy._replace(redundant=model.n_constraint - rank)
     rates, _ = along_solution(heavy, np.array([t]), y[None, :])
     found: list[Array] = []
