@@ -22,7 +22,7 @@ from ..checks.judge import judge
 from ..checks.modes import loaded_damping
 from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
-from ..math.compiled.versions import numba_version
+from ..math.compiled import numba_version
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage

@@ -34,7 +34,7 @@ from ..integrators.generic import RungeKutta8, integrate
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop
 from ..math.arrays import Array
-from ..math.compiled import COMPILED, content, statistics, store
+from ..math.compiled import COMPILED, note, noted, statistics
 from ..math.expressions.program import value_at
 from ..math.expressions.tree import ONE
 from ..math.laws import polynomial
@@ -73,19 +73,14 @@ def compile_ahead(*, everything: bool = False) -> str:
         workers.close(at_once=not complete)
     words = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
     if kept:
-        store.write(_done(), {"name": "compiled ahead"}, b"")
+        note("compiled ahead", solver_sha256())
     return words if kept else f"{words}; no folder for them can be written: not kept"
 
 
 def compile_once() -> None:
     """Call `compile_ahead` unless it was called before, with these sources and this Numba."""
-    if COMPILED and store.read(_done()) is None:
+    if COMPILED and not noted("compiled ahead", solver_sha256()):
         compile_ahead()
-
-
-def _done() -> str:
-    """Return the key of the entry that tells that all functions are in the cache."""
-    return content.digest("compiled ahead", solver_sha256(), content.environment())
 
 
 def _statistics_of(part: Callable[[], None]) -> tuple[int, bool]:

@@ -302,15 +302,15 @@ def test_no_numba_at_all(tmp_path):
     assert _found(done.stdout) == (16.0, False, 0, 0, [])
 
 
-VERSIONS = "from plymotion.solver.math.compiled import versions; "
+VERSIONS = "from plymotion.solver.math.compiled import units; "
 INTERNALS = "import plymotion.solver.math.compiled.{0} as module; module.{1} = None"
 
 
 @pytest.mark.parametrize(
     ("setup", "words"),
     [
-        (VERSIONS + "versions.NEWEST = (0, 62)", "knows 0.62 to 0.62"),
-        (VERSIONS + "versions.LOWEST = (9, 0)", "knows 9.0 to"),
+        (VERSIONS + "units.NEWEST = (0, 62)", "knows 0.62 to 0.62"),
+        (VERSIONS + "units.LOWEST = (9, 0)", "knows 9.0 to"),
         (INTERNALS.format("machine", "emitted"), "not callable"),
         (INTERNALS.format("lowering", "compile_extra"), "not callable"),
         (INTERNALS.format("lowering", "BUILTINS"), "NoneType"),

@@ -6,7 +6,7 @@ rounding, so a result never depends on what is installed.
 A `lean` function is a unit: compiled once, to object code that all its callers share. An `inlined`
 one becomes code of its callers. Both take numbers, contiguous arrays, tuples of numbers and named
 tuples marked as `structure`, make no arrays, and use no negative index. What is compiled is kept
-under the digest of its content (content.py, store.py). docs/adr/0011 says why.
+under the digest of its content. README.md says what this gains and what it depends on.
 """
 
 import os
@@ -15,10 +15,24 @@ from importlib.util import find_spec
 from types import FunctionType
 from typing import Any, TypeVar
 
-from .statistics import statistics
+from . import units
+from .content import numba_version
+from .parts import Part, statistics
 from .structures import structure
+from .units import note, noted
 
-__all__ = ["COMPILED", "inlined", "jit", "lean", "rebound", "statistics", "structure"]
+__all__ = [
+    "COMPILED",
+    "inlined",
+    "jit",
+    "lean",
+    "note",
+    "noted",
+    "numba_version",
+    "rebound",
+    "statistics",
+    "structure",
+]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -41,9 +55,6 @@ def inlined(function: Function) -> Function:
 def _part(function: Any, *, inline: bool) -> Any:
     if not COMPILED:
         return function
-    from . import units
-    from .parts import Part
-
     return Part(function, inline=inline, service=units)
 
 

@@ -1,26 +1,42 @@
-"""Arithmetic of complex numbers as a few instructions.
+"""Arithmetic inside compiled parts that takes the place of Numba's own.
 
-Numba compiles a function for each, links it with every caller, and raises an error where a
-division is by zero, whatever the error model.
+Numba compiles a function for each operation on complex numbers, for `min`, `max` and powers of
+integers, links it with every caller, and raises an error where a division is by zero, whatever the
+error model. These are a few instructions each, and only the context of our own compilations
+(lowering.py) knows them.
 """
 
-import operator
 from typing import Any
 
-from numba.core import types
 from numba.core.imputils import impl_ret_untracked
-from numba.cpython import numbers
+
+from .parts import Part
 
 
-def register(context: Any) -> None:
-    """Give a target context the functions below, for the one type that they are written for."""
-    one = types.complex128
-    context.refresh()
-    context.insert_func_defn(
-        [(_multiply, f, (one, one)) for f in (operator.mul, operator.imul)]
-        + [(_divide, f, (one, one)) for f in (operator.truediv, operator.itruediv)]
-        + [(_absolute, abs, (one,))]
-    )
+def _lesser(a: Any, b: Any) -> Any:
+    return b if b < a else a
+
+
+def _least(a: Any, b: Any, c: Any) -> Any:
+    return min(min(a, b), c)
+
+
+def _larger(a: Any, b: Any) -> Any:
+    return b if b > a else a
+
+
+def _largest(a: Any, b: Any, c: Any) -> Any:
+    return max(max(a, b), c)
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    n, square, found = exponent if exponent > 0 else -exponent, base, 1.0
+    while n != 0:
+        if n & 1:
+            found *= square
+        n >>= 1
+        square *= square
+    return found if exponent >= 0 else 1.0 / found
 
 
 def _parts(context: Any, builder: Any, sig: Any, arguments: Any) -> list[Any]:
@@ -34,17 +50,16 @@ def _made(context: Any, builder: Any, kind: Any, real: Any, imag: Any) -> Any:
     return impl_ret_untracked(context, builder, kind, made._getvalue())
 
 
-def _multiply(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+def multiply(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    """Multiply, as Numba does: inf and nan are those of the sums and products."""
     a, b = _parts(context, builder, sig, arguments)
     real = builder.fsub(builder.fmul(a.real, b.real), builder.fmul(a.imag, b.imag))
     imag = builder.fadd(builder.fmul(a.real, b.imag), builder.fmul(a.imag, b.real))
     return _made(context, builder, sig.return_type, real, imag)
 
 
-def _divide(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+def divide(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
     """Divide by Smith's method; by zero: inf or nan, as NumPy does."""
-    if context.error_model.raise_on_fp_zero_division:
-        return numbers.complex_div_impl(context, builder, sig, arguments)
     a, b = _parts(context, builder, sig, arguments)
     size = builder.module.declare_intrinsic("llvm.fabs", [b.real.type])
     swap = builder.fcmp_ordered("<", builder.call(size, [b.real]), builder.call(size, [b.imag]))
@@ -59,8 +74,15 @@ def _divide(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
     )
 
 
-def _absolute(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+def absolute(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    """Take the root of the squares: of numbers below 1e154, which no unit exceeds."""
     (a,) = _parts(context, builder, sig, arguments)
     square = builder.fadd(builder.fmul(a.real, a.real), builder.fmul(a.imag, a.imag))
     root = builder.module.declare_intrinsic("llvm.sqrt", [square.type])
     return impl_ret_untracked(context, builder, sig.return_type, builder.call(root, [square]))
+
+
+BUILTINS = {"min": Part(_lesser, inline=True), "max": Part(_larger, inline=True)}
+BUILTINS["min"].others[3] = Part(_least, inline=True)
+BUILTINS["max"].others[3] = Part(_largest, inline=True)
+POWER = Part(_power, inline=True)

@@ -7,14 +7,16 @@ import hashlib
 import os
 import platform
 import sys
+import warnings
 from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from ..digests import sources_sha256
-from .versions import numba_version
 
 
 def digest(*texts: str | bytes) -> str:
@@ -24,6 +26,45 @@ def digest(*texts: str | bytes) -> str:
         data = text.encode() if isinstance(text, str) else text
         found.update(str(len(data)).encode() + b":" + data)
     return found.hexdigest()[:40]
+
+
+@cache
+def numba_version() -> str:
+    """Return the version of the Numba that is installed, without importing it.
+
+    From the name of the folder beside it: importlib.metadata takes 20 ms to import.
+    """
+    spec = find_spec("numba")
+    for package in (spec.submodule_search_locations or []) if spec else []:
+        found = list(Path(package).parent.glob("numba-*.dist-info"))
+        if len(found) == 1:
+            return found[0].name.removeprefix("numba-").removesuffix(".dist-info")
+    import importlib.metadata
+
+    return importlib.metadata.version("numba")
+
+
+def import_numba() -> None:
+    """Import Numba without .numba_config.yaml of the current folder.
+
+    Numba reads it when it is imported and before each compilation. The file could name the
+    folder of Numba's cache, which holds pickles. Variables NUMBA_... of the user count. Nothing is
+    done where a script of the user has imported Numba before.
+    """
+    if "numba" in sys.modules:
+        return
+    absent = object()
+    yaml = sys.modules.get("yaml", absent)
+    sys.modules["yaml"] = None  # type: ignore[assignment]  # Numba then warns and does not read it
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            from numba.core import config
+    finally:
+        del sys.modules["yaml"]
+        if yaml is not absent:
+            sys.modules["yaml"] = yaml  # type: ignore[assignment]
+    config._config_fname = os.devnull  # type: ignore[attr-defined]
 
 
 @cache
@@ -42,7 +83,7 @@ def environment() -> str:
         llvm.get_host_cpu_name(),
         llvm.get_host_cpu_features().flatten(),
         *settings,
-        sources_sha256("solver/math/compiled"),
+        sources_sha256("solver/math/compiled", apart=("solver/math/compiled/README.md",)),
     )
 
 

@@ -5,22 +5,25 @@ Slow: every function is compiled again with each one that calls it.
 
 import os
 import shutil
+from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 from ..digests import sources_sha256
+from .content import import_numba
 from .parts import FAST_MATH, Part
-from .store import folder
-from .versions import import_numba
 
 _KEPT_CACHES = 4
 _dispatchers: dict[str, Any] = {}
 
 
-def dispatcher(part: Part) -> Any:
-    """Return Numba's dispatcher for a part, whose callees are dispatchers as well."""
+def dispatcher(part: Part, folder: Path | None) -> Any:
+    """Return Numba's dispatcher for a part, whose callees are dispatchers as well.
+
+    `folder` is that of our own cache; beside it there is one for Numba's.
+    """
     if part.name not in _dispatchers:
-        numba = _numba()
+        numba = _numba(folder)
         function = part.function
         known = dict(function.__globals__)
         plain: Any = FunctionType(
@@ -34,11 +37,11 @@ def dispatcher(part: Part) -> Any:
         )(plain)
         for name in function.__code__.co_names:
             if isinstance(known.get(name), Part):
-                known[name] = dispatcher(known[name])
+                known[name] = dispatcher(known[name], folder)
     return _dispatchers[part.name]
 
 
-def _numba() -> Any:
+def _numba(folder: Path | None) -> Any:
     """Return Numba, set up to keep code in a folder named after the content of all sources.
 
     Numba looks at the file of a function but not at the files of what it calls: without this, an
@@ -50,11 +53,10 @@ def _numba() -> Any:
     import numba
 
     config: Any = numba.config
-    where = folder()
-    if _dispatchers or where is None:
+    if _dispatchers or folder is None:
         return numba
     sources = sources_sha256("solver/math", "solver/dynamics", "solver/integrators")
-    cache = where.parent / f"numba-{sources[:16]}"
+    cache = folder.parent / f"numba-{sources[:16]}"
     try:
         cache.mkdir(mode=0o700, exist_ok=True)
     except OSError:  # compile in every process

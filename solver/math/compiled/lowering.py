@@ -1,5 +1,6 @@
 """Parts in LLVM's language: Numba's passes up to there, with what belongs to the result."""
 
+import copy
 import gc
 import operator
 from collections.abc import Iterator
@@ -8,16 +9,16 @@ from types import FunctionType
 from typing import Any, NamedTuple
 
 from numba.core import types
+from numba.core.base import OverloadSelector, _wrap_impl
 from numba.core.codegen import CodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_extra
-from numba.core.cpu import FastMathOptions
+from numba.core.cpu import CPUContext, FastMathOptions
+from numba.core.errors import NumbaNotImplementedError
 from numba.core.registry import cpu_target
-from numba.cpython import numbers
 from numba.np import arrayobj
 
-from . import arithmetic
+from .arithmetic import BUILTINS, POWER, absolute, divide, multiply
 from .parts import FAST_MATH, Part, Unit
-from .substitutes import BUILTINS, POWER
 
 # Passes for what no part contains: closures, `with`, `raise`, literal loops, reports.
 _UNUSED = {
@@ -47,11 +48,44 @@ class _Pipeline(CompilerBase):  # type: ignore[misc]
         return [manager]
 
 
+_definitions: dict[Any, Any] = {}  # code of operations and calls that only parts contain
+
+
+class PartContext(CPUContext):  # type: ignore[misc]
+    """Numba's context for this CPU, with operations and calls of parts; it leaves Numba's alone."""
+
+    def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
+        """Return what makes the code of a call or an operation."""
+        key = fn.get_impl_key(sig.as_function()) if isinstance(fn, types.Callable) else fn
+        if key in _definitions:
+            try:
+                return _wrap_impl(_definitions[key].find(sig.args), self, sig.as_function())
+            except NumbaNotImplementedError:
+                pass  # for other types
+        return super().get_function(fn, sig, _firstcall)
+
+
+def _part_context() -> Any:
+    """Return a context that shares what Numba's has, but for the functions it compiles inside."""
+    own = copy.copy(cpu_target.target_context)
+    own.__class__ = PartContext
+    own.cached_internal_func = {}
+    return own
+
+
+CONTEXT = _part_context()
+
+
+def define(code: Any, key: Any, kinds: tuple[Any, ...]) -> None:
+    """Let `code` make the instructions of what `key` stands for, for arguments of these types."""
+    _definitions.setdefault(key, OverloadSelector()).append(code, kinds)
+
+
 class Modules(CodeLibrary):  # type: ignore[misc]
     """Modules of LLVM as Numba makes them, and what they are to be linked with."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(cpu_target.target_context.codegen(), name)
+        super().__init__(CONTEXT.codegen(), name)
         self.texts: list[str] = []
         self.linked: dict[int, Any] = {}
         self.needed: dict[str, Unit] = {}  # units called, by symbol
@@ -134,7 +168,12 @@ def _remembered(self: Any, context: Any, arguments: Any, keywords: Any) -> Any:
 _search = types.Function.get_call_type
 
 
+_fix_index = arrayobj.fix_integer_index
+
+
 def _index_as_it_is(context: Any, builder: Any, kind: Any, index: Any, size: Any) -> Any:
+    if not isinstance(context, PartContext):
+        return _fix_index(context, builder, kind, index, size)
     return context.cast(builder, index, kind, types.intp if kind.signed else types.uintp)
 
 
@@ -181,7 +220,7 @@ def lower(part: Part, kinds: tuple[Any, ...]) -> Lowered:
         modules = Modules(part.name)
         done = compile_extra(
             cpu_target.typing_context,
-            cpu_target.target_context,
+            CONTEXT,
             _with_builtins(part.function),
             kinds,
             None,
@@ -194,16 +233,18 @@ def lower(part: Part, kinds: tuple[Any, ...]) -> Lowered:
     return _lowered[key]
 
 
-def _power_code(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
-    """Raise a number to an integer power; Numba's own function raises an error for zero."""
-    if not isinstance(context.active_code_library, Modules):
-        return numbers.int_power_impl(context, builder, sig, arguments)
+def _power(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
     lowered = lower(POWER, sig.args)
     context.active_code_library.add_linking_library(lowered.modules)
     return context.call_internal(builder, lowered.description, sig, arguments)
 
 
-cpu_target.target_context.insert_func_defn(
-    [(_power_code, f, (types.float64, types.int64)) for f in (operator.pow, operator.ipow)]
-)
-arithmetic.register(cpu_target.target_context)
+_COMPLEX = types.complex128
+for _operators, _code, _kinds in (
+    ((operator.mul, operator.imul), multiply, (_COMPLEX, _COMPLEX)),
+    ((operator.truediv, operator.itruediv), divide, (_COMPLEX, _COMPLEX)),
+    ((abs,), absolute, (_COMPLEX,)),
+    ((operator.pow, operator.ipow), _power, (types.float64, types.int64)),
+):
+    for _operator in _operators:
+        define(_code, _operator, _kinds)

@@ -11,6 +11,20 @@ from . import content, doors
 FAST_MATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
+class Statistics:
+    """What this process has compiled or loaded: names, once for each set of argument types."""
+
+    def __init__(self) -> None:
+        self.compiled: list[str] = []
+        self.loaded: list[str] = []
+        self.fallbacks: list[str] = []  # compiled by numba.njit
+        self.kept = True  # the cache could be written
+        self.load_s = 0.0  # CPU time for all of them
+
+
+statistics = Statistics()
+
+
 class Unit(NamedTuple):
     """Machine code of one part for one set of argument types, loaded."""
 

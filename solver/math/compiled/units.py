@@ -1,14 +1,45 @@
 """Units of parts, loaded from the cache or compiled and stored there; their entry points."""
 
+import json
+import os
+import re
 import time
 import warnings
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 from typing import Any
 
-from . import content, doors, signatures, store
-from .parts import Part, Unit, part_named
-from .statistics import statistics
-from .versions import check_choice, check_versions, import_numba
+from ..disk_cache import DiskCache
+from . import content, doors, signatures
+from .parts import Part, Unit, part_named, statistics
+from .structures import array_head_is_known
+
+LOWEST, NEWEST = (0, 62), (0, 68)  # versions of Numba that the tests were run with
+MOST_FILES = 2000  # of about 20 kB
+_CODE = DiskCache("code", MOST_FILES)
+
+
+class UnsupportedError(Exception):
+    """Functions are left to numba.njit."""
+
+
+def check_choice() -> None:
+    """Raise UnsupportedError if the user wants numba.njit."""
+    if os.environ.get("PLYMOTION_COMPILED") == "njit":
+        raise UnsupportedError("PLYMOTION_COMPILED=njit")
+
+
+@cache
+def check_versions() -> None:
+    """Raise UnsupportedError for a Numba, or arrays of NumPy, that the machinery does not know."""
+    version = content.numba_version()
+    numbers = tuple(int(n) for n in re.findall(r"\d+", version)[:2])
+    if not LOWEST <= numbers <= NEWEST:
+        low, high = (".".join(map(str, v)) for v in (LOWEST, NEWEST))
+        raise UnsupportedError(f"Numba {version}: fast compilation knows {low} to {high}")
+    if not array_head_is_known():
+        raise UnsupportedError("arrays of this NumPy are laid out in another way than expected")
 
 
 def unit(part: Part, text: str) -> Unit:
@@ -49,7 +80,7 @@ def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
             RuntimeWarning,
             stacklevel=4,
         )
-    dispatcher = fallback.dispatcher(part)
+    dispatcher = fallback.dispatcher(part, folder())
     return lambda words, arguments: dispatcher(*arguments)
 
 
@@ -65,7 +96,7 @@ def _loaded(part: Part, text: str) -> Unit | None:
     """Load a unit from the cache, after what it needs; None if it is not there."""
     from . import machine
 
-    kept = store.read(_key(part, text))
+    kept = _read(_key(part, text))
     if kept is None:
         return None
     description, code = kept
@@ -82,7 +113,7 @@ def _loaded(part: Part, text: str) -> Unit | None:
 
 def _compiled(part: Part, text: str) -> Unit:
     check_versions()
-    import_numba()
+    content.import_numba()
     from . import building, machine
 
     symbol = _symbol(part, text)
@@ -90,7 +121,7 @@ def _compiled(part: Part, text: str) -> Unit:
     machine.load(code, symbol)
     statistics.compiled.append(part.name)
     description = {"name": part.name, "result": result, **needs}
-    statistics.kept &= store.write(_key(part, text), description, code)
+    statistics.kept &= _write(_key(part, text), description, code)
     return Unit(part, text, result, symbol)
 
 
@@ -100,12 +131,41 @@ def _door_address(found: Unit) -> int:
 
     symbol = f"{found.symbol}_door"
     key = content.digest("door", found.symbol, found.result, content.environment())
-    kept = store.read(key)
+    kept = _read(key)
     if kept is not None:
         return machine.load(kept[1], symbol)
-    import_numba()
-    from . import door_code
+    content.import_numba()
+    from . import building
 
-    code = door_code.compiled_door(found.arguments, found.result, found.symbol, symbol)
-    store.write(key, {"name": f"{found.part.name} from Python"}, code)
+    code = building.compiled_door(found.arguments, found.result, found.symbol, symbol)
+    _write(key, {"name": f"{found.part.name} from Python"}, code)
     return machine.load(code, symbol)
+
+
+def folder() -> Path | None:
+    """Return the folder of compiled code, made if missing; None if that is not possible."""
+    return _CODE.made()
+
+
+def _read(key: str) -> tuple[dict[str, Any], bytes] | None:
+    """Return the description and the object code kept under `key`; None if there is none."""
+    content = _CODE.read(key)
+    if content is None:
+        return None
+    head, _, code = content.partition(b"\n")
+    return json.loads(head), code
+
+
+def _write(key: str, description: dict[str, Any], code: bytes) -> bool:
+    """Keep object code; tell whether that was possible."""
+    return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
+
+
+def noted(*texts: str) -> bool:
+    """Tell whether `note` was called with the same texts, in this environment."""
+    return _read(content.digest(*texts, content.environment())) is not None
+
+
+def note(name: str, *texts: str) -> None:
+    """Keep a note that has no code, under texts and the environment."""
+    _write(content.digest(name, *texts, content.environment()), {"name": name}, b"")
