@@ -2,15 +2,12 @@
 
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from .closures import projection
 from .compiled.explicit import (
     STIFF_STEP,
     STIFF_TIME,
-    ExplicitTableau,
     advance_explicit,
     fill_polynomial,
     new_explicit_workspace,
@@ -18,7 +15,7 @@ from .compiled.explicit import (
 from .compiled.step_control import Ends
 from .generic.advice import RATE_EVALUATIONS
 from .generic.base import Dense
-from .generic.dormand_prince import Order5, Order8
+from .generic.dormand_prince import Tableau
 from .generic.explicit import (
     ExplicitRungeKutta,
     Nested,
@@ -39,7 +36,7 @@ class ExplicitLoop(ClosingLoop):
     """
 
     method: ClassVar[type[ExplicitRungeKutta]]
-    tableau: ClassVar[ExplicitTableau]
+    tableau: ClassVar[Tableau]
     fails_before_growth = False
     samples = True
     on_growth = ExplicitRungeKutta.on_growth
@@ -55,6 +52,7 @@ class ExplicitLoop(ClosingLoop):
             "limited_above",
             "local_share",
             "stable_below",
+            "tableau",
         ):
             setattr(cls, key, getattr(cls.method, key))
 
@@ -103,38 +101,11 @@ class ExplicitLoop(ClosingLoop):
         return kind(self.t_old, self.h, workspace.y_old.copy(), workspace.F.copy())
 
 
-def _tableau(
-    method: type[ExplicitRungeKutta], E: Array, A_extra: Array, C_extra: Array, D: Array
-) -> ExplicitTableau:
-    return ExplicitTableau(
-        np.ascontiguousarray(method.A),
-        np.ascontiguousarray(method.B),
-        np.ascontiguousarray(method.C),
-        np.ascontiguousarray(E),
-        np.ascontiguousarray(A_extra),
-        np.ascontiguousarray(C_extra),
-        np.ascontiguousarray(D),
-        method.exponent,
-        method.integral,
-        method.min_factor,
-        method.max_factor,
-        method.stability_limit,
-        method.first_same_as_last,
-    )
-
-
 class RungeKutta8Loop(ExplicitLoop):
     """Dormand-Prince 8(5,3) of mechanisms; see `RungeKutta8`."""
 
     method = RungeKutta8
     points = RungeKutta8.points
-    tableau = _tableau(
-        RungeKutta8,
-        np.stack((Order8.E5[:-1], Order8.E3[:-1])),
-        Order8.A_EXTRA,
-        Order8.C_EXTRA,
-        Order8.D,
-    )
 
 
 class RungeKutta5Loop(ExplicitLoop):
@@ -142,4 +113,3 @@ class RungeKutta5Loop(ExplicitLoop):
 
     method = RungeKutta5
     points = RungeKutta5.points
-    tableau = _tableau(RungeKutta5, Order5.E[None, :], np.zeros((0, 7)), np.zeros(0), Order5.P.T)

@@ -34,12 +34,12 @@ from .alpha_stages import (
     predict,
 )
 from .closing import close
+from .error_norm import finite, set_weights
 from .newton.elements import element_residual
 from .newton.feedback import scale_feedback
 from .newton.pencil import factorise_feedback, factorise_pencil, fed_back, freeze
 from .newton.tension import judge, update_tension
 from .residual import inertia_residual
-from .stages import finite
 from .step_control import (
     ARRIVED,
     EVALUATIONS,
@@ -132,9 +132,7 @@ def advance_alpha(
                     factorise_feedback(model, frozen, real, scheme.to_v / h)
                 counts[FACTORISATIONS] += 1
                 counts[JACOBIANS] += 1
-                for i in range(stage.shape[0]):
-                    larger = max(abs(workspace.y[i]), abs(stage[i]))
-                    workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+                set_weights(options, workspace.y, stage, workspace.weight)
             # forces and constraints left over
             real.gamma[:] = 0.0
             inertia_residual(

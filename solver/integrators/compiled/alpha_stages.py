@@ -13,10 +13,10 @@ from ...dynamics.model.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, structure
 from ..generic.alpha_scheme import Scheme
+from .error_norm import norm, set_weights
 from .newton.elements import start_forces
 from .newton.pencil import Frozen, Pencil, fed_back, new_frozen, new_pencil
 from .residual import inertia_residual
-from .stages import norm
 from .step_control import N_CLOCK, N_COUNT, NEXT, OTHER, SINCE, TAKEN, TIME, Options
 
 # Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
@@ -215,9 +215,7 @@ def local_error(
                 workspace.step[j + k] = abs(workspace.step[j + k]) + prescribed
     else:
         workspace.change[:] = 0.0
-    for i in range(both.shape[0]):
-        larger = max(abs(workspace.y[i]), abs(workspace.stage[i]))
-        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    set_weights(options, workspace.y, workspace.stage, workspace.weight)
     return correction_size(model, options, workspace)
 
 

@@ -10,6 +10,7 @@ from ...dynamics.model.model import Model
 from ...dynamics.model.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
+from ..generic.dormand_prince import Tableau
 from ..generic.explicit import (
     CAUTION,
     FAR_BELOW,
@@ -19,7 +20,7 @@ from ..generic.explicit import (
     STIFF_TESTS,
     TEST_EVERY,
 )
-from .stages import finite, norm
+from .error_norm import finite, norm, set_weights
 from .step_control import (
     ARRIVED,
     ERROR_LAST,
@@ -52,25 +53,6 @@ REFUSED_LAST, TIME_OLD, SUSPECT, CLEAR, STIFF_TIME, STIFF_STEP, LARGEST = 4, 5, 
 
 
 @structure
-class ExplicitTableau(NamedTuple):
-    """Numbers of a method; their meaning is that of generic/explicit.py."""
-
-    A: Array  # (s, s)
-    B: Array  # (s,)
-    C: Array  # (s,)
-    E: Array  # (1, s + 1) or (2, s) errors
-    A_extra: Array  # (e, s + 1 + e) stages that only the dense output needs
-    C_extra: Array  # (e,)
-    D: Array  # (d, s + 1 + e) coefficients of the dense output
-    exponent: float
-    integral: float
-    min_factor: float
-    max_factor: float
-    stability_limit: float
-    first_same_as_last: bool
-
-
-@structure
 class ExplicitWorkspace(NamedTuple):
     """Memory of a run, which a call takes up where the last one left it."""
 
@@ -91,7 +73,7 @@ class ExplicitWorkspace(NamedTuple):
 
 
 def new_explicit_workspace(
-    model: Model, tableau: ExplicitTableau, t: float, y: Array, rate: Array, first_step: float
+    model: Model, tableau: Tableau, t: float, y: Array, rate: Array, first_step: float
 ) -> ExplicitWorkspace:
     """Return memory for a run from state y (n,) at t [s], with its rate."""
     n, d = y.shape[0], tableau.D.shape[0]
@@ -153,7 +135,7 @@ def fill_stages(
 def advance_explicit(
     model: Model,
     options: Options,
-    tableau: ExplicitTableau,
+    tableau: Tableau,
     workspace: ExplicitWorkspace,
     most_steps: int,
     times: Array,
@@ -245,13 +227,9 @@ def advance_explicit(
 
 
 @inlined
-def _error(
-    options: Options, tableau: ExplicitTableau, workspace: ExplicitWorkspace, h: float
-) -> float:
+def _error(options: Options, tableau: Tableau, workspace: ExplicitWorkspace, h: float) -> float:
     """Local error in units of the tolerance."""
-    for i in range(workspace.y.shape[0]):
-        larger = max(abs(workspace.y[i]), abs(workspace.y_new[i]))
-        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    set_weights(options, workspace.y, workspace.y_new, workspace.weight)
     _combine(tableau.E[0], workspace)
     first = norm(options, workspace.error, workspace.weight)
     if tableau.first_same_as_last:
@@ -275,12 +253,12 @@ def _combine(E: Array, workspace: ExplicitWorkspace) -> None:
 
 @inlined
 def _test_stiffness(
-    options: Options, tableau: ExplicitTableau, workspace: ExplicitWorkspace, h: float
+    options: Options, tableau: Tableau, workspace: ExplicitWorkspace, h: float
 ) -> None:
     """Compare |h lambda|, seen from the last stage (also at t_new), with the limit."""
     clock, s, K, n = workspace.clock, tableau.B.shape[0], workspace.K, workspace.y.shape[0]
+    set_weights(options, workspace.y_new, workspace.y_new, workspace.weight)
     for i in range(n):
-        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(workspace.y_new[i]))
         workspace.error[i] = workspace.y_new[i] - workspace.point[i]
     distance = norm(options, workspace.error, workspace.weight)
     if distance == 0.0:
@@ -299,7 +277,7 @@ def _test_stiffness(
 
 
 @lean
-def fill_polynomial(model: Model, tableau: ExplicitTableau, workspace: ExplicitWorkspace) -> None:
+def fill_polynomial(model: Model, tableau: Tableau, workspace: ExplicitWorkspace) -> None:
     """Fill F with the polynomial of the last step, after the extra stages that it needs."""
     K, F, clock, s = workspace.K, workspace.F, workspace.clock, tableau.B.shape[0] + 1
     t, h, n = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD], workspace.y.shape[0]
@@ -329,9 +307,7 @@ def fill_polynomial(model: Model, tableau: ExplicitTableau, workspace: ExplicitW
 
 
 @inlined
-def _interpolate(
-    tableau: ExplicitTableau, workspace: ExplicitWorkspace, x: float, out: Array
-) -> None:
+def _interpolate(tableau: Tableau, workspace: ExplicitWorkspace, x: float, out: Array) -> None:
     """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
     F, last = workspace.F, workspace.F.shape[0] - 1
     nested = F.shape[0] > tableau.D.shape[0]

@@ -8,10 +8,11 @@ control of steps.
 
 from ...dynamics.model.model import Model
 from ...math.arrays import Array
-from ...math.compiled import lean
+from ...math.compiled import inlined, lean
 from .closing import close
 from .cutoff import energy, filter_error, start_filter
 from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
+from .error_norm import finite, largest_component, norm, set_weights
 from .newton.pencil import freeze, solve_pencil
 from .newton.tension import judge, update_tension
 from .radau_workspace import MU, NU, C, RadauWorkspace
@@ -22,10 +23,7 @@ from .stages import (
     correct,
     embedded_error,
     error_residual,
-    finite,
     interpolate,
-    largest_component,
-    norm,
     place,
     predict,
     transform_residuals,
@@ -73,6 +71,7 @@ FASTER, FASTEST = 0.1, 2.0
 # step that grows after a small one is refused. Errors far below one say that the vibration is over.
 RELAX_ROUGH, RELAX_OVER, OVER = 1.02, 1.2, 0.01
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
+INFINITE, LEAST_ERROR = 1e300, 1e-10  # of sizes in tolerances
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
 NEGLIGIBLE, ROUNDING = 1e-3, 0.1
 
@@ -90,25 +89,19 @@ def advance(
 ) -> tuple[int, int]:
     """Take steps until t_end or `most_steps` accepted ones; return a code and rows filled.
 
-    One function from the step down to its parts: what is called from deeper inside is compiled
-    again at every level.
-
     Parameters
     ----------
     times, rows : (k,) [s], (k, n); the solution at times within each step goes to its row
     filled : rows that are there already
     ends : of the steps taken, as many as it has room for
     """
-    clock, counts, work, stage = workspace.clock, workspace.counts, workspace.work, workspace.stage
-    frozen, real, pair, w_c = workspace.frozen, workspace.real, workspace.pair, clock[CUTOFF]
-    n = stage.shape[0]
-    fixed = options.fixed_step > 0.0
-    most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
-    tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
-    taken, failures, stored, ringing = 0, 0, 0.0, False
-    refused = 0.0  # by Newton's iteration: the last step, or 0
-    if w_c > 0.0:
-        stored = energy(model, work, clock[TIME], workspace.y, workspace.cutoff.parts)
+    clock, counts = workspace.clock, workspace.counts
+    fixed, filtered = options.fixed_step > 0.0, clock[CUTOFF] > 0.0
+    taken, failures = 0, 0  # steps; attempts in a row that Newton's iteration refused,
+    refused = 0.0  # and the step of the last attempt if it did, else 0
+    stored, ringing = 0.0, False  # energy; whether an error above the cutoff was left out
+    if filtered:
+        stored = energy(model, workspace.work, clock[TIME], workspace.y, workspace.cutoff.parts)
     while clock[TIME] < options.t_end:
         if taken == most_steps:
             return PAUSED, filled
@@ -117,183 +110,302 @@ def advance(
         if too_small:
             return TOO_SMALL, filled
 
-        # stages
-        for i in range(n):
-            workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(workspace.y[i]))
+        set_weights(options, workspace.y, workspace.y, workspace.weight)
         predict(workspace, h, clock[TAKEN])
-        counts[TROUBLE] = NEWTON
-        # a rate of convergence known from the last step lets one iteration do
-        rate, size_last, iterations = max(clock[RATE], 1e-15) ** 0.8, 0.0, 0
-        for iteration in range(1, most + 1):
-            for k in range(3):
-                place(workspace, k, h)
-                workspace.power[k] = residual(
-                    model,
-                    work,
-                    t + C[k] * h,
-                    stage,
-                    workspace.rate,
-                    workspace.multipliers[k],
-                    workspace.load[k],
-                    workspace.gamma[k],
-                    workspace.r[k],
-                )
-                if iteration == 1 and k == 1:
-                    freeze(model, work, t + C[k] * h, stage, frozen)
-                    update_tension(
-                        model,
-                        work,
-                        t + C[k] * h,
-                        stage,
-                        workspace.multipliers[k],
-                        clock,
-                        (MU / refused) ** 2 if refused > 0.0 else 0.0,
-                        frozen.M,
-                        frozen.tension,
-                    )
-                    refused = 0.0
-            if iteration == 1:
-                counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
-                counts[JACOBIANS] += 1
-            counts[EVALUATIONS] += 3
-            yield_rows(workspace)
-            transform_residuals(model, workspace)
-            solve_pencil(model, frozen, real, MU / h)
-            solve_pencil(model, frozen, pair, NU / h)
-            size = correct(options, workspace)
-            if not size < 1e300:
-                if iteration == 1:  # later it is the iteration that runs away
-                    counts[TROUBLE] = ILL
-                break
-            # rounding converges at no rate
-            stale = iteration > 1 and size >= size_last and size < ROUNDING * tolerance
-            if stale or size < NEGLIGIBLE * tolerance:
-                iterations, counts[TROUBLE] = iteration, NONE
-                break
-            if iteration > 1:
-                rate = size / size_last
-                to_go = most - iteration
-                # The first correction of a good prediction may be smaller than the second, which
-                # answers the change of multipliers: two are not enough to see a divergence.
-                judged = not fixed and (iteration > 2 or rate > DIVERGES)
-                if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
-                    break
-            if rate < 1.0 and rate / (1.0 - rate) * size < tolerance:
-                iterations, counts[TROUBLE] = iteration, NONE
-                break
-            size_last = size
-        clock[RATE] = rate if iterations > 0 else 1.0
-
-        # error, with what is stiff divided out
-        error = 1e-10
+        iterations = _solve_stages(model, options, workspace, t, h, refused)
+        refused, error = 0.0, LEAST_ERROR
         if counts[TROUBLE] == NONE:
             complete(options, workspace, h)
             if not fixed:
-                for again in range(2):
-                    embedded_error(workspace, h)
-                    if again == 0:
-                        error_residual(model, workspace)
-                    else:
-                        # filtered once more: the first error of a stiff transient is too large
-                        for i in range(n):
-                            stage[i] = workspace.y[i] + real.delta[i]
-                            workspace.rate[i] = -workspace.rate[i]
-                        residual(
-                            model,
-                            work,
-                            t,
-                            stage,
-                            workspace.rate,
-                            workspace.multipliers_old[2],
-                            real.load,
-                            real.gamma,
-                            real.r,
-                        )
-                        counts[EVALUATIONS] += 1
-                        for i in range(n):
-                            stage[i] = workspace.y[i] + workspace.Z[2, i]
-                    solve_pencil(model, frozen, real, MU / h)
-                    real.delta[n - 1] = 0.0
-                    error = norm(options, real.delta, workspace.weight)
-                    ringing = error > 1.0
-                    if w_c > 0.0:
-                        if again == 0:
-                            start_filter(model, frozen, workspace.cutoff, w_c)
-                        filter_error(model, workspace.cutoff, w_c, real.delta)
-                        error = norm(options, workspace.cutoff.error, workspace.weight)
-                    if not error > 1.0:
-                        if again == 0 and frozen.stiffness.shape[0] == 0 and w_c == 0.0:
-                            # The work is a quadrature. That of what is stiff is not resolved.
-                            real.delta[n - 1] = real.r[n - 1] * h / MU
-                            error = norm(options, real.delta, workspace.weight)
-                        break
-                if not error < 1e300:
-                    counts[TROUBLE] = ILL
-                elif error > 1.0:
-                    counts[TROUBLE] = TOO_ROUGH
-                error = max(error, 1e-10)
-        damped = SAFETY * (2 * MAX_ITERATIONS + 1) / (2 * MAX_ITERATIONS + iterations)
-        factor = damped * error**-0.25
-
-        closes = counts[TROUBLE] == NONE and options.closes
-        if closes and not close(model, work, frozen, real, MU / h, t_new, stage, counts):
-            counts[TROUBLE] = OFF
-        if counts[TROUBLE] == NONE and not finite(stage):
-            counts[TROUBLE] = ILL
+                error, ringing = _estimate_error(model, options, workspace, t, h)
+        if counts[TROUBLE] == NONE:
+            _close_end(model, options, workspace, h, t_new)
+        factor = _step_factor(error, iterations)
 
         if counts[TROUBLE] != NONE:
             judge(clock)
             if counts[TROUBLE] == NEWTON:
                 failures, refused = failures + 1, h
-                factor = SHORTER if failures == 1 else MUCH_SHORTER
-                clock[LIMIT], clock[GROWTH] = h * factor / CAUTION, 1.0
-                workspace.blamed[largest_component(stage, workspace.weight)] += (
-                    1  # of the last correction
-                )
-            elif counts[TROUBLE] == OFF:
-                factor = 0.25
-            else:
-                factor = max(MIN_FACTOR, min(1.0, factor))
-                if counts[TROUBLE] == TOO_ROUGH:
-                    clock[ROUGH] = h
-                    rough = workspace.cutoff.error if w_c > 0.0 else real.delta
-                    workspace.blamed[largest_component(rough, workspace.weight)] += 1
+            factor = _shorter(workspace, h, factor, failures)
             code = refuse(options, clock, counts, h, factor)
             if code != GOES_ON:
                 return code, filled
             continue
 
-        if softened(frozen):
+        if softened(workspace.frozen):
             reduce_multipliers(model, workspace)
         accept(workspace, h)
-        if w_c > 0.0:
-            stored -= energy(model, work, t_new, workspace.y, workspace.cutoff.parts)
-            if ringing:
-                lost = stored + workspace.y[n - 1] - workspace.y_old[n - 1]
-                workspace.damped[0] += lost
-                workspace.Q[0, n - 1] -= lost
-                workspace.y[n - 1] -= lost
-            parts = workspace.cutoff.parts
-            stored = parts[0] + parts[1] + parts[2]
-        if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
-            factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
-        limit = CAUTION * min(clock[LIMIT], clock[ROUGH])
-        clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
-        clock[LIMIT] *= clock[GROWTH]
-        clock[GROWTH] = min(FASTEST, clock[GROWTH] + FASTER)
-        clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
-        clock[ERROR_LAST] = error
+        if filtered:
+            stored = _book_damping(model, workspace, t_new, stored, ringing)
+        _choose_step(clock, h, factor, error)
         count_step(clock, counts, h, t_new)
         judge(clock)
         keep_end(ends, taken, t_new, workspace.y)
         taken, failures = taken + 1, 0
-        while filled < times.shape[0] and times[filled] <= t_new:
-            row = rows[filled]
-            interpolate(workspace, (times[filled] - t) / h, row)
-            if times[filled] == t_new:
-                for i in range(n):
-                    row[i] = workspace.y[i]
-            elif options.closes:
-                close(model, work, frozen, real, MU / h, times[filled], row, workspace.apart)
-            filled += 1
+        filled = _fill_rows(model, options, workspace, t, h, times, rows, filled)
     return ARRIVED, filled
+
+
+@inlined
+def _solve_stages(
+    model: Model,
+    options: Options,
+    workspace: RadauWorkspace,
+    t: float,
+    h: float,
+    refused: float,
+) -> int:
+    """Solve the stage equations by Newton's iteration; return the number of iterations.
+
+    Leaves the rate of convergence in `clock`, and in TROUBLE whether it has failed.
+
+    Parameters
+    ----------
+    t, h : time and step [s]
+    refused : the last attempt, if Newton's iteration refused it [s]; else 0
+    """
+    clock, counts, frozen = workspace.clock, workspace.counts, workspace.frozen
+    fixed = options.fixed_step > 0.0
+    most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
+    tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
+    # a rate of convergence known from the last step lets one iteration do
+    rate, size_last = max(clock[RATE], 1e-15) ** 0.8, 0.0
+    counts[TROUBLE], clock[RATE] = NEWTON, 1.0
+    for iteration in range(1, most + 1):
+        _stage_residuals(model, workspace, t, h, iteration == 1, refused)
+        if iteration == 1:
+            counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
+            counts[JACOBIANS] += 1
+        yield_rows(workspace)
+        transform_residuals(model, workspace)
+        solve_pencil(model, frozen, workspace.real, MU / h)
+        solve_pencil(model, frozen, workspace.pair, NU / h)
+        size = correct(options, workspace)
+        if not size < INFINITE:
+            if iteration == 1:  # later it is the iteration that runs away
+                counts[TROUBLE] = ILL
+            return iteration
+        # rounding converges at no rate
+        stale = iteration > 1 and size >= size_last and size < ROUNDING * tolerance
+        converged = stale or size < NEGLIGIBLE * tolerance
+        if not converged and iteration > 1:
+            rate = size / size_last
+            to_go = most - iteration
+            # The first correction of a good prediction may be smaller than the second, which
+            # answers the change of multipliers: two are not enough to see a divergence.
+            judged = not fixed and (iteration > 2 or rate > DIVERGES)
+            if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
+                return iteration
+        if converged or (rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
+            counts[TROUBLE], clock[RATE] = NONE, rate
+            return iteration
+        size_last = size
+    return most
+
+
+@inlined
+def _stage_residuals(
+    model: Model, workspace: RadauWorkspace, t: float, h: float, first: bool, refused: float
+) -> None:
+    """Fill the residuals of the three stages; in the first iteration freeze the matrices."""
+    work, stage, frozen = workspace.work, workspace.stage, workspace.frozen
+    for k in range(3):
+        place(workspace, k, h)
+        workspace.power[k] = residual(
+            model,
+            work,
+            t + C[k] * h,
+            stage,
+            workspace.rate,
+            workspace.multipliers[k],
+            workspace.load[k],
+            workspace.gamma[k],
+            workspace.r[k],
+        )
+        if first and k == 1:
+            freeze(model, work, t + C[k] * h, stage, frozen)
+            update_tension(
+                model,
+                work,
+                t + C[k] * h,
+                stage,
+                workspace.multipliers[k],
+                workspace.clock,
+                (MU / refused) ** 2 if refused > 0.0 else 0.0,
+                frozen.M,
+                frozen.tension,
+            )
+    workspace.counts[EVALUATIONS] += 3
+
+
+@inlined
+def _estimate_error(
+    model: Model, options: Options, workspace: RadauWorkspace, t: float, h: float
+) -> tuple[float, bool]:
+    """Return the error of a step in tolerances, and whether a vibration above the cutoff rings.
+
+    Hairer and Wanner, IV.8: what is stiff is divided out of the embedded formula's difference; an
+    error above one is filtered once more, because the first one of a stiff transient is too large.
+    """
+    counts, frozen, real = workspace.counts, workspace.frozen, workspace.real
+    n, w_c, error, ringing = workspace.stage.shape[0], workspace.clock[CUTOFF], 0.0, False
+    for again in range(2):
+        embedded_error(workspace, h)
+        if again == 0:
+            error_residual(model, workspace)
+        else:
+            _filtered_residual(model, workspace, t)
+        solve_pencil(model, frozen, real, MU / h)
+        real.delta[n - 1] = 0.0
+        error = norm(options, real.delta, workspace.weight)
+        ringing = error > 1.0
+        if w_c > 0.0:
+            if again == 0:
+                start_filter(model, frozen, workspace.cutoff, w_c)
+            filter_error(model, workspace.cutoff, w_c, real.delta)
+            error = norm(options, workspace.cutoff.error, workspace.weight)
+        if not error > 1.0:
+            if again == 0 and frozen.stiffness.shape[0] == 0 and w_c == 0.0:
+                # The work is a quadrature. That of what is stiff is not resolved.
+                real.delta[n - 1] = real.r[n - 1] * h / MU
+                error = norm(options, real.delta, workspace.weight)
+            break
+    if not error < INFINITE:
+        counts[TROUBLE] = ILL
+    elif error > 1.0:
+        counts[TROUBLE] = TOO_ROUGH
+    return max(error, LEAST_ERROR), ringing
+
+
+@inlined
+def _filtered_residual(model: Model, workspace: RadauWorkspace, t: float) -> None:
+    """Hand the embedded formula's difference at the state corrected by the error to the pencil."""
+    stage, real = workspace.stage, workspace.real
+    for i in range(stage.shape[0]):
+        stage[i] = workspace.y[i] + real.delta[i]
+        workspace.rate[i] = -workspace.rate[i]
+    residual(
+        model,
+        workspace.work,
+        t,
+        stage,
+        workspace.rate,
+        workspace.multipliers_old[2],
+        real.load,
+        real.gamma,
+        real.r,
+    )
+    workspace.counts[EVALUATIONS] += 1
+    for i in range(stage.shape[0]):
+        stage[i] = workspace.y[i] + workspace.Z[2, i]
+
+
+@inlined
+def _close_end(
+    model: Model, options: Options, workspace: RadauWorkspace, h: float, t_new: float
+) -> None:
+    """Bring the end of the step onto the constraints; set TROUBLE if that fails."""
+    counts, stage, closed = workspace.counts, workspace.stage, True
+    if options.closes:
+        closed = close(
+            model, workspace.work, workspace.frozen, workspace.real, MU / h, t_new, stage, counts
+        )
+    if not closed:
+        counts[TROUBLE] = OFF
+    elif not finite(stage):
+        counts[TROUBLE] = ILL
+
+
+@inlined
+def _step_factor(error: float, iterations: int) -> float:
+    """Return the next step over this one, by its error and the iterations that it took."""
+    damped = SAFETY * (2 * MAX_ITERATIONS + 1) / (2 * MAX_ITERATIONS + iterations)
+    return damped * error**-0.25
+
+
+@inlined
+def _shorter(workspace: RadauWorkspace, h: float, factor: float, failures: int) -> float:
+    """Return the next attempt over the one of h that was refused; note its limits and component.
+
+    Parameters
+    ----------
+    factor : by the error
+    failures : attempts in a row that Newton's iteration refused
+    """
+    clock, trouble, blamed = workspace.clock, workspace.counts[TROUBLE], workspace.blamed
+    if trouble == NEWTON:
+        factor = SHORTER if failures == 1 else MUCH_SHORTER
+        clock[LIMIT], clock[GROWTH] = h * factor / CAUTION, 1.0
+        # `stage` is the last correction
+        blamed[largest_component(workspace.stage, workspace.weight)] += 1
+    elif trouble == OFF:
+        factor = 0.25
+    else:
+        factor = max(MIN_FACTOR, min(1.0, factor))
+        if trouble == TOO_ROUGH:
+            clock[ROUGH] = h
+            rough = workspace.cutoff.error if clock[CUTOFF] > 0.0 else workspace.real.delta
+            blamed[largest_component(rough, workspace.weight)] += 1
+    return factor
+
+
+@inlined
+def _book_damping(
+    model: Model, workspace: RadauWorkspace, t_new: float, stored: float, ringing: bool
+) -> float:
+    """Book the energy that vibrations above the cutoff have lost; return the energy stored [J]."""
+    parts, last = workspace.cutoff.parts, workspace.y.shape[0] - 1
+    stored -= energy(model, workspace.work, t_new, workspace.y, parts)
+    if ringing:
+        lost = stored + workspace.y[last] - workspace.y_old[last]
+        workspace.damped[0] += lost
+        workspace.Q[0, last] -= lost
+        workspace.y[last] -= lost
+    return parts[0] + parts[1] + parts[2]
+
+
+@inlined
+def _choose_step(clock: Array, h: float, factor: float, error: float) -> None:
+    """Choose the step after an accepted one of h, within the limits that refusals have left."""
+    if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
+        factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
+    limit = CAUTION * min(clock[LIMIT], clock[ROUGH])
+    clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
+    clock[LIMIT] *= clock[GROWTH]
+    clock[GROWTH] = min(FASTEST, clock[GROWTH] + FASTER)
+    clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
+    clock[ERROR_LAST] = error
+
+
+@inlined
+def _fill_rows(
+    model: Model,
+    options: Options,
+    workspace: RadauWorkspace,
+    t: float,
+    h: float,
+    times: Array,
+    rows: Array,
+    filled: int,
+) -> int:
+    """Fill rows of times within the step of h from t; return how many rows are filled."""
+    t_new = workspace.clock[TIME]
+    while filled < times.shape[0] and times[filled] <= t_new:
+        row = rows[filled]
+        interpolate(workspace, (times[filled] - t) / h, row)
+        if times[filled] == t_new:
+            for i in range(row.shape[0]):
+                row[i] = workspace.y[i]
+        elif options.closes:
+            close(
+                model,
+                workspace.work,
+                workspace.frozen,
+                workspace.real,
+                MU / h,
+                times[filled],
+                row,
+                workspace.apart,
+            )
+        filled += 1
+    return filled

@@ -1,10 +1,9 @@
 """Stages of one Radau IIA step: their prediction, state, rates, and correction."""
 
-import numpy as np
-
 from ...dynamics.model.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined
+from .error_norm import norm, set_weights
 from .radau_workspace import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, RadauWorkspace, T
 from .residual import inertia_residual
 from .step_control import Options
@@ -102,8 +101,7 @@ def complete(options: Options, workspace: RadauWorkspace, h: float) -> None:
         Z[k, n - 1] = h * (A[k, 0] * power[0] + A[k, 1] * power[1] + A[k, 2] * power[2])
     for i in range(n):
         stage[i] = y[i] + Z[2, i]
-        larger = max(abs(y[i]), abs(stage[i]))
-        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    set_weights(options, y, stage, workspace.weight)
 
 
 @inlined
@@ -159,37 +157,3 @@ def interpolate(workspace: RadauWorkspace, x: float, out: Array) -> None:
     Q = workspace.Q
     for i in range(out.shape[0]):
         out[i] = workspace.y_old[i] + x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i]))
-
-
-@inlined
-def norm(options: Options, a: Array, weight: Array) -> float:
-    """Largest of the blocks' root mean squares, nan if there is one; see generic/norm.py."""
-    largest = 0.0
-    for b in range(options.block_starts.shape[0] - 1):
-        s = 0.0
-        for i in range(options.block_starts[b], options.block_starts[b + 1]):
-            s += (a[i] * weight[i]) ** 2
-        s /= options.block_starts[b + 1] - options.block_starts[b]
-        if s > largest or s != s:  # nan stays
-            largest = s
-    return float(np.sqrt(largest))
-
-
-@inlined
-def largest_component(a: Array, weight: Array) -> int:
-    """Component of the largest of a (n,) in its weight."""
-    most, at = -1.0, 0
-    for i in range(a.shape[0]):
-        size = abs(a[i] * weight[i])
-        if size > most:
-            most, at = size, i
-    return at
-
-
-@inlined
-def finite(a: Array) -> bool:
-    """Tell whether no number is inf or nan."""
-    s = 0.0
-    for i in range(a.shape[0]):
-        s += abs(a[i])
-    return bool(s < 1e300)

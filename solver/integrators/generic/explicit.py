@@ -12,7 +12,7 @@ import numpy as np
 from ...math.arrays import Array
 from .advice import SHORTER
 from .base import Dense, Integrator
-from .dormand_prince import Order5, Order8
+from .dormand_prince import ORDER_5, ORDER_8, Tableau
 
 SAFETY = 0.9
 # Of a step that was refused: the largest that follows, and its growth with each step. Where the
@@ -36,30 +36,19 @@ class ExplicitRungeKutta(Integrator):
     as many refused steps instead.
     """
 
-    A: ClassVar[Array]  # (s, s) stage weights
-    B: ClassVar[Array]  # (s,) solution weights
-    C: ClassVar[Array]  # (s,) stage times [h]
-    n_rows: ClassVar[int]  # stages, f at the new point, extra stages of the dense output
-    integral: ClassVar[float]  # b
-    min_factor: ClassVar[float]
-    max_factor: ClassVar[float]
+    tableau: ClassVar[Tableau]
     on_growth = (
         "An explicit method amplifies what is faster than its step: |h w| of the highest mode must "
         "stay below 1.0 (rk5) or 5.9 (rk8), h alpha and h beta of Baumgarte's feedback below 2. "
         f"Take a shorter step ({SHORTER}), an implicit method (radau, generalized-alpha, or gear "
         'with max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
     )
-    stability_limit: ClassVar[float]  # |h lambda| near which steps are limited by stability
-    exponent: ClassVar[float]  # err grows with h to this power
-    first_same_as_last: ClassVar[bool]  # the error needs f at the new point
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
-        self._K = np.zeros((self.n_rows, self.n))
-        s = self.B.size
-        self._stages = [
-            (i, self.A[i, :i].copy(), self._K[:i], float(self.C[i])) for i in range(1, s)
-        ]
+        A, C = self.tableau.A, self.tableau.C
+        self._K = np.zeros((self.tableau.D.shape[1], self.n))
+        self._stages = [(i, A[i, :i].copy(), self._K[:i], float(C[i])) for i in range(1, C.size)]
         self._work = np.empty(self.n)
         self._f_now = self._f_start
         self._err_last = 1e-4
@@ -75,15 +64,15 @@ class ExplicitRungeKutta(Integrator):
         super()._advance()
 
     def _attempt(self, h: float, t_new: float) -> Array | None:
-        K, work, y = self._K, self._work, self.y
-        s = self.B.size
+        K, work, y, tableau = self._K, self._work, self.y, self.tableau
+        s = tableau.B.size
         K[0] = self._f_now
         for i, a, K_before, c in self._stages:
             np.dot(a, K_before, out=work)
             work *= h
             work += y
             K[i] = self.derivative(self.t + c * h, work)
-        y_new = self.B.dot(K[:s])
+        y_new = tableau.B.dot(K[:s])
         y_new *= h
         y_new += y
         err = self._error(h, t_new, y_new)
@@ -94,13 +83,13 @@ class ExplicitRungeKutta(Integrator):
         if err > 1 and self.fixed_step is None:
             self._trouble = f"local error {err:.3g} times the tolerance"
             self._largest = CAUTION * h
-            self._refuse(h, max(self.min_factor, SAFETY * err ** (-1 / self.exponent)))
+            self._refuse(h, max(tableau.min_factor, SAFETY * err ** (-1 / tableau.exponent)))
             return None
         nearest = self.project(t_new, y_new)
         if nearest is None:
             self._refuse(h, 0.25)
             return None
-        if not self.first_same_as_last or nearest is not y_new:
+        if not tableau.first_same_as_last or nearest is not y_new:
             y_new = nearest
             K[s] = self.derivative(t_new, y_new)
             if not isfinite(K[s].dot(K[s])):
@@ -108,9 +97,9 @@ class ExplicitRungeKutta(Integrator):
                 self._refuse(h, 0.1)
                 return None
         err = max(err, 1e-8)
-        proportional = 1 / self.exponent - 0.75 * self.integral
-        factor = SAFETY * err**-proportional * self._err_last**self.integral
-        factor = min(1.0 if self._refused else self.max_factor, max(self.min_factor, factor))
+        proportional = 1 / tableau.exponent - 0.75 * tableau.integral
+        factor = SAFETY * err**-proportional * self._err_last**tableau.integral
+        factor = min(1.0 if self._refused else tableau.max_factor, max(tableau.min_factor, factor))
         self._h_next = min(h * factor, self._largest)
         self._largest *= RELAX if err > FAR_BELOW else RELAX_FAR
         self._err_last = max(err, 1e-4)
@@ -127,13 +116,13 @@ class ExplicitRungeKutta(Integrator):
 
     def _test_stiffness(self, h: float, y_new: Array) -> None:
         """Compare |h lambda|, seen from the last stage (also at t_new), with the limit."""
-        s = self.B.size
+        s = self.tableau.B.size
         weight = self.norm.weight(y_new, y_new)
         distance = self.norm((y_new - self._work) * weight)
         if distance == 0:
             return
         speed = h * self.norm((self._K[s] - self._K[s - 1]) * weight) / distance
-        if speed > self.stability_limit:
+        if speed > self.tableau.stability_limit:
             self._suspect, self._clear = self._suspect + 1, 0
             if self._suspect == STIFF_TESTS and not self.hints:
                 self.hints.append(stiffness_hint(self.t, h))
@@ -142,9 +131,31 @@ class ExplicitRungeKutta(Integrator):
             if self._clear == 6:
                 self._suspect = 0
 
-    @abstractmethod
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
         """Local error in units of the tolerance."""
+        K, E = self._K, self.tableau.E
+        if self.tableau.first_same_as_last:
+            K[-1] = self.derivative(t_new, y_new)
+        weight = self.norm.weight(self.y, y_new)
+        errors = [self.norm(e.dot(K[: e.size]) * weight) for e in E]
+        if len(errors) == 1:
+            return h * errors[0]
+        err5, err3 = errors
+        if err5 == 0:
+            return 0.0 * err3
+        return h * err5 * err5 / (err5 * err5 + 0.01 * err3 * err3) ** 0.5
+
+    def _dense(self) -> Dense:
+        h, y_old, y_new = self._last
+        K, tableau, s = self._K, self.tableau, self.tableau.B.size + 1
+        if tableau.first_same_as_last:
+            return Powers(self.t_old, h, y_old, h * tableau.D.dot(K))
+        for i, (a, c) in enumerate(zip(tableau.A_extra, tableau.C_extra, strict=True), start=s):
+            K[i] = self.derivative(self.t_old + c * h, y_old + h * a[:i].dot(K[:i]))
+        step = y_new - y_old
+        first = h * K[0] - step
+        F = np.vstack((step, first, step - h * K[s - 1] - first, h * tableau.D.dot(K)))
+        return Nested(self.t_old, h, y_old, F)
 
 
 def keep_stable(run: Integrator) -> bool:
@@ -184,33 +195,10 @@ class RungeKutta8(ExplicitRungeKutta):
     meaning = "explicit Runge-Kutta of order 8"
     place = 3
     order = 8
-    A, B, C = Order8.A, Order8.B, Order8.C
-    points = tuple(sorted({*Order8.C.tolist(), 1.0}))
-    n_rows = 16
-    integral, min_factor, max_factor = 0.04, 0.333, 6.0
+    tableau = ORDER_8
+    points = tuple(sorted({*ORDER_8.C.tolist(), 1.0}))
     stable_below = 5.8  # of 5.95 on the imaginary axis, 6.4 on the real one
-    stability_limit = 5.4
     limited_above = 2.0
-    exponent, first_same_as_last = 8.0, False
-
-    def _error(self, h: float, t_new: float, y_new: Array) -> float:
-        K = self._K[: self.B.size]
-        weight = self.norm.weight(self.y, y_new)
-        err5 = self.norm(Order8.E5[:-1].dot(K) * weight)
-        err3 = self.norm(Order8.E3[:-1].dot(K) * weight)
-        if err5 == 0:
-            return 0.0 * err3
-        return h * err5 * err5 / (err5 * err5 + 0.01 * err3 * err3) ** 0.5
-
-    def _dense(self) -> Dense:
-        h, y_old, y_new = self._last
-        K, s = self._K, self.B.size + 1
-        for i, (a, c) in enumerate(zip(Order8.A_EXTRA, Order8.C_EXTRA, strict=True), start=s):
-            K[i] = self.derivative(self.t_old + c * h, y_old + h * a[:i].dot(K[:i]))
-        step = y_new - y_old
-        first = h * K[0] - step
-        F = np.vstack((step, first, step - h * K[s - 1] - first, h * Order8.D.dot(K)))
-        return Nested(self.t_old, h, y_old, F)
 
 
 class RungeKutta5(ExplicitRungeKutta):
@@ -225,21 +213,9 @@ class RungeKutta5(ExplicitRungeKutta):
     meaning = "explicit Runge-Kutta of order 5"
     place = 4
     order = 5
-    A, B, C = Order5.A, Order5.B, Order5.C
-    points = tuple(sorted({*Order5.C.tolist(), 1.0}))
-    n_rows = 7
-    integral, min_factor, max_factor = 0.04, 0.2, 10.0
-    stability_limit = 2.9
+    tableau = ORDER_5
+    points = tuple(sorted({*ORDER_5.C.tolist(), 1.0}))
     limited_above = 0.8
-    exponent, first_same_as_last = 5.0, True
-
-    def _error(self, h: float, t_new: float, y_new: Array) -> float:
-        self._K[-1] = self.derivative(t_new, y_new)
-        return h * self.norm(Order5.E.dot(self._K) * self.norm.weight(self.y, y_new))
-
-    def _dense(self) -> Dense:
-        h, y_old, _ = self._last
-        return Powers(self.t_old, h, y_old, h * Order5.P.T.dot(self._K))
 
 
 class _Polynomial(ABC):
