@@ -281,6 +281,7 @@ CACHE_OF_ANY_NUMBA := not damaged and not missing and not written and not read_o
 test-numba: build/numba-$(LOWEST_NUMBA)/installed $(TESTS) ## The compiled loops with the lowest Numba that is supported
 	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q --durations=10 \
 	    tests/unit/test_step_loop_contract.py tests/unit/test_evaluation.py \
+	    tests/unit/test_compiled_leaves_numba_alone.py \
 	    tests/unit/test_compiled_cache.py -k "$(CACHE_OF_ANY_NUMBA)"
 
 # Programs of others that the exchange is tested with; each is left out where it cannot be

@@ -18,7 +18,7 @@ def ours(x, y, a):
     return abs(x * y) + abs(x / y) + min(a[0], a[1], 2.0) + a[0] ** 3
 """
 # The same functions of a user are compiled before and after one of ours. Numba numbers them, so
-# names of symbols, and constants with these names, are left out.
+# names of symbols, constants with these names, and addresses of its objects are left out.
 SCRIPT = """
 import re
 import numpy as np
@@ -43,7 +43,7 @@ def seen():
         values = [outcome(function, x, y) for x in finite for y in finite]
         (code,) = function.inspect_llvm().values()
         lines = [line for line in code.splitlines() if "missing Environment" not in line]
-        found.append((text, values, re.sub("_ZN[^ (]+", "symbol", chr(10).join(lines))))
+        found.append((text, values, re.sub("_ZN[^ (]+|0x[0-9a-f]+", "symbol", chr(10).join(lines))))
     return found
 
 before = seen()
