@@ -52,6 +52,7 @@ class ExplicitLoop(ClosingLoop):
             "limited_above",
             "local_share",
             "stable_below",
+            "points",
             "tableau",
         ):
             setattr(cls, key, getattr(cls.method, key))
@@ -105,11 +106,9 @@ class RungeKutta8Loop(ExplicitLoop):
     """Dormand-Prince 8(5,3) of mechanisms; see `RungeKutta8`."""
 
     method = RungeKutta8
-    points = RungeKutta8.points
 
 
 class RungeKutta5Loop(ExplicitLoop):
     """Dormand-Prince 5(4) of mechanisms; see `RungeKutta5`."""
 
     method = RungeKutta5
-    points = RungeKutta5.points
