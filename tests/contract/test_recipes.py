@@ -162,10 +162,10 @@ def test_one_source_file_names_a_force_element(texts, kind):
     assert found[0].startswith("solver/dynamics/elements/forces/")
 
 
-def test_the_page_on_mechanisms_has_a_line_for_each_force_element(repository):
-    page = (repository / "docs/mechanisms.md").read_text("utf-8")
-    section = page.partition("## Forces")[2].partition("\n## ")[0]
-    assert not [kind for kind in FORCES if f"`{kind}`" not in section]
+def test_the_page_on_forces_has_a_line_for_each_force_element(repository):
+    page = (repository / "docs/forces.md").read_text("utf-8")
+    rows = "\n".join(re.findall(r"^\| .*$", page, re.M))
+    assert not [kind for kind in FORCES if f"`{kind}`" not in rows]
 
 
 def test_the_page_on_mechanisms_has_a_line_for_each_joint(repository):

@@ -120,7 +120,7 @@ class RotationDrive(_Law):
     )
     table: DriveTable | None = optional("angles [rad] at given times")
     smooth_step: SmoothStep | None = optional("from 0 to an angle")
-    expression: str | None = optional("of the time `t` and of parameters, see mechanisms.md", "rad")
+    expression: str | None = optional("of the time `t` and of parameters, see forces.md", "rad")
 
 
 class TranslationDrive(_Law):
@@ -138,7 +138,7 @@ class TranslationDrive(_Law):
     )
     table: DriveTable | None = optional("displacements [m] at given times")
     smooth_step: SmoothStep | None = optional("from 0 to a displacement")
-    expression: str | None = optional("of the time `t` and of parameters, see mechanisms.md", "m")
+    expression: str | None = optional("of the time `t` and of parameters, see forces.md", "m")
 
 
 class LoadLaw(_Law):
@@ -151,7 +151,7 @@ class LoadLaw(_Law):
     table: LoadTable | None = optional("values at given times")
     smooth_step: SmoothStep | None = optional("from 0 to a value")
     expression: str | None = optional(
-        "of the time, coordinates and parameters, see mechanisms.md", "N or N m"
+        "of the time, coordinates and parameters, see forces.md", "N or N m"
     )
 
 
