@@ -15,10 +15,10 @@ from ..solver.inputs.solid.expand import solid_spec
 from ..solver.math.arrays import Array
 from ..solver.package import ModalPackage, Remark, read_package
 from ..solver.package import validate as findings_of
-from ..solver.package.shell.io import read_shell
 from ..solver.package.shell.schema import ShellFile
-from ..solver.report.shell.show_json import shell_json
+from ..solver.report.shell.show_json import read_shown, shell_json
 from ..solver.report.solid import solid_table
+from ..solver.studies.cases import turn
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import prepared
@@ -91,8 +91,9 @@ class Shell(_Analysed):
     """
 
     def __init__(self, file: str | Path) -> None:
-        self.data: ShellFile = read_shell(Path(file))
-        super().__init__(Path(file), shell_json(self.data))
+        self.data: ShellFile
+        self.data, numbers = read_shown(Path(file), shell_json)
+        super().__init__(Path(file), numbers)
 
     @property
     def frequencies(self) -> Array:
@@ -411,7 +412,8 @@ def export(
             raise InputError(f'export(): {key}: expected with to="fmu" only')
         if isinstance(what, Case):
             raise InputError(f'export(): {what!r}: expected a modal package, or to="fmu"')
-        _refused(*export_body(Path(what), to, Path(out), heard=False))
+        with named(out):
+            _refused(*export_body(Path(what), to, Path(out), heard=False))
         return Path(out)
     from ..solver.extras.fmu.write import write_fmu
 
@@ -420,7 +422,8 @@ def export(
     run = run_named(case.name, run, checked.runs)
     folder = folder_of(case, None, coarse=coarse)
     ready = None if packages is None else Path(packages)
-    write_fmu(prepared(checked, folder, f"runs/{run}.json", ready), Path(out), inputs)
+    with named(out), turn(folder):
+        write_fmu(prepared(checked, folder, f"runs/{run}.json", ready), Path(out), inputs)
     return Path(out)
 
 

@@ -83,11 +83,8 @@ class Outcome:
 class _Task:
     file: Path
     out: Path
-    progress: bool
     timing: bool
-    doubtful: bool = False  # allowed
-    import_s: float = 0.0
-    allow_python: bool = False
+    options: dict[str, Any]  # of run_one
 
 
 def run_files(
@@ -117,6 +114,7 @@ def run_files(
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {few(sorted(doubled))}")
+    options = {"allow_python": allow_python, "allow_doubtful": allow_doubtful}
     tasks = []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
@@ -126,7 +124,8 @@ def run_files(
         if known is not None:
             yield Outcome(_code(known), [f"{file.stem}: up to date"])
             continue
-        tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
+        own = {"progress": not quiet, "import_s": import_s}
+        tasks.append(_Task(file, folder, timing, options | own))
         import_s = 0.0
     jobs = min(jobs, len(tasks))
     yield from _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
@@ -135,14 +134,7 @@ def run_files(
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_one(
-            task.file,
-            task.out,
-            progress=task.progress,
-            import_s=task.import_s,
-            allow_python=task.allow_python,
-            allow_doubtful=task.doubtful,
-        )
+        summary = run_one(task.file, task.out, **task.options)
     except InputError as error:
         lines = str(error).splitlines()
         named = any(str(task.file) in line for line in lines)
@@ -231,7 +223,7 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
 
 
 def _quiet(task: _Task) -> _Task:
-    return replace(task, progress=False, import_s=0.0)
+    return replace(task, options=task.options | {"progress": False, "import_s": 0.0})
 
 
 _stop: Any = None

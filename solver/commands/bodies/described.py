@@ -50,6 +50,7 @@ class Heartbeat:
 # What is shown of results files: numbers or JSON, failures, names of files.
 
 USER_ERROR = 2
+Shown = Callable[[list[Made], list[Request]], int]
 
 
 def show_each(
@@ -74,6 +75,13 @@ def show_each(
     if as_json and not (code and len(made) == 1):
         print(json.dumps(next(iter(tables.values())) if len(made) == 1 else tables))
     return code
+
+
+def each(
+    table_of: Callable[[Made], Any], text_of: Callable[[Made], str], options: argparse.Namespace
+) -> Shown:
+    """Return a function that shows one after the other, with --json as one table."""
+    return lambda made, _: show_each(made, table_of, text_of, as_json=options.json)
 
 
 def tell_failure(one: Made) -> None:
@@ -111,7 +119,6 @@ def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> 
 
 # From descriptions to results files, with progress on the screen.
 
-Shown = Callable[[list[Made], list[Request]], int]
 SHARED = ("section", "shell")  # commands whose analyses the ranks of an MPI job share
 
 

@@ -7,54 +7,34 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
 from ...inputs.shell.expand import load_shell
-from ...package.common.identity import check_provenance
-from ...package.common.materials import MaterialError
-from ...package.shell.io import read_shell
 from ...package.shell.schema import ShellFile
 from ...report.shell.show import shell_text
-from ...report.shell.show_json import shell_json
-from ...workers.described import Made, Request, entries_of
+from ...report.shell.show_json import read_shown, shell_json
+from ...workers.described import Made, entries_of
 from .described import (
     drawn,
+    each,
     file_lines,
     run_described,
-    show_each,
 )
 
 MOST_MODES = 6  # with a figure of their own
-
-
-def _read(file: Path) -> ShellFile:
-    shell = read_shell(file)
-    check_provenance(file, shell.provenance)
-    return shell
 
 
 def run_shell(options: argparse.Namespace) -> int:
     """Make and show the requested results; returns the exit code."""
 
     def table_of(one: Made) -> dict[str, Any]:
-        shell = _read(one.file)
+        shell, numbers = read_shown(one.file, shell_json)
         if options.figures:
             figures_of(shell, one.file)
-        try:
-            return shell_json(shell)
-        except MaterialError as error:
-            raise InputError(f"{one.file}: {error}") from error
+        return numbers
 
     def text_of(one: Made) -> str:
-        shell = _read(one.file)
-        try:
-            text = shell_text(shell)
-        except MaterialError as error:
-            raise InputError(f"{one.file}: {error}") from error
+        shell, text = read_shown(one.file, shell_text)
         figures = [] if options.figures is False else figures_of(shell, one.file)
         return f"{text}\n{file_lines(one, figures)}"
-
-    def show(made: list[Made], _: list[Request]) -> int:
-        return show_each(made, table_of, text_of, as_json=options.json)
 
     return run_described(
         "shell",
@@ -62,7 +42,7 @@ def run_shell(options: argparse.Namespace) -> int:
         options,
         [f"--{word}" for word in ("verify", "force") if getattr(options, word)],
         spec_of=lambda entry: load_shell(entry.file, options.buckling),
-        show=show,
+        show=each(table_of, text_of, options),
     )
 
 

@@ -6,8 +6,8 @@ from typing import Any, cast
 from ...errors import InputError
 from ...inputs.solid.expand import solid_spec
 from ...report.solid import solid_table, solid_text
-from ...workers.described import Made, Request, entries_of
-from .described import file_lines, run_described, show_each
+from ...workers.described import Made, entries_of
+from .described import each, file_lines, run_described
 
 
 def run_solid(options: argparse.Namespace) -> int:
@@ -18,9 +18,6 @@ def run_solid(options: argparse.Namespace) -> int:
     def text_of(one: Made) -> str:
         return f"{solid_text(solid_table(one.file))}\n{file_lines(one, [])}"
 
-    def show(made: list[Made], _: list[Request]) -> int:
-        return show_each(made, lambda one: solid_table(one.file), text_of, as_json=options.json)
-
     return run_described(
         "solid",
         entries_of(options.files),
@@ -29,5 +26,5 @@ def run_solid(options: argparse.Namespace) -> int:
         spec_of=lambda entry: cast(
             dict[str, Any], solid_spec(entry.file, options.material, options.size)
         ),
-        show=show,
+        show=each(lambda one: solid_table(one.file), text_of, options),
     )

@@ -1,13 +1,37 @@
 """A shell file as plain data for programs: `plymotion shell FILE --json`."""
 
 import math
-from typing import Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
 
+from ...errors import InputError
 from ...math.arrays import Array
+from ...package.common.identity import check_provenance
+from ...package.common.materials import MaterialError
 from ...package.shell.cells import centres, corner_counts
+from ...package.shell.io import read_shell
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, PlyExtreme, case_findings, stacking
 from .show import not_estimated, title_of
+
+Shown = TypeVar("Shown")
+
+
+def read_shown(file: Path, shown: Callable[[ShellFile], Shown]) -> tuple[ShellFile, Shown]:
+    """Read a shell file; return it and what `shown` makes of it: `shell_json` or `shell_text`.
+
+    Raises
+    ------
+    PackageError : not a shell file, or one that is damaged.
+    InputError : a table of strengths that cannot be used.
+    """
+    shell = read_shell(file)
+    check_provenance(file, shell.provenance)
+    try:
+        return shell, shown(shell)
+    except MaterialError as error:
+        raise InputError(f"{file}: {error}") from error
 
 
 def shell_json(shell: ShellFile) -> dict[str, Any]:
