@@ -37,16 +37,11 @@ def read_becas(folder: Path) -> CellSection:
     InputError
         Rows of another form, unknown nodes or materials.
     """
-    node, cell, orientation, constants = (_table(folder / name) for name in FILES)
-    _columns(folder / FILES[0], node, (3,))
-    _columns(folder / FILES[1], cell, (5, 9))
-    _columns(folder / FILES[2], orientation, (4,))
-    _columns(folder / FILES[3], constants, (10,))
-    for name, table, whole in zip(FILES[:3], (node, cell, orientation), (1, None, 2), strict=True):
-        _numbered(folder / name, table[:, :whole])
-    numbers = node[:, 0].astype(np.int64)
-    order = np.argsort(numbers)
-    nodes, kind = _cells(folder, cell, numbers, order)
+    node = _table(folder / FILES[0], (3,), 1)
+    cell = _table(folder / FILES[1], (5, 9), 9)
+    orientation = _table(folder / FILES[2], (4,), 2)
+    constants = _table(folder / FILES[3], (10,), 0)
+    nodes, kind = _cells(folder, cell, {int(n): i for i, n in enumerate(node[:, 0])})
     row = {int(number): i for i, number in enumerate(orientation[:, 0])}
     missing = [int(n) for n in cell[:, 0] if int(n) not in row]
     if missing:
@@ -87,8 +82,14 @@ def _material(folder: Path, number: float, count: int) -> str:
     return f"material-{int(number)}"
 
 
-def _table(file: Path) -> Array:
-    """Numbers of a file; commas may part them, and exponents may have a D, as MATLAB reads them."""
+def _table(file: Path, columns: tuple[int, ...], whole: int) -> Array:
+    """Numbers of a file; commas may part them, and exponents may have a D, as MATLAB reads them.
+
+    Parameters
+    ----------
+    columns : how many numbers a row may have
+    whole : how many of them are whole, the first one of another value in each row
+    """
     try:
         text = file.read_text(encoding="utf-8-sig").translate(AS_MATLAB)
         table = np.loadtxt(io.StringIO(text), ndmin=2, comments=("%", "#", "!"))
@@ -98,41 +99,26 @@ def _table(file: Path) -> Array:
         raise InputError(
             f"{file}: row {row + 1}: expected finite numbers, found {table[row].tolist()}"
         )
+    if not table.size or table.shape[1] not in columns:
+        words = " or ".join(map(str, columns))
+        raise InputError(f"{file}: rows of {table.shape[1]} numbers, expected {words}")
+    for row in np.flatnonzero((table != np.round(table))[:, :whole].any(axis=1)):
+        raise InputError(f"{file}: row {row + 1}: expected whole numbers")
+    numbers, count = np.unique(table[:, 0], return_counts=True)
+    if whole and (count > 1).any():
+        raise InputError(f"{file}: number {numbers[count > 1][0]:g} is there twice")
     return table
 
 
-def _numbered(file: Path, table: Array) -> None:
-    """Raise InputError unless the numbers are whole, and those of the first column differ."""
-    for row, values in enumerate(table):
-        if (values != np.round(values)).any():
-            raise InputError(f"{file}: row {row + 1}: expected whole numbers")
-    numbers, count = np.unique(table[:, 0], return_counts=True)
-    if (count > 1).any():
-        raise InputError(f"{file}: number {numbers[count > 1][0]:g} is there twice")
-
-
-def _columns(file: Path, table: Array, expected: tuple[int, ...]) -> None:
-    if not table.size or table.shape[1] not in expected:
-        words = " or ".join(map(str, expected))
-        raise InputError(f"{file}: rows of {table.shape[1]} numbers, expected {words}")
-
-
-def _cells(
-    folder: Path, table: Array, numbers: IntArray, order: IntArray
-) -> tuple[IntArray, IntArray]:
+def _cells(folder: Path, table: Array, row_of: dict[int, int]) -> tuple[IntArray, IntArray]:
+    """Nodes of each cell in our order, and its kind; `row_of` the number of a node."""
     nodes = np.full((len(table), MOST_NODES), ABSENT)
     kind = np.full(len(table), QUADRILATERAL)
-    for i, row in enumerate(table.astype(np.int64)):
-        listed = [int(n) for n in row[1:]]
+    for i, (number, *listed) in enumerate(table.astype(np.int64).tolist()):
         for n in listed:
-            place = int(np.searchsorted(numbers, n, sorter=order))
-            known = place < len(order) and numbers[order[place]] == n
-            if n and not known:
-                raise InputError(f"{folder / FILES[1]}: cell {row[0]}: node {n} does not exist")
-        rows = [
-            int(order[np.searchsorted(numbers, n, sorter=order)]) if n else ABSENT for n in listed
-        ]
-        rows += [ABSENT] * (8 - len(rows))
+            if n and n not in row_of:
+                raise InputError(f"{folder / FILES[1]}: cell {number}: node {n} does not exist")
+        rows = [row_of[n] if n else ABSENT for n in listed] + [ABSENT] * (8 - len(listed))
         corners, middles = rows[:4], rows[4:]
         if corners[3] in (ABSENT, corners[2]):  # n1 n2 n3 (n3): a triangle
             kind[i] = TRIANGLE
@@ -140,6 +126,6 @@ def _cells(
             rows = [*corners[:3], *middles]
         present = [n for n in rows if n != ABSENT]
         if ABSENT in rows[:3] or len(set(present)) < len(present):
-            raise InputError(f"{folder / FILES[1]}: cell {row[0]}: expected each node once")
+            raise InputError(f"{folder / FILES[1]}: cell {number}: expected each node once")
         nodes[i, : len(rows)] = rows
     return nodes, kind
