@@ -1,8 +1,9 @@
 """Errors in the input of the user: shown as one message, exit code 2."""
 
+import contextlib
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from typing import Any
 
@@ -20,6 +21,21 @@ class InputError(Exception):
 
 class PackageError(Exception):
     """A file of this project cannot be used; the message names file and dataset."""
+
+
+def refuse(found: Iterable[str]) -> None:
+    """Raise InputError with one line for each finding, each once; return if there is none."""
+    if lines := dict.fromkeys(found):
+        raise InputError("\n".join(lines))
+
+
+@contextlib.contextmanager
+def collected(found: list[str]) -> Iterator[None]:
+    """Add the lines of an InputError that is raised inside to `found`."""
+    try:
+        yield
+    except InputError as error:
+        found += str(error).splitlines()
 
 
 def under(key: str, error: InputError) -> InputError:

@@ -15,7 +15,7 @@ laminates and materials in use, so an unused laminate has no effect.
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, unknown
+from ...errors import InputError, collected, refuse, unknown
 from ...package.specification import PlyTable, SectionMeshTable, SectionRegionTable
 from ..common import read_toml
 from ..common.lay_up import unknown_materials
@@ -72,14 +72,12 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
     problems = check_materials(description.materials)
     stacks: dict[str, list[PlyTable]] = {}
     for name, region in description.regions.items():
-        try:
+        with collected(problems):
             stacks[name] = _stack(name, region, description)
-        except InputError as error:
-            problems += str(error).splitlines()
     problems += _convention(description, stacks)
     mesh: SectionMeshTable = {}
     regions: dict[str, SectionRegionTable] = {}
-    try:
+    with collected(problems):
         if isinstance(description.mesh, ShapeMesh):
             mesh, regions = shape_mesh(
                 description.mesh,
@@ -90,10 +88,7 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
             )
         else:
             mesh, regions = file_mesh(description, stacks, file.parent, folder)
-    except InputError as error:
-        problems += str(error).splitlines()
-    if problems:
-        raise InputError("\n".join(f"{file}: {problem}" for problem in dict.fromkeys(problems)))
+    refuse(f"{file}: {problem}" for problem in problems)
     if description.mesh.degree is not None:
         mesh["degree"] = description.mesh.degree
     used = {ply["material"] for region in regions.values() for ply in region["plies"]}

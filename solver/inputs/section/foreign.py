@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, few, nearest
+from ...errors import InputError, few, nearest, refuse
 from ...math.arrays import Array, IntArray
 from ...package.common.temporary import temporary_sibling
 
@@ -272,8 +272,7 @@ def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None)
             f"regions: {np.count_nonzero(bare)} of {bare.size} cells of {mesh.file.name} belong to "
             f"no described region{listed}: expected a table for each, or regions.all"
         )
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     region[bare] = len(names)
     return region
 

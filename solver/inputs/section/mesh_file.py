@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, few, nearest
+from ...errors import InputError, few, nearest, refuse
 from ...package.specification import SectionMeshTable, SectionRegionTable
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source, physical_names
 from ..common.table import plain_table
@@ -46,8 +46,7 @@ def file_mesh(
             mesh, names = _of_others(file, table, regions, arrays_folder)
     except InputError as error:
         raise InputError("\n".join([*str(error).splitlines(), *found])) from error
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     if table.scale is not None:
         mesh["scale"] = table.scale
     expanded: dict[str, SectionRegionTable] = {}
@@ -78,8 +77,7 @@ def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[SectionMesh
         surfaces, curves = physical_names(file, f'mesh.file = "{table.file}"')
         names, missing = _match(regions, surfaces, table.file)
         found += [*_no_parameters(table), *missing, *_curves(regions, curves, table.file)]
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     return mesh, names
 
 
@@ -89,8 +87,7 @@ def _of_others(
     """Return the mesh of another program as arrays, and the description of each of its regions."""
     foreign = read_foreign(file, f'mesh.file = "{table.file}"', table.region_data)
     found = [*_no_parameters(table), *_curves(regions, foreign.curves, table.file)]
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     names = [name for name in regions if name != ALL]
     region = assign_regions(foreign, names, ALL if ALL in regions else None)
     if (region == len(names)).any():

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...errors import InputError, nearest
+from ...errors import InputError, nearest, refuse
 from ...package.specification import PlyTable, SectionMeshTable, SectionRegionTable
 from ..common.table import plain_table
 from .description import Region
@@ -69,8 +69,7 @@ def shape_mesh(
             given = regions[key].direction
             direction = wall.direction if given is None else plain_table(given)
             expanded[wall.region] = {"plies": stacks[key], "direction": {**direction}}
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     if len(expanded) < len(of_shape):  # reported elsewhere
         return {}, {}
     if curved and "elements_3" in {p.key for p in shape(mesh.shape).parameters}:

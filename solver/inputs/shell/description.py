@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ...errors import InputError, nearest
+from ...errors import nearest, refuse
 from ...package.shell import elements
 from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_words
 from ..common import validated
@@ -259,8 +259,7 @@ def checked(table: dict[str, Any], file: Path) -> ShellDescription:
     """Check keys, types and bounds of a description. Raises InputError, one line per error."""
     description = validated(ShellDescription, table, file)
     wrong = [f"{file}: {line}" for line in _out_of_range(table, "")]
-    if wrong:
-        raise InputError("\n".join(wrong))
+    refuse(wrong)
     return description
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, few, nearest, under, unknown
+from ...errors import InputError, collected, few, nearest, refuse, under, unknown
 from ...math.arrays import IntArray
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source, physical_groups
@@ -149,19 +149,13 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         *_loads_on_links(description),
     ]
     mesh: dict[str, Any] = {}
-    try:
+    with collected(problems):
         mesh = _mesh(description.mesh, file.parent)
-    except InputError as error:
-        problems += str(error).splitlines()
-    else:
         problems += _groups(description, file.parent / description.mesh.file)
     stiffeners: dict[str, Any] = {}
-    try:
+    with collected(problems):
         stiffeners = _stiffeners(description, file.parent)
-    except InputError as error:
-        problems += str(error).splitlines()
-    if problems:
-        raise InputError("\n".join(f"{file}: {problem}" for problem in dict.fromkeys(problems)))
+    refuse(f"{file}: {problem}" for problem in problems)
     laminates, regions = _regions(description)
     used = {ply["material"] for laminate in laminates.values() for ply in laminate["plies"]}
     asked = {"elements", "links", "loads", "probes", "frequencies", "buckling"}

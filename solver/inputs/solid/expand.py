@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, unknown
+from ...errors import InputError, collected, refuse, unknown
 from ...package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from ..common import read_toml, validated
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source
@@ -40,12 +40,9 @@ def solid_table(
     description = validated(SolidDescription, table, file)
     problems = [*check_materials(description.materials), *_references(description)]
     mesh: dict[str, Any] = {}
-    try:
+    with collected(problems):
         mesh = _mesh(description, file.parent)
-    except InputError as error:
-        problems += str(error).splitlines()
-    if problems:
-        raise InputError("\n".join(f"{file}: {problem}" for problem in problems))
+    refuse(f"{file}: {problem}" for problem in problems)
     used = {region.material for region in description.regions.values()}
     return description, {
         "mesh": mesh,  # type: ignore[typeddict-item]

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ....errors import InputError, under
+from ....errors import InputError, collected, refuse, under
 from ....package.specification import BeamSpecification, PlyTable
 from ...common.material import plain
 from ...section.description import Region
@@ -129,8 +129,7 @@ def beam_spec(
     key = f"bodies.{name}"
     stations, sources, found = _stations(key, body, mechanism, folder)
     found += check_motion(key, body)
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     line = None if is_plain(body) else line_of(body)
     nodes = None if line is None else division(body, line)
     own = {
@@ -187,10 +186,8 @@ def _stations(
         wrong = check_section(key, station, mechanism)
         section, files = dict[str, Any](), list[Path]()
         if station.material is not None or not wrong:
-            try:
+            with collected(wrong):
                 section, files = section_spec(station, mechanism, folder)
-            except InputError as error:
-                wrong += str(error).splitlines()
         stations.append((station.at, section))
         sources += files
         found += wrong

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any, cast
 
-from ....errors import InputError, few, under
+from ....errors import InputError, few, refuse, under
 from ....package.specification import ShellSpecification, SolidSpecification
 from ...common import read_toml
 from ...common.gmsh_file import physical_groups
@@ -65,8 +65,7 @@ def shell_body_spec(
             found.append(
                 f'{where}: expected "attachment" or "static-axial": the static shapes of a shell'
             )
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     own = {"body": name, "kind": "shell", "shell": shell, "mass_form": body.mass_form}
     spec = cast(ShellSpecification, {**own, **reduction(body)})
     return spec, [folder / body.shell, mesh]
@@ -120,8 +119,7 @@ def solid_body_spec(
         for i, mode in enumerate(body.modes)
         if not _of_solids(mode)
     ]
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     own = {"body": name, "kind": "solid", "solid": solid}
     spec = cast(SolidSpecification, {**own, **reduction(body)})
     return spec, [file, Path(solid["mesh"]["file"])]

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....dynamics.elements.forces.table import ELEMENTS
 from ....dynamics.elements.joints.table import JOINTS
-from ....errors import InputError, unknown
+from ....errors import InputError, collected, unknown
 from ....integrators.choice import treatment_of
 from ....math.definite import is_positive_definite
 from ...common.material import check_materials
@@ -54,15 +54,13 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
             found += wrong + check_motion(f"bodies.{name}", body)
         elif isinstance(body, BeamBody | ShellBody | SolidBody | ImportedBody):
             whole = getattr(body, "part_of", None) or name  # equal segments share a package
-            try:
+            with collected(found):
                 if mechanism.fidelity is None or isinstance(body, SolidBody | ImportedBody):
                     sound[name] = specs.of(whole, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)
                 sound[name] = specs.of(whole, model, mechanism, candidates=True)
                 sound[name + CHECK] = specs.of(whole, check, mechanism, candidates=True)
-            except InputError as error:
-                found += str(error).splitlines()
         elif isinstance(body, RigidBody):
             inertia = np.array(body.inertia)
             gap = np.abs(inertia - inertia.T).max()

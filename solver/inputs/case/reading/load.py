@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from ....errors import InputError, nearest, unknown
+from ....errors import InputError, nearest, refuse, unknown
 from ...common import read_toml, validated
 from ...common.messages import bare_lines, members, without_annotations
 from ...section.mesh_table import shape
@@ -129,8 +129,7 @@ def load_whole_case(file: Path) -> Case:
         except InputError as error:
             new = [line for line in str(error).splitlines() if line not in found]
             found += [f"{line} (in [coarse])" if coarse else line for line in new]
-    if found:
-        raise InputError("\n".join(found))
+    refuse(found)
     return cases[0]
 
 
