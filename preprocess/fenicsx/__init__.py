@@ -10,7 +10,7 @@ that states what is missing and how to install it. Each name below loads its par
 when it is asked for; __init__.pyi tells their types.
 """
 
-from ...solver.math.late import late
+from ...solver.math.lazy import lazy_names
 from .errors import EigenError, FactorisationError, InertiaError, MeshError, SingularError
 from .plain import EDGES, NODES, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
 from .stack import MissingFenicsx, versions
@@ -49,4 +49,4 @@ __all__ = [
     "world",
 ]
 
-__getattr__, __dir__ = late(_MODULE, globals())
+__getattr__, __dir__ = lazy_names(_MODULE, globals())

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ...solver.math.late import late
+from ...solver.math.lazy import lazy_names
 from .errors import SectionError
 
 if TYPE_CHECKING:
@@ -11,4 +11,4 @@ if TYPE_CHECKING:
 __all__ = ["SectionError", "analyse"]
 
 # A file that is up to date needs no analysis.
-__getattr__, __dir__ = late({"analyse": "analysis.analysis"}, globals())
+__getattr__, __dir__ = lazy_names({"analyse": "analysis.analysis"}, globals())

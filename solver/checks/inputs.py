@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from ..dynamics.analysis.held import (
-    held_deformations,
+from ..dynamics.analysis.quasi_static import (
     is_moving,
-    joined_deformations,
     motions_without_strain,
+    quasi_static_deformations,
+    quasi_static_deformations_of_loops,
 )
 from ..dynamics.evaluation.laws import law_values
 from ..inputs.case.expressions.of_time import drives, is_along, is_load, law
@@ -72,8 +72,8 @@ def _called_for(run: FinishedRun) -> list[Array]:
         free = motions_without_strain(model, t, rigid)
         # Of a loop that is over-constrained but for its deformation, rigid bodies would be locked.
         if free > motions_without_strain(model, t, y):
-            return joined_deformations(model, t, y, free)
-    return held_deformations(model, t, y)
+            return quasi_static_deformations_of_loops(model, t, y, free)
+    return quasi_static_deformations(model, t, y)
 
 
 def _remedy(run: FinishedRun) -> str:

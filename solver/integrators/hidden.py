@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics.evaluation.series import quantities
-from ..dynamics.model.model import Model
-from ..dynamics.model.quantities import SPIN
+from ..dynamics.model.model import SPIN, Model
 from ..math.arrays import Array, IntArray
 from ..math.expressions import operations as op
 from ..math.expressions.program import Programs

@@ -5,7 +5,7 @@ folder only. __init__.pyi tells their types.
 """
 
 from ..errors import PackageError
-from ..math.late import late
+from ..math.lazy import lazy_names
 
 # Public name -> module of this folder.
 _PUBLIC = {
@@ -21,4 +21,4 @@ _PUBLIC = {
 }
 __all__ = ["PackageError", *_PUBLIC]
 
-__getattr__, __dir__ = late(_PUBLIC, globals())
+__getattr__, __dir__ = lazy_names(_PUBLIC, globals())

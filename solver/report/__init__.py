@@ -4,7 +4,7 @@ Each name below is imported when it is asked for: figures of other commands use 
 __init__.pyi tells their types.
 """
 
-from ..math.late import late
+from ..math.lazy import lazy_names
 
 # Public name -> module of this folder.
 _PUBLIC = {
@@ -15,4 +15,4 @@ _PUBLIC = {
 }
 __all__ = [*_PUBLIC]
 
-__getattr__, __dir__ = late(_PUBLIC, globals())
+__getattr__, __dir__ = lazy_names(_PUBLIC, globals())

@@ -7,7 +7,7 @@ import numpy as np
 from ..dynamics.analysis.recording import Recording
 from ..dynamics.evaluation.evaluation import n_coupling
 from ..dynamics.evaluation.series import force_sizes
-from ..dynamics.model.quantities import ANGLE, SPIN
+from ..dynamics.model.model import ANGLE, SPIN
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 

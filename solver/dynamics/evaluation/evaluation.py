@@ -11,9 +11,8 @@ from ..elements.bodies.marker import evaluate_markers
 from ..elements.forces.contract import Wrench
 from ..elements.forces.table import FIRST_LOAD, element_wrench
 from ..elements.joints.table import joint_rows
-from ..model.model import Model
+from ..model.model import AXIAL, BENDING, RADIAL, Model
 from ..model.motion import axis, place
-from ..model.quantities import AXIAL, BENDING, RADIAL
 from ..model.workspace import GAMMA, PHI, PHI_T, Work
 from .laws import law_at
 from .measures import acceleration_of, auxiliary_rate, force_size, measure

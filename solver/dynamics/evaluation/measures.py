@@ -1,4 +1,4 @@
-"""Evaluation of the quantities that expressions read, and of the expressions (quantities.py)."""
+"""Evaluation of the quantities that expressions read, and of the expressions (model/model.py)."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from ...math.expressions.program import BY_TIME, NO_SEED, evaluated
 from ...math.triple import Triple, cross3, dot3, minus3, sum3, times3
+from ..model.model import DISPLACEMENT, DISTANCE, LAST, SPIN, Quantities
 from ..model.motion import acceleration, axis, place, spin, spin_rate, velocity
-from ..model.quantities import DISPLACEMENT, DISTANCE, LAST, SPIN, Quantities
 
 COINCIDENT = 1e-12  # distance of two points without a direction [m]
 

@@ -155,7 +155,7 @@ def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array
 
 
 def quantities(model: Model, t: Array, y: Array) -> Array:
-    """Return what expressions read (model/quantities.py), (k, n); reactions are those of before."""
+    """Return what expressions read (model/model.py), (k, n); reactions are those of before."""
     t, y = _contiguous(t, y)
     work = spare_work(model)
     found = np.zeros((t.size, work.quantity.size))

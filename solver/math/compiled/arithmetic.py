@@ -10,26 +10,29 @@ from typing import Any
 
 from numba.core.imputils import impl_ret_untracked
 
-from .parts import Part
 
-
-def _lesser(a: Any, b: Any) -> Any:
+def lesser(a: Any, b: Any) -> Any:
+    """Return the lesser of two numbers, the first if one is nan."""
     return b if b < a else a
 
 
-def _least(a: Any, b: Any, c: Any) -> Any:
+def least(a: Any, b: Any, c: Any) -> Any:
+    """Return the least of three numbers."""
     return min(min(a, b), c)
 
 
-def _larger(a: Any, b: Any) -> Any:
+def larger(a: Any, b: Any) -> Any:
+    """Return the larger of two numbers, the first if one is nan."""
     return b if b > a else a
 
 
-def _largest(a: Any, b: Any, c: Any) -> Any:
+def largest(a: Any, b: Any, c: Any) -> Any:
+    """Return the largest of three numbers."""
     return max(max(a, b), c)
 
 
-def _power(base: Any, exponent: Any) -> Any:
+def power(base: Any, exponent: Any) -> Any:
+    """Return a number raised to an integer; inf for a negative power of zero."""
     n, square, found = exponent if exponent > 0 else -exponent, base, 1.0
     while n != 0:
         if n & 1:
@@ -80,9 +83,3 @@ def absolute(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
     square = builder.fadd(builder.fmul(a.real, a.real), builder.fmul(a.imag, a.imag))
     root = builder.module.declare_intrinsic("llvm.sqrt", [square.type])
     return impl_ret_untracked(context, builder, sig.return_type, builder.call(root, [square]))
-
-
-BUILTINS = {"min": Part(_lesser, inline=True), "max": Part(_larger, inline=True)}
-BUILTINS["min"].others[3] = Part(_least, inline=True)
-BUILTINS["max"].others[3] = Part(_largest, inline=True)
-POWER = Part(_power, inline=True)

@@ -17,7 +17,7 @@ from numba.core.errors import NumbaNotImplementedError
 from numba.core.registry import cpu_target
 from numba.np import arrayobj
 
-from .arithmetic import BUILTINS, POWER, absolute, divide, multiply
+from . import arithmetic
 from .parts import FAST_MATH, Part, Unit
 
 # Passes for what no part contains: closures, `with`, `raise`, literal loops, reports.
@@ -35,6 +35,15 @@ _UNUSED = {
     "AnnotateTypes",
     "DumpParforDiagnostics",
 }
+
+
+BUILTINS = {
+    "min": Part(arithmetic.lesser, inline=True),
+    "max": Part(arithmetic.larger, inline=True),
+}
+BUILTINS["min"].others[3] = Part(arithmetic.least, inline=True)
+BUILTINS["max"].others[3] = Part(arithmetic.largest, inline=True)
+POWER = Part(arithmetic.power, inline=True)
 
 
 class _Pipeline(CompilerBase):  # type: ignore[misc]
@@ -241,9 +250,9 @@ def _power(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
 
 _COMPLEX = types.complex128
 for _operators, _code, _kinds in (
-    ((operator.mul, operator.imul), multiply, (_COMPLEX, _COMPLEX)),
-    ((operator.truediv, operator.itruediv), divide, (_COMPLEX, _COMPLEX)),
-    ((abs,), absolute, (_COMPLEX,)),
+    ((operator.mul, operator.imul), arithmetic.multiply, (_COMPLEX, _COMPLEX)),
+    ((operator.truediv, operator.itruediv), arithmetic.divide, (_COMPLEX, _COMPLEX)),
+    ((abs,), arithmetic.absolute, (_COMPLEX,)),
     ((operator.pow, operator.ipow), _power, (types.float64, types.int64)),
 ):
     for _operator in _operators:

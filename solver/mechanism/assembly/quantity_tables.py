@@ -1,4 +1,4 @@
-"""Tables of what expressions read, and their conversion to arrays (quantities.py).
+"""Tables of what expressions read, and their conversion to arrays (model/model.py).
 
 In the trees of expressions a quantity is `value(m)` or `rate_of(m)` of coordinate m, `state(j)`, or
 `reaction(r)`.
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...dynamics.model.quantities import ANGLE, Quantities
+from ...dynamics.model.model import ANGLE, Quantities
 from ...math.expressions.program import new_stack, programs
 from ...math.expressions.tree import Node
 from ...math.laws import Law
@@ -45,7 +45,7 @@ def curve(k: int) -> Quantity:
 
 @dataclass(frozen=True)
 class CoordinateTable:
-    """A coordinate of two markers; `kind` and `axes` as in quantities.py."""
+    """A coordinate of two markers; `kind` and `axes` as in model/model.py."""
 
     kind: int
     marker_1: int
@@ -98,7 +98,7 @@ class CouplingRow:
 class Measured:
     """Coordinates, states, curves and sizes of reactions of a model, as they are added.
 
-    Of a reaction: number of the joint, kind (quantities.py).
+    Of a reaction: number of the joint, kind (model/model.py).
     """
 
     coordinates: list[CoordinateTable] = field(default_factory=list)

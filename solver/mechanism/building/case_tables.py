@@ -11,7 +11,7 @@ from ...dynamics.elements.couplings.table import COUPLINGS
 from ...dynamics.elements.forces.table import ELEMENTS
 from ...dynamics.elements.joints.contract import Displacement, DrivenBy
 from ...dynamics.elements.joints.table import COORDINATES, JOINTS
-from ...dynamics.model.quantities import ANGLE, DISPLACEMENT, DISTANCE, SPIN
+from ...dynamics.model.model import ANGLE, DISPLACEMENT, DISTANCE, SPIN
 from ...errors import InputError
 from ...inputs.case.expressions.expressions import (
     AXES,

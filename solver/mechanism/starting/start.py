@@ -5,7 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...dynamics.analysis.held import held_deformations, joined_deformations, motions_without_strain
+from ...dynamics.analysis.quasi_static import (
+    motions_without_strain,
+    quasi_static_deformations,
+    quasi_static_deformations_of_loops,
+)
 from ...dynamics.analysis.scales import extent, shape_sizes
 from ...dynamics.elements.bodies.added_inertia import undetermined_body
 from ...dynamics.evaluation.dense_equations import assemble
@@ -88,9 +92,9 @@ def quasi_static_state(
     energies, size = np.zeros(model.n_body), extent(model, y)
     for _ in range(_MAX_ITERATIONS):
         changes = (
-            joined_deformations(model, 0.0, y, rigid)
+            quasi_static_deformations_of_loops(model, 0.0, y, rigid)
             if joined
-            else held_deformations(model, 0.0, y)
+            else quasi_static_deformations(model, 0.0, y)
         )
         energies = np.array([_energy(model, i, change) for i, change in enumerate(changes)])
         first = first or float(energies.sum())

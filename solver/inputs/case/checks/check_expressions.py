@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ....dynamics.model.quantities import LAST
+from ....dynamics.model.model import LAST
 from ....errors import InputError, nearest, unknown
 from ....math import laws
 from ....math.curves import NamedCurve

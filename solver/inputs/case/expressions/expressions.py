@@ -83,7 +83,7 @@ WORDS = (
     "signal",
 )
 OF_MOTION = ("joint", "place", "spin", "length")  # kinds of `Read` with a rate
-REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/model/quantities.py
+REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/model/model.py
 
 
 @dataclass(frozen=True)

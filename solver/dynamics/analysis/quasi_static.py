@@ -1,4 +1,4 @@
-"""Loads that would deform bodies which do not deform: those of a mechanism held as it is."""
+"""Quasi-static deformation of bodies by the loads of a motion, which they follow as if rigid."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from .rank import free_motions, rank_of
 _HEAVY = 1e8  # modal mass over that of the model: bodies then move as if rigid
 
 
-def held_deformations(model: Model, t: float, y: Array) -> list[Array]:
+def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
     """Return, for each body, the change of its modal coordinates (m,) that its loads call for.
 
     The mechanism moves from state y (n,) with the shapes that its bodies have there. The loads
@@ -49,8 +49,8 @@ def motions_without_strain(model: Model, t: float, y: Array) -> int:
     return int(frames.size) - rank_of(s, len(Phi_q)).value
 
 
-def joined_deformations(model: Model, t: float, y: Array, rigid: int) -> list[Array]:
-    """Return `held_deformations` that keep the joints of an over-constrained loop closed.
+def quasi_static_deformations_of_loops(model: Model, t: float, y: Array, rigid: int) -> list[Array]:
+    """Return `quasi_static_deformations` that keep the joints of an over-constrained loop closed.
 
     What such joints share of a load follows from the deformation of the bodies: by the joints of
     bodies that hold their shape it is not determined, and no motion is left once they have

@@ -5,7 +5,7 @@ from importlib import import_module
 from typing import Any
 
 
-def late(
+def lazy_names(
     modules: dict[str, str], space: dict[str, Any]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return `__getattr__` and `__dir__` of a package.
