@@ -10,10 +10,10 @@ from typing import Any
 
 from ..errors import PackageError
 from ..math.digests import sources_sha256
-from .body.schema import FORMAT_VERSION
 from .common.container import get_text, open_file
 from .common.disk_file import has_right_seal
 from .common.plain_data import inputs_sha256
+from .specification import FORMAT_VERSION
 
 # These keys do not affect the body: a new integrator setting
 # in the case file must not rebuild its packages.

@@ -49,6 +49,7 @@ go to the provenance of the package. `"candidates": true` of a beam or shell: a 
 
 from typing import Any, Literal, NotRequired, TypedDict, get_args
 
+FORMAT_VERSION = (1, 4)  # of the modal package that is made from it
 Theory = Literal["timoshenko", "classical"]
 MassForm = Literal["consistent", "lumped"]
 ReferenceKind = Literal["clamped", "chord", "mean-axis"]

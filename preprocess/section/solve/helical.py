@@ -12,14 +12,14 @@ from scipy.linalg import null_space
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from ....solver.math.arrays import Array
-from ....solver.math.definite import is_positive_definite
+from ....solver.math.definite import REGULAR, is_positive_definite
 from ....solver.math.rotations import skew
 from ... import fenicsx
 from ..errors import IllConditioned, SectionError
 from ..mesh.pattern import Restriction
 from ..space.space import SectionSpace
 from .twist import TwistedStrains
-from .warping import LARGEST_GROWTH, unknowns_at_nodes
+from .warping import unknowns_at_nodes
 
 Residual = tuple[Array, Array]  # loads (n_dof, 6), resultants (6, 6); or warping and beam strains
 
@@ -197,7 +197,7 @@ def central_solutions(
     space: SectionSpace,
     k: Array,
     C: Array,
-    largest_growth: float = LARGEST_GROWTH,
+    largest_growth: float = 1.0 / REGULAR,
     is_enough: Callable[[float], bool] | None = None,
     *,
     by_waves: bool = False,

@@ -7,12 +7,12 @@ where stiff and soft quarters meet crosswise.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 import scipy.linalg as la
 
 from ....solver.math.arrays import Array, IntArray
+from ...materials import rotated
 from ..mesh.cells import CORNERS, CellMesh
 
 WIDEST = np.radians(30.0)  # element along the circle
@@ -21,7 +21,7 @@ STRAIGHT = np.radians(185.0)  # material around a node of a smooth edge
 HELD = 0.95  # share of the error of the cells whose corners are looked at
 MOST = 60  # different corners that are solved; each takes 5 to 20 ms
 ALIKE = 1e-3  # relative difference of stiffnesses [-] and angles [rad] that are one
-GAUSS = np.polynomial.legendre.leggauss(3)
+X, WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
 def cell_exponents(mesh: CellMesh, C: Array, error: Array, regular: float) -> Array:
@@ -61,7 +61,7 @@ def exponent(ends: Array, C: Sequence[Array] | Array, *, closed: bool) -> float:
     Parameters
     ----------
     ends : (w + 1,) angles at which the wedges begin and end, rising [rad]
-    C : (w, 6, 6) stiffness of each wedge in section axes [Pa]
+    C : (w, 6, 6) stiffness of each wedge in the axes of the angles [Pa]
     closed : whether the last wedge touches the first one
     """
     counts = np.ceil(np.diff(ends) / WIDEST - 1e-9).astype(int)
@@ -69,34 +69,35 @@ def exponent(ends: Array, C: Sequence[Array] | Array, *, closed: bool) -> float:
     lines = np.concatenate([*(np.linspace(a, b, n + 1)[:-1] for a, b, n in parts), ends[-1:]])
     owner = np.repeat(np.arange(len(counts)), counts)
     n = 2 * len(owner) + (0 if closed else 1)
-    scale = float(np.abs(C).max())
+    material = np.asarray(C)[owner, None] / float(np.abs(C).max())
+    half = 0.5 * np.diff(lines)[:, None]
+    theta = 0.5 * (lines[:-1] + lines[1:])[:, None] + half * X  # (elements, points)
+    # strains of the unknowns 3 i + a of an element by r^lambda itself, and by its slope
+    N = np.stack([0.5 * X * (X - 1.0), 1.0 - X * X, 0.5 * X * (X + 1.0)], axis=1)
+    dN = np.stack([X - 0.5, -2.0 * X, X + 0.5], axis=1) / half[..., None]
+    shape = (*theta.shape, 6, 9)
+    radial = (_strain(np.cos(theta), np.sin(theta)) * N[:, None, :, None]).reshape(shape)
+    around = (_strain(-np.sin(theta), np.cos(theta)) * dN[:, :, None, :, None]).reshape(shape)
+    stress = (half * WEIGHTS)[..., None, None] * (material @ np.stack([around, radial]))
+    parts = np.einsum("xegri,yegrj->xyeij", np.stack([around, radial]), stress, optimize=True)
     A0, A1, A2 = np.zeros((3, 3 * n, 3 * n))
-    for e, (a, b) in enumerate(pairwise(lines)):
-        dofs = (3 * (np.arange(2 * e, 2 * e + 3) % n)[:, None] + np.arange(3)).ravel()
-        at = np.ix_(dofs, dofs)
-        material = np.asarray(C[owner[e]]) / scale
-        for x, weight in zip(*GAUSS, strict=True):
-            theta = 0.5 * (a + b) + 0.5 * (b - a) * x
-            N = np.kron([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], np.eye(3))
-            dN = np.kron(np.array([x - 0.5, -2.0 * x, x + 0.5]) * 2.0 / (b - a), np.eye(3))
-            radial = _strain(np.cos(theta), np.sin(theta)) @ N
-            around = _strain(-np.sin(theta), np.cos(theta)) @ dN
-            w = 0.5 * (b - a) * weight
-            mixed = around.T @ material @ radial
-            A0[at] += w * around.T @ material @ around
-            A1[at] += w * (mixed - mixed.T)
-            A2[at] -= w * radial.T @ material @ radial
+    for e, ((of_A0, mixed), (_, of_A2)) in enumerate(np.moveaxis(parts, 2, 0)):
+        at = (3 * (np.arange(2 * e, 2 * e + 3) % n)[:, None] + np.arange(3)).ravel()
+        A0[np.ix_(at, at)] += of_A0
+        A1[np.ix_(at, at)] += mixed - mixed.T
+        A2[np.ix_(at, at)] -= of_A2
     lower = -np.linalg.solve(A2, np.hstack([A0, A1]))
     upper = np.hstack([np.zeros_like(A0), np.eye(3 * n)])
     roots = la.eigvals(np.vstack([upper, lower])).real
     return float(min(roots[roots > WEAKEST].min(initial=1.0), 1.0))
 
 
-def _strain(d2: float, d3: float) -> Array:
-    """Strain 11, 22, 33, 23, 13, 12 of a displacement with these derivatives along x2, x3."""
-    return np.array(
-        [[0, 0, 0], [0, d2, 0], [0, 0, d3], [0, d3, d2], [d3, 0, 0], [d2, 0, 0]], dtype=float
-    )
+def _strain(d2: Array, d3: Array) -> Array:
+    """Strains 11, 22, 33, 23, 13, 12 of displacements with these derivatives along x2, x3, (..., 6,
+    1, 3)."""
+    by_2, by_3 = np.zeros((2, 6, 1, 3))
+    by_2[[1, 3, 5], 0, [1, 2, 0]] = by_3[[2, 3, 4], 0, [2, 1, 0]] = 1.0
+    return np.multiply.outer(d2, by_2) + np.multiply.outer(d3, by_3)
 
 
 def _corner_nodes(mesh: CellMesh, cell: int) -> IntArray:
@@ -125,7 +126,8 @@ def _corners_around(mesh: CellMesh) -> dict[int, tuple[Array, IntArray]]:
 
 
 def _wedges(angles: Array, cells: IntArray, stiffness: Array) -> tuple[Array, Array, bool] | None:
-    """Ends and stiffness of the wedges around a node; None where stresses are not singular."""
+    """Ends and stiffness of the wedges around a node, in axes along the beginning of the first one;
+    None where stresses are not singular."""
     widths = angles[:, 1] - angles[:, 0]
     C = stiffness[cells]
     one = bool(np.abs(C - C[0]).max() <= ALIKE * np.abs(C[0]).max())
@@ -149,7 +151,10 @@ def _wedges(angles: Array, cells: IntArray, stiffness: Array) -> tuple[Array, Ar
     bounds = np.append(ends[:-1][keep], ends[-1])
     if closed and len(materials) == 2 and abs(bounds[1] - bounds[0] - np.pi) < 0.05:
         return None  # a straight interface
-    return bounds - bounds[0], materials, closed
+    # seen from the edge where the first wedge begins: corners that differ by a turn are one
+    c, s = np.cos(bounds[0]), np.sin(bounds[0])
+    seen = rotated(materials, np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]))
+    return bounds - bounds[0], seen, closed
 
 
 def _rising(angles: Array, closed: bool) -> list[int] | None:

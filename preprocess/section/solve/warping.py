@@ -15,8 +15,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ....solver.math.arrays import Array
+from ....solver.math.definite import REGULAR
 from ... import fenicsx
-from ...fenicsx.solvers.factorisation import LARGEST_GROWTH
 from ..errors import SectionError
 from ..space.space import SectionSpace
 
@@ -90,7 +90,7 @@ class WarpingSolver:
         self,
         space: SectionSpace,
         pins: NDArray[np.int64] | None = None,
-        largest_growth: float = LARGEST_GROWTH,
+        largest_growth: float = 1.0 / REGULAR,
     ) -> None:
         self.largest_growth = largest_growth
         self.shift = 0.0

@@ -12,6 +12,7 @@ is the volume.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,7 @@ def twisted_strain_in_section(w: Any, d: Any, k: Any, x: Any) -> Any:
     return strain_in_section(w, d) + strain_along_beam(turning) / volume(k, x)
 
 
+@cache
 def fixed(strain: Callable[[Any, Any], Any]) -> Array:
     """`coefficients` (6, 9) that are numbers."""
     S = coefficients(strain)

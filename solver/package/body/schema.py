@@ -19,10 +19,10 @@ from ...math.arrays import Array, IntArray
 from ..common.dataset import Attribute, Data, Named, Part, Rows
 from ..section.schema import SectionRecovery
 from ..shell.schema import ShellPly
+from ..specification import FORMAT_VERSION as FORMAT_VERSION
 from ..specification import MassForm, ReferenceKind
 
 FORMAT = "plymotion modal package"
-FORMAT_VERSION = (1, 4)
 
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = get_args(ReferenceKind)
