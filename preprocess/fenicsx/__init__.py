@@ -2,8 +2,8 @@
 
 gmsh makes the meshes, Basix gives points of integration and nodes of reference cells, PETSc
 factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. DOLFINx compiles
-what sections, shells and solids state in UFL, evaluates it (spaces.py) and assembles it
-(surface.py, solids.py).
+what sections, shells and solids state in UFL and assembles it (surface.py, solids.py) or has it
+evaluated at points (evaluation.py).
 
 If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it. Each name below loads its part of the stack
@@ -18,13 +18,13 @@ from .team import ALONE, Team, world
 
 # Module of this folder -> the names that it offers; no module has the name of a function.
 _PUBLIC = {
+    "evaluation": ("evaluated",),
     "solvers.eigen": ("eigenpairs",),
     "solvers.factorisation": ("Cholesky", "cholesky", "negative_pivots"),
     "meshing.gmsh_model": ("plain_from_model",),
     "meshing.gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "kernels": ("Kernel", "Rows", "Symbols", "compiled", "kernel", "matrices", "rows", "symbols"),
-    "reference_cell": ("lagrange", "quadrature", "reference_nodes"),
-    "spaces": ("constant", "evaluated", "scalar_argument", "separate_cells"),
+    "reference_cell": ("lagrange", "order_of_nodes", "quadrature", "reference_nodes"),
     "stack": ("HAS_MUMPS", "MPI", "gmsh"),
     "surface": ("Surface", "SurfacePattern"),
 }

@@ -3,6 +3,7 @@ from .errors import FactorisationError as FactorisationError
 from .errors import InertiaError as InertiaError
 from .errors import MeshError as MeshError
 from .errors import SingularError as SingularError
+from .evaluation import evaluated as evaluated
 from .kernels import Kernel as Kernel
 from .kernels import Rows as Rows
 from .kernels import Symbols as Symbols
@@ -24,16 +25,13 @@ from .plain import PlainMesh as PlainMesh
 from .plain import used_nodes as used_nodes
 from .plain import with_centre_nodes as with_centre_nodes
 from .reference_cell import lagrange as lagrange
+from .reference_cell import order_of_nodes as order_of_nodes
 from .reference_cell import quadrature as quadrature
 from .reference_cell import reference_nodes as reference_nodes
 from .solvers.eigen import eigenpairs as eigenpairs
 from .solvers.factorisation import Cholesky as Cholesky
 from .solvers.factorisation import cholesky as cholesky
 from .solvers.factorisation import negative_pivots as negative_pivots
-from .spaces import constant as constant
-from .spaces import evaluated as evaluated
-from .spaces import scalar_argument as scalar_argument
-from .spaces import separate_cells as separate_cells
 from .stack import HAS_MUMPS as HAS_MUMPS
 from .stack import MPI as MPI
 from .stack import MissingFenicsx as MissingFenicsx

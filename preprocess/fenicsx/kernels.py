@@ -242,8 +242,17 @@ def _each(function: Any, given: Kernel, out: Array, table: Array, corners: Array
     if len(w) != len(x):
         raise ValueError(f"{len(w)} rows of data for {len(x)} cells")
     given.check(w.shape[1], x.shape[1])
-    numbers = [len(w), out.shape[1], w.shape[1], x[0].size if len(x) else 0]
-    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (out, w, given.constants, x)]
+    each_cell(function, out, w, given.constants, x)
+
+
+def each_cell(function: Any, out: Array, w: Array, constants: Array, x: Array) -> None:
+    """Call a function that FFCx or we have compiled for each cell.
+
+    Arrays are contiguous, those but `constants` with a first axis of cells: `out` of zeros, `w`
+    coefficients, `x` (c, nodes, 3) in the order of Basix.
+    """
+    numbers = [len(x), *(a[0].size if len(x) else 0 for a in (out, w, x))]
+    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (out, w, constants, x)]
     library().each_cell(function, *(ctypes.c_int64(number) for number in numbers), *pointers)
 
 

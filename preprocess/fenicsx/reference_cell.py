@@ -1,10 +1,12 @@
 """Quadrature, nodes and functions of reference cells, by Basix alone."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array
+from .plain import NODES
 from .stack import basix
 
 
@@ -29,6 +31,14 @@ def lagrange(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
     return np.array(table[0]), np.moveaxis(table[1:], 0, -1).copy()
 
 
+@cache
+def order_of_nodes(cell: str) -> list[int]:
+    """Row in `reference_nodes` of each of the 6 or 9 nodes of `NODES`."""
+    places = np.rint(2.0 * reference_nodes(cell, 2)).astype(int).tolist()
+    return [places.index(place) for place in NODES[cell].tolist()]
+
+
+@cache
 def _lagrange(cell: str, degree: int) -> Any:
     return basix.create_element(
         basix.ElementFamily.P,

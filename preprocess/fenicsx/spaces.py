@@ -19,7 +19,7 @@ from cffi import VerificationError
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from .plain import NODES, PlainMesh
+from .plain import PlainMesh
 from .stack import MPI, dolfinx, refused
 
 
@@ -39,7 +39,6 @@ _parameters = inspect.signature(dolfinx.fem.Expression).parameters
 JIT_OPTIONS = "jit_options" if "jit_options" in _parameters else "jit_params"
 # Of all that is compiled; seconds to wait for a module that another process compiles.
 JIT = {"timeout": 600}
-MOST_COORDINATES = 1000
 
 
 @contextmanager
@@ -171,22 +170,6 @@ def cell_function(mesh: Any, values: Any) -> Any:
     return found
 
 
-def separate_cells(cell: str, nodes: Array) -> Any:
-    """A DOLFINx mesh whose cells share no nodes, from the nodes (c, 6 or 9, gdim) of each cell.
-
-    `create_mesh` writes beyond its arrays if two cells share an edge but not its middle node, as
-    cells without middle nodes beside others do. Here no cell has a neighbour. The order of the
-    nodes is gmsh's.
-    """
-    c, k, gdim = nodes.shape
-    if c == 0 or k != len(NODES[cell]) or not np.isfinite(nodes).all():
-        raise ValueError(f"{nodes.shape} nodes of {cell}s: expected (c, {len(NODES[cell])}, gdim)")
-    numbers = np.arange(c * k).reshape(c, k)
-    points = nodes.reshape(-1, gdim)
-    plain = PlainMesh(points, numbers, cell, 2, np.zeros(c, dtype=np.int64), ("",))
-    return labelled_mesh(plain).mesh
-
-
 def compiled_form(form: Any) -> Any:
     """Compile a UFL form; the machine code is kept on disk and shared by later processes."""
     with quiet():
@@ -201,50 +184,6 @@ def assembled(form: Any) -> sp.csr_matrix:
     shape = matrix.getSize()
     matrix.destroy()
     return sp.csr_matrix((data, indices, indptr), shape=shape)
-
-
-def scalar_argument(mesh: Any, degree: int) -> Any:
-    """All functions of the continuous Lagrange space of a mesh, as one UFL argument.
-
-    Their order within a cell is that of `reference_nodes`.
-    """
-    element = element_of(cell_name(mesh), degree, (), mesh.geometry.dim)
-    return ufl.TrialFunction(function_space(mesh, element))
-
-
-def constant(mesh: Any, values: Array) -> Any:
-    """A UFL constant; expressions that differ in its value only are compiled once."""
-    return dolfinx.fem.Constant(mesh, np.asarray(values, dtype=np.float64))
-
-
-def evaluated(mesh: Any, expression: Any, points: Array, cells: IntArray | None = None) -> Array:
-    """Compile a UFL expression and evaluate it at points of the reference cell.
-
-    Parameters
-    ----------
-    expression : without or with one argument, which is of a scalar space: with others, DOLFINx
-        0.5.2 writes beyond the result
-    points : (q, tdim); at most `MOST_COORDINATES` numbers, because FFCx takes the printed array as
-        part of the name of the compiled code
-    cells : (c,) rows of the input arrays of the mesh; None: all
-
-    Returns
-    -------
-    (c, q, *shape of the expression), with an argument (c, q, *shape, k) for its k functions.
-    """
-    arguments = ufl.algorithms.extract_arguments(expression)
-    if len(arguments) > 1 or any(argument.ufl_shape for argument in arguments):
-        raise ValueError(f"{len(arguments)} arguments: expected at most one, of a scalar space")
-    if points.ndim != 2 or points.shape[1] != mesh.topology.dim or points.size > MOST_COORDINATES:
-        raise ValueError(f"points {points.shape}: expected (q, {mesh.topology.dim}), not too many")
-    own = np.argsort(original_cells(mesh)).astype(np.int32)  # DOLFINx reorders the cells
-    some = own if cells is None else own[cells]
-    with quiet():
-        compiled = dolfinx.fem.Expression(expression, points, **{JIT_OPTIONS: JIT})
-    of_mesh = (mesh,) if "mesh" in inspect.signature(compiled.eval).parameters else ()
-    found = compiled.eval(*of_mesh, some)
-    shape = (len(some), len(points), *expression.ufl_shape)
-    return np.asarray(found).reshape(*shape, -1) if arguments else np.asarray(found).reshape(shape)
 
 
 def p2_cr_element(mesh: Any) -> Any:

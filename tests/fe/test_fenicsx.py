@@ -218,19 +218,18 @@ def test_missing_part_is_named(missing: str) -> None:
     assert "make fenicsx" in done.stdout
 
 
-def test_what_dolfinx_would_crash_on_is_refused() -> None:
+def test_what_a_compiled_text_would_read_beyond_is_refused() -> None:
     nodes = fenicsx.NODES["quadrilateral"][None] / 2.0
-    mesh = fenicsx.separate_cells("quadrilateral", nodes)
     points = fenicsx.quadrature("quadrilateral", 2)[0]
-    u = fenicsx.scalar_argument(mesh, 2)
-    assert fenicsx.evaluated(mesh, ufl.grad(u), points).shape == (1, len(points), 2, 9)
-    w = ufl.TrialFunction(vector_space(mesh, 2, 3))
-    with pytest.raises(ValueError, match="of a scalar space"):
-        fenicsx.evaluated(mesh, w, points)
+
+    def slopes(_domain: Any, u: Any, _k: Any) -> Any:
+        return ufl.grad(u)
+
+    found = fenicsx.evaluated(slopes, "quadrilateral", 2, points, nodes)
+    assert found.shape == (1, len(points), 2, 9)
+    assert fenicsx.evaluated(slopes, "quadrilateral", 2, points, nodes[:0]).shape[0] == 0
     with pytest.raises(ValueError, match="points"):
-        fenicsx.evaluated(mesh, u, np.zeros((501, 2)))
-    with pytest.raises(IndexError):
-        fenicsx.evaluated(mesh, u, points, np.array([1]))
-    for wrong in (nodes[:, :8], nodes[:0], np.full_like(nodes, np.nan)):
+        fenicsx.evaluated(slopes, "quadrilateral", 2, np.zeros((501, 2)), nodes)
+    for wrong in (nodes[:, :8], np.full_like(nodes, np.nan)):
         with pytest.raises(ValueError, match="nodes of quadrilaterals"):
-            fenicsx.separate_cells("quadrilateral", wrong)
+            fenicsx.evaluated(slopes, "quadrilateral", 2, points, wrong)

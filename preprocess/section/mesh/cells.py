@@ -1,15 +1,14 @@
 """Cells of a section: triangles and quadrilaterals of 3 to 9 nodes, mixed in one mesh."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from ...fenicsx import EDGES, NODES, PlainMesh
+from ...fenicsx import EDGES, PlainMesh
 
 IntArray = NDArray[np.int64]
 KINDS = ("triangle", "quadrilateral")  # kind 0 and 1
@@ -80,22 +79,6 @@ class CellMesh:
                 )
             shapes.append(places)
         return shapes
-
-    @cached_property
-    def _domains(self) -> dict[tuple[int, int], list[Any]]:
-        return {}
-
-    def domains(self, some: slice) -> list[Any]:
-        """The DOLFINx mesh of some of the cells of each kind in `of_kinds`; None without any."""
-        key = some.start, some.stop
-        if key not in self._domains:
-            self._domains[key] = [
-                fenicsx.separate_cells(KINDS[kind], shape[within(rows, some)])
-                if within(rows, some).any()
-                else None
-                for (kind, rows), shape in zip(self.of_kinds, self.shapes, strict=True)
-            ]
-        return self._domains[key]
 
     @cached_property
     def edge_table(self) -> tuple[IntArray, IntArray, IntArray]:
@@ -187,12 +170,5 @@ def full_basis(kind: int, points: Array) -> tuple[Array, Array]:
     Values (q, 6 or 9) and slopes (q, 6 or 9, 2).
     """
     values, slopes = fenicsx.lagrange(KINDS[kind], 2, points)
-    order = order_of_nodes(kind)
+    order = fenicsx.order_of_nodes(KINDS[kind])
     return values[:, order], slopes[:, order]
-
-
-@lru_cache
-def order_of_nodes(kind: int) -> list[int]:
-    """Row in `fenicsx.reference_nodes` of each of the 6 or 9 nodes."""
-    places = np.rint(2.0 * fenicsx.reference_nodes(KINDS[kind], 2)).astype(int).tolist()
-    return [places.index(place) for place in NODES[KINDS[kind]].tolist()]

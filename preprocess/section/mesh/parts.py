@@ -9,21 +9,21 @@ from ufl import JacobianDeterminant, SpatialCoordinate, as_vector
 
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from .cells import (
-    CORNERS,
-    FULL,
-    KINDS,
-    CellMesh,
-    IntArray,
-    filling,
-    full_basis,
-    order_of_nodes,
-    patterns,
-    within,
-)
+from .cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
 from .numbering import Numbering
 
 EVERY = slice(None)
+
+
+def with_slopes(_domain: Any, u: Any, _k: Any) -> Any:
+    """u, u,2 and u,3 of the functions u of a cell."""
+    return as_vector([u, u.dx(0), u.dx(1)])
+
+
+def position(domain: Any, _u: Any, _k: Any) -> Any:
+    """x2, x3 and the determinant of the map."""
+    x = SpatialCoordinate(domain)
+    return as_vector([x[0], x[1], JacobianDeterminant(domain)])
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,6 @@ class Part:
 
     kind: int
     rows: IntArray  # (c,) of the mesh
-    domain: Any  # DOLFINx mesh of the own cells of the kind
-    own: IntArray  # (c,) rows of this mesh, -1 for other cells
     shape: Array  # (c, 6 or 9, 2) positions of the nodes of the map [m]
     nodes: IntArray  # (c, k) nodes of the functions
     degree: int | None  # of Lagrange functions, None: those of `filling`
@@ -47,21 +45,17 @@ class Part:
     def functions(self, points: Array, some: IntArray) -> Array:
         """The functions u with u,2 and u,3 of some cells at points of the reference cell,
         (c, q, 3, k)."""
-        u = fenicsx.scalar_argument(self.domain, self.degree or 2)
-        found = self.evaluated(as_vector([u, u.dx(0), u.dx(1)]), points, some)
+        found = self.evaluated(with_slopes, points, some)
         # A translation has no strain. The rounding of compiled tables is the same in all cells, so
         # that it would add up: very thin strips lose half a digit by it.
         found[:, :, 1:] -= found[:, :, :1] * found[:, :, 1:].sum(axis=-1, keepdims=True)
         if self.filling is None:
             return found
-        return np.asarray(found[..., order_of_nodes(self.kind)] @ self.filling)
+        return np.asarray(found[..., fenicsx.order_of_nodes(KINDS[self.kind])] @ self.filling)
 
     def map(self, points: Array, some: IntArray) -> Array:
         """Positions x2, x3 and determinant of the map of some cells at points, (c, q, 3)."""
-        x = SpatialCoordinate(self.domain)
-        return self.evaluated(
-            as_vector([x[0], x[1], JacobianDeterminant(self.domain)]), points, some
-        )
+        return self.evaluated(position, points, some)
 
     def values(self, points: Array) -> Array:
         """The functions at points of the reference cell, (q, k)."""
@@ -70,9 +64,13 @@ class Part:
         assert self.degree is not None
         return fenicsx.lagrange(KINDS[self.kind], self.degree, points)[0]
 
-    def evaluated(self, expression: Any, points: Array, some: IntArray | slice = EVERY) -> Array:
-        """A UFL expression on `domain` at points of some reference cells, (c, q, ...)."""
-        return fenicsx.evaluated(self.domain, expression, points, self.own[some])
+    def evaluated(
+        self, text: Any, points: Array, some: IntArray | slice = EVERY, k: Array | None = None
+    ) -> Array:
+        """`fenicsx.evaluated` for some of the cells, with constants k."""
+        return fenicsx.evaluated(
+            text, KINDS[self.kind], self.degree or 2, points, self.shape[some], k
+        )
 
     def places(self) -> Array:
         """Positions of the nodes of the functions, (c, k, 2) [m]."""
@@ -84,39 +82,27 @@ class Part:
         return np.asarray(full_basis(self.kind, reference)[0] @ self.shape)
 
 
-def lagrange_parts(
-    mesh: CellMesh, degree: int, some: slice
-) -> tuple[list[Part], int, sp.csr_matrix | None]:
+def lagrange_parts(mesh: CellMesh, degree: int) -> tuple[list[Part], int, sp.csr_matrix | None]:
     """Lagrange functions: the parts, the number of nodes, and `Numbering.expansion`."""
     numbering = Numbering(mesh, degree)
     parts = [
-        Part(kind, rows, domain, _numbers(rows, some), shape, nodes, degree, None)
-        for (kind, rows), domain, shape, nodes in zip(
-            mesh.of_kinds, mesh.domains(some), mesh.shapes, numbering.of_cells, strict=True
+        Part(kind, rows, shape, nodes, degree, None)
+        for (kind, rows), shape, nodes in zip(
+            mesh.of_kinds, mesh.shapes, numbering.of_cells, strict=True
         )
     ]
     return parts, numbering.n_node, numbering.expansion()
 
 
-def own_parts(mesh: CellMesh, some: slice) -> tuple[list[Part], int]:
+def own_parts(mesh: CellMesh) -> tuple[list[Part], int]:
     """The functions of the nodes that each cell has: the parts and the number of nodes."""
     used, compact = np.unique(mesh.nodes, return_inverse=True)
     absent = int(used[0] < 0)
     table = compact.reshape(mesh.nodes.shape) - absent
     parts = []
-    for (kind, rows), domain, shape in zip(
-        mesh.of_kinds, mesh.domains(some), mesh.shapes, strict=True
-    ):
-        numbers = _numbers(rows, some)
+    for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
         nodes = table[rows, : FULL[kind]]
         for pattern, of in patterns(nodes):
-            own = nodes[of][:, pattern]
             fill = filling(kind, pattern)
-            parts.append(Part(kind, rows[of], domain, numbers[of], shape[of], own, None, fill))
+            parts.append(Part(kind, rows[of], shape[of], nodes[of][:, pattern], None, fill))
     return parts, len(used) - absent
-
-
-def _numbers(rows: IntArray, some: slice) -> IntArray:
-    """Rows of the cells in the DOLFINx mesh of those in a slice; -1 for the others."""
-    inside = within(rows, some)
-    return np.where(inside, np.cumsum(inside) - 1, -1)

@@ -5,13 +5,13 @@ strains.py. DOLFINx evaluates G_k at the points, as the 6x9 matrix S of (w, w,2,
 """
 
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from ufl import SpatialCoordinate
 
 from ....solver.math.arrays import Array
-from ... import fenicsx
 from ..errors import SectionError
 from ..space.operators import AT_A_TIME
 from ..space.space import SectionSpace
@@ -39,9 +39,7 @@ class TwistedStrains:
         """G_k w from the values and slopes of w at the points, (c, q, 6, 9)."""
         out = np.zeros((*self.g.shape, 6, 9))
         for part, (reference, _) in self.space.rules:
-            k, x = fenicsx.constant(part.domain, self.k), SpatialCoordinate(part.domain)
-            S = coefficients(partial(twisted_strain_in_section, k=k, x=x))
-            out[part.rows, : len(reference)] = part.evaluated(S, reference)
+            out[part.rows, : len(reference)] = part.evaluated(_rows, reference, k=self.k)
         return out
 
     @cached_property
@@ -115,6 +113,11 @@ class TwistedStrains:
         within = S.reshape(s, q, 18, 3) @ fields
         along = np.einsum("ra,sqk->sqrak", space.S_l, values / self.g[some][..., None])
         return within.reshape(s, q, 6, 3 * k), along.reshape(s, q, 6, 3 * k)
+
+
+def _rows(domain: Any, _u: Any, k: Any) -> Any:
+    """S (6, 9) of G_k w = S (w, w,2, w,3)."""
+    return coefficients(partial(twisted_strain_in_section, k=k, x=SpatialCoordinate(domain)))
 
 
 def _by_nodes(strain: Array, stress: Array) -> Array:

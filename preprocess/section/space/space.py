@@ -118,9 +118,9 @@ class SectionSpace:
         self.quadrature_degree = quadrature_degree or 2 * self.degree + (2 if curved else 0)
         P = None
         if degree is None:
-            parts, n_node = own_parts(mesh, self.own)
+            parts, n_node = own_parts(mesh)
         else:
-            parts, n_node, P = lagrange_parts(mesh, degree, self.own)
+            parts, n_node, P = lagrange_parts(mesh, degree)
         self.rules = [  # the parts, with points and weights of integration on the reference cell
             (
                 part,
