@@ -23,18 +23,10 @@ from .plain import PlainMesh
 from .stack import MPI, dolfinx, refused
 
 
-def _first(*names: str) -> Any:
-    """The first of these modules that this version has, or None."""
-    for name in names:
-        try:
-            return import_module(name)
-        except ImportError:
-            continue
-    return None
-
-
-basix_ufl = _first("basix.ufl")  # elements without it are those of UFL
-_gmsh_bridge = _first("dolfinx.io.gmsh", "dolfinx.io.gmshio")
+try:
+    basix_ufl: Any = import_module("basix.ufl")
+except ImportError:
+    basix_ufl = None  # elements are those of UFL
 _parameters = inspect.signature(dolfinx.fem.Expression).parameters
 JIT_OPTIONS = "jit_options" if "jit_options" in _parameters else "jit_params"
 # Of all that is compiled; seconds to wait for a module that another process compiles.
@@ -106,7 +98,7 @@ def labelled_mesh(plain: PlainMesh) -> LabelledMesh:
 def _dolfinx_cells(plain: PlainMesh) -> IntArray:
     """The cells with their nodes in DOLFINx's order."""
     kind = getattr(dolfinx.mesh.CellType, plain.cell)
-    order = _gmsh_bridge.cell_perm_array(kind, plain.cells.shape[1])
+    order = dolfinx.cpp.io.perm_gmsh(kind, plain.cells.shape[1])
     return np.ascontiguousarray(plain.cells[:, order])
 
 
