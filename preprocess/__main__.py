@@ -64,8 +64,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
+        if options.command == "compile":
+            from .ahead import compile_ahead
+
+            compile_ahead(print)
+            return 0
+        if getattr(options, "out", None) and (
+            len(options.specs) > 1 or options.specs == [Path("-")]
+        ):
+            print("error: --out: expected one SPEC.json; several need --out-dir", file=sys.stderr)
+            return 2
+        from .products import run  # here, so that --help needs no HDF5
+
         with scripts(refused=options.no_scripts):
-            return int(options.run(options))
+            return run(options)
     except OSError as error:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 2
@@ -85,132 +97,88 @@ def _parser() -> argparse.ArgumentParser:
         description="Build modal packages from laminates, meshes and materials (needs FEniCSx).",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, text in (("body", "bodies"), ("solid", "solids that are analysed alone")):
-        body = commands.add_parser(
-            name,
-            help=f"build the modal packages of {text}",
-            description=f"Build the modal packages of {text}: modes, inertia.",
-            epilog=BODY_EPILOG,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        _add_specs(body, "specification of one body, as `plymotion check` or `solid` writes it")
-        body.add_argument(
-            "--out-dir", type=Path, metavar="DIR", help="folder of the packages (default: SPEC's)"
-        )
-        body.add_argument("--json", action="store_true", help="print one line of JSON per body")
-        body.set_defaults(run=_body)
-    for name, text, ranks in (
-        ("section", "analyse cross-sections", RANKS_EPILOG),
-        ("section-batch", "analyse many cross-sections over the ranks of an MPI job", POOL_EPILOG),
+    sections = "{}: stiffness, mass, recovery of stresses."
+    for name, help_, description, epilog in (
+        ("body", "build the modal packages of bodies", "{}: modes, inertia.", BODY_EPILOG),
+        (
+            "solid",
+            "build the modal packages of solids that are analysed alone",
+            "{}: modes, inertia.",
+            BODY_EPILOG,
+        ),
+        (
+            "section",
+            "analyse cross-sections",
+            sections,
+            SECTION_EPILOG.format(ranks=RANKS_EPILOG),
+        ),
+        (
+            "section-batch",
+            "analyse many cross-sections over the ranks of an MPI job",
+            sections,
+            SECTION_EPILOG.format(ranks=POOL_EPILOG),
+        ),
+        (
+            "shell",
+            "analyse laminated plates and shells",
+            "{}: load cases and natural modes.",
+            SHELL_EPILOG,
+        ),
     ):
-        section = commands.add_parser(
+        command = commands.add_parser(
             name,
-            help=text,
-            description=f"{text[0].upper()}{text[1:]}: stiffness, mass, recovery of stresses.",
-            epilog=SECTION_EPILOG.format(ranks=ranks),
+            help=help_,
+            description=description.format(f"{help_[0].upper()}{help_[1:]}"),
+            epilog=epilog,
             formatter_class=argparse.RawDescriptionHelpFormatter,
-            fromfile_prefix_chars="@",
+            fromfile_prefix_chars=None if name in ("body", "solid") else "@",
         )
-        _add_specs(section, "specification of one section, as `plymotion section` writes it")
-        _add_section_options(section)
-        section.set_defaults(run=_section if name == "section" else _section_batch)
-    _add_shell(commands)
-    ahead = commands.add_parser(
+        _add_arguments(command, name)
+    commands.add_parser(
         "compile",
         help="compile what DOLFINx needs, ahead of the first analysis",
         description="Compile what sections, shells and solids need, ahead of their first analysis.",
     )
-    ahead.set_defaults(run=_compile, no_scripts=False)
     return parser
 
 
-def _add_shell(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    shell = commands.add_parser(
-        "shell",
-        help="analyse laminated plates and shells",
-        description="Analyse laminated plates and shells: load cases and natural modes.",
-        epilog=SHELL_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        fromfile_prefix_chars="@",
+def _add_arguments(parser: argparse.ArgumentParser, name: str) -> None:
+    """Arguments of a command that makes files."""
+    add = parser.add_argument
+    kind = name.removesuffix("-batch")
+    asked = "body" if name in ("body", "solid") else kind
+    writer = (
+        "`plymotion check` or `solid` writes it"
+        if asked == "body"
+        else f"`plymotion {kind}` writes it"
     )
-    _add_specs(shell, "specification of one shell, as `plymotion shell` writes it")
-    place = shell.add_mutually_exclusive_group()
-    place.add_argument("--out", type=Path, metavar="FILE", help="name of the file, for one SPEC")
-    place.add_argument(
-        "--out-dir", type=Path, metavar="DIR", help="folder of the files (default: beside SPEC)"
+    text = f"specification of one {asked}, as {writer}"
+    add("specs", nargs="+", type=Path, metavar="SPEC.json", help=text)
+    add("--force", action="store_true", help="build all files, also those that are up to date")
+    add("--no-scripts", action="store_true", help="refuse mesh scripts of the user (.geo, .py)")
+    place = parser.add_mutually_exclusive_group()
+    if kind == "shell":
+        place.add_argument(
+            "--out", type=Path, metavar="FILE", help="name of the file, for one SPEC"
+        )
+    text = (
+        "of the packages (default: SPEC's)"
+        if asked == "body"
+        else "of the files (default: beside SPEC)"
     )
-    _add_verify(shell, "energies and frequencies")
-    shell.add_argument("--json", action="store_true", help="print one line of JSON per shell")
-    shell.set_defaults(run=_shell)
-
-
-def _add_specs(parser: argparse.ArgumentParser, text: str) -> None:
-    parser.add_argument("specs", nargs="+", type=Path, metavar="SPEC.json", help=text)
-    parser.add_argument(
-        "--force", action="store_true", help="build all files, also those that are up to date"
-    )
-    parser.add_argument(
-        "--no-scripts", action="store_true", help="refuse mesh scripts of the user (.geo, .py)"
-    )
-
-
-def _add_section_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--out-dir", type=Path, metavar="DIR", help="folder of the files (default: beside SPEC)"
-    )
-    parser.add_argument(
-        "--accuracy",
-        type=float,
-        metavar="A",
-        help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
-    )
-    parser.add_argument(
-        "--no-estimate", action="store_true", help="skip the error estimate (faster)"
-    )
-    _add_verify(parser, "K")
-    parser.add_argument(
-        "--shard", type=shard, default=(1, 1), metavar="k/N", help="only the k-th of N shares"
-    )
-    parser.add_argument("--json", action="store_true", help="print one line of JSON per section")
-
-
-def _add_verify(parser: argparse.ArgumentParser, what: str) -> None:
-    text = f"compute {what} by a second method as well, and compare"
-    parser.add_argument("--verify", action="store_true", help=text)
-
-
-def _body(options: argparse.Namespace) -> int:
-    from .body_packages import build_bodies  # here, so that --help needs no HDF5
-
-    return build_bodies(options)
-
-
-def _section(options: argparse.Namespace) -> int:
-    from .section.analysis.batch import run_sections
-
-    return run_sections(options, pool=False)
-
-
-def _shell(options: argparse.Namespace) -> int:
-    from .shell.analyses.batch import run_shells
-
-    if options.out and (len(options.specs) > 1 or options.specs == [Path("-")]):
-        print("error: --out: expected one SPEC.json; several need --out-dir", file=sys.stderr)
-        return 2
-    return run_shells(options)
-
-
-def _compile(_options: argparse.Namespace) -> int:
-    from .ahead import compile_ahead
-
-    compile_ahead(print)
-    return 0
-
-
-def _section_batch(options: argparse.Namespace) -> int:
-    from .section.analysis.batch import run_sections
-
-    return run_sections(options, pool=True)
+    place.add_argument("--out-dir", type=Path, metavar="DIR", help=f"folder {text}")
+    if kind == "section":
+        text = "refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A"
+        add("--accuracy", type=float, metavar="A", help=text)
+        add("--no-estimate", action="store_true", help="skip the error estimate (faster)")
+    if kind in ("section", "shell"):
+        what = "K" if kind == "section" else "energies and frequencies"
+        text = f"compute {what} by a second method as well, and compare"
+        add("--verify", action="store_true", help=text)
+    if kind == "section":
+        text = "only the k-th of N shares"
+        add("--shard", type=shard, default=(1, 1), metavar="k/N", help=text)
+    add("--json", action="store_true", help=f"print one line of JSON per {asked}")
 
 
 if __name__ == "__main__":

@@ -1,38 +1,45 @@
-"""Progress output of the commands that make files, and file names from standard input."""
+"""Progress of the commands that make files: lines for people, or one JSON object per line."""
 
+import dataclasses
+import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from typing import Any
 
-from .batch import Outcome, Product, build_all, print_outcome
-from .json_lines import json_lines
+from .batch import Outcome, print_outcome
 
 Report = Callable[[Outcome, str], None]
-
-
-def build_from_stdin(
-    product: Product, target_of: Callable[[Path], Path], *, force: bool, report: Report
-) -> int:
-    """Make a file for each name of a specification read from standard input."""
-    code = 0
-    for line in sys.stdin:
-        path = Path(line.rstrip("\n"))
-        code = max(code, build_all(product, [path], target_of, force=force, report=report))
-    return code
+Progress = Callable[[str], None]
 
 
 @contextmanager
-def reporter(as_json: bool, first: bool) -> Iterator[tuple[Report, Callable[[str], None] | None]]:
-    """Reporter of outcomes and progress: only the first rank reports, as text or as JSON."""
+def reporter(as_json: bool, first: bool) -> Iterator[tuple[Report, Progress | None]]:
+    """Reporter of outcomes and progress: only the first rank reports, as text or as JSON.
+
+    Lines of JSON go to the original standard output, immediately and as a whole; output of
+    libraries goes to standard error.
+    """
     if not first:
-        yield _no_report, None
-    elif as_json:
-        with json_lines() as lines:
-            yield lines.write_outcome, lines.progress
-    else:
+        yield lambda _outcome, _place: None, None
+        return
+    if not as_json:
         yield print_outcome, None
+        return
+    sys.stdout.flush()
+    lines = os.dup(1)
+    os.dup2(2, 1)
 
+    def write(content: dict[str, Any]) -> None:
+        os.write(lines, (json.dumps(content) + "\n").encode())
 
-def _no_report(outcome: Outcome, place: str) -> None:
-    """Reporter of the other ranks: prints nothing."""
+    try:
+        yield (
+            lambda outcome, _place: write(dataclasses.asdict(outcome)),
+            lambda line: write({"progress": line}),
+        )
+    finally:
+        sys.stdout.flush()
+        os.dup2(lines, 1)
+        os.close(lines)

@@ -1,7 +1,8 @@
 """Texts in UFL that DOLFINx compiles for points of a plane cell, evaluated for many cells.
 
-The cells have straight or curved edges: a map of degree 2 with all 6 or 9 nodes. They need no mesh of DOLFINx, since
-cells of a section may share an edge but not its middle node, which `create_mesh` does not survive.
+The cells have straight or curved edges: a map of degree 2 with all 6 or 9 nodes. They need no mesh
+of DOLFINx: cells of a section may share an edge but not its middle node, and `create_mesh` would
+then write beyond its arrays.
 """
 
 import ctypes
@@ -30,8 +31,8 @@ def evaluated(
 
     Parameters
     ----------
-    text : `text(domain, u, k)` with the UFL domain of the cell, all Lagrange functions u of `degree` as one
-        argument, whose order is that of `reference_nodes`, and the constants k; compiled once for
+    text : `text(domain, u, k)` with the UFL domain, all Lagrange functions u of `degree`
+        as one argument, in the order of `reference_nodes`, and the constants k; compiled once for
         each cell, degree and rule
     points : (q, 2); at most `MOST_COORDINATES` numbers, because FFCx takes the printed array as
         part of the name of the compiled code
@@ -66,7 +67,9 @@ def compiled_text(
     k = ufl.Constant(domain, shape=(constants,)) if constants else None
     expression = text(domain, ufl.TrialFunction(functions), k)
     with quiet():
-        found, module, _ = dolfinx.jit.ffcx_jit(MPI.COMM_SELF, (expression, at), **{JIT_OPTIONS: JIT})
+        found, module, _ = dolfinx.jit.ffcx_jit(
+            MPI.COMM_SELF, (expression, at), **{JIT_OPTIONS: JIT}
+        )
     address = int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64))
     shape = (len(at), *expression.ufl_shape)
     if ufl.algorithms.extract_arguments(expression):

@@ -22,7 +22,6 @@ from ...solver.math.arrays import Array, IntArray
 from .plain import PlainMesh
 from .stack import MPI, dolfinx, refused
 
-
 try:
     basix_ufl: Any = import_module("basix.ufl")
 except ImportError:

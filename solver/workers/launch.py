@@ -34,7 +34,7 @@ Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batc
 ONE_RANK = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
 
 JOB = (("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_SIZE"))
-EXPECTED_RANKS = "PLYMOTION_RANKS"  # read by preprocess/analysed_files.py
+EXPECTED_RANKS = "PLYMOTION_RANKS"  # read by preprocess/products.py
 
 
 def mpi_job() -> tuple[int, int]:

@@ -1,0 +1,271 @@
+"""What the commands make: modal packages of bodies, files of sections and of shells."""
+
+import argparse
+import dataclasses
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import as_completed
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..solver.errors import InputError
+from ..solver.package.common.shares import by_mesh, mesh_key, share
+from ..solver.package.fingerprint import fingerprint, has_fingerprint
+from .batch import USER_ERROR, Outcome, Product, build, build_all
+from .reporting import Progress, Report, reporter
+
+# Environment variables that the common MPI launchers set.
+LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
+CHUNKS = 4  # tasks of a worker: enough to balance, few enough to keep sections of one mesh together
+
+
+class BodyPackages:
+    """Makes the modal package of one body from its specification."""
+
+    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+        """True if the target is a valid package made from the same inputs."""
+        return has_fingerprint(target, fingerprint(spec))
+
+    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, list[dict[str, str]]]:
+        """Build and write the package; FEniCSx is loaded only if it is needed."""
+        from ..solver.package.validation import write_valid
+
+        start = time.perf_counter()
+        if isinstance(spec, dict) and spec.get("kind") == "imported":
+            from .exchange.import_file import build_imported as build_package
+        else:
+            from .body import build_body as build_package
+        package = build_package(spec)
+        write_valid(target, package, f"body {package.body}", own=True)  # also a damaged one
+        seconds, dofs = package.provenance["seconds"], package.provenance["dofs"]
+        hertz = package.frequencies / (2.0 * math.pi)
+        span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
+        first = next(iter(seconds))  # "section" of a beam, "shell"
+        return (
+            f"{first} {seconds[first]:.2f} s, modes {seconds['modes']:.2f} s, "
+            f"{dofs.get('section', dofs['body'])} dofs ({time.perf_counter() - start:.2f} s in "
+            f"all; {package.n_mode} modes{span})"
+        ), package.provenance["warnings"]
+
+
+class AnalysedFiles:
+    """Writes the results file of each specification.
+
+    Parameters
+    ----------
+    options : of the command; those of the analysis are inputs like the specification itself
+    team : processes that share the work on each file, of which rank 0 writes; None: no others
+    progress : called with the name of each step of an analysis
+    """
+
+    def __init__(
+        self, options: argparse.Namespace, team: Any = None, progress: Progress | None = None
+    ) -> None:
+        self.options, self.team, self.progress = options, team, progress
+
+    def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
+        """All inputs of a file, for its fingerprint."""
+        raise NotImplementedError
+
+    def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
+        """Results of a specification; `team` has the processes that share the work, if any."""
+        raise NotImplementedError
+
+    def write(self, target: Path, result: Any) -> None:
+        """Write the file."""
+        raise NotImplementedError
+
+    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+        """True if the target was made from the same inputs; the same on all ranks."""
+        first = self.team is None or self.team.rank == 0
+        same = first and has_fingerprint(target, fingerprint(self.inputs(spec)))
+        return bool(same if self.team is None else self.team.broadcast(same))
+
+    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
+        """Analyse and write the file."""
+        with self._together():
+            result = self.analyse(spec, **({} if self.team is None else {"team": self.team}))
+        with self._together():
+            more = {"fingerprint": fingerprint(self.inputs(spec))}
+            result = dataclasses.replace(result, provenance={**result.provenance, **more})
+            if self.team is None or self.team.rank == 0:
+                self.write(target, result)
+        return f"{result.provenance['dofs']} dofs", result.warnings
+
+    @contextmanager
+    def _together(self) -> Iterator[None]:
+        """Work that ends on all ranks, or with the error of one on all of them."""
+        failed: BaseException | None = None
+        try:
+            yield
+        except Exception as error:
+            if self.team is None:
+                raise
+            failed = error
+        if self.team is not None:
+            self.team.agree(failed)
+
+
+class SectionFiles(AnalysedFiles):
+    """Writes the section file of each specification."""
+
+    def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
+        """Specification, options and format."""
+        from ..solver.package.section.schema import SECTION_FORMAT_VERSION
+
+        given = {"estimate": not self.options.no_estimate, "accuracy": self.options.accuracy}
+        if self.options.verify:
+            given["verify"] = True
+        return {"spec": spec, "options": given, "format": list(SECTION_FORMAT_VERSION)}
+
+    def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
+        """Analyse the section."""
+        from .section.analysis.analysis import analyse  # loads FEniCSx
+
+        return analyse(
+            spec,
+            "section",  # the same for all sections: it is part of the key of a cached mesh
+            estimate=not self.options.no_estimate,
+            accuracy=self.options.accuracy,
+            verify=self.options.verify,
+            progress=self.progress,
+            **team,
+        )
+
+    def write(self, target: Path, result: Any) -> None:
+        """Write the section file."""
+        from ..solver.package.section.io import write_section
+
+        write_section(target, result)
+
+
+class ShellFiles(AnalysedFiles):
+    """Writes the results file of each shell."""
+
+    def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
+        """Specification, options and format."""
+        from ..solver.package.shell.schema import SHELL_FORMAT_VERSION
+
+        given = {"options": {"verify": True}} if self.options.verify else {}
+        return {"spec": spec, "format": list(SHELL_FORMAT_VERSION), **given}
+
+    def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
+        """Analyse the shell."""
+        from .shell.analyses.analysis import analyse  # loads FEniCSx
+
+        return analyse(spec, "shell", verify=self.options.verify, progress=self.progress, **team)
+
+    def write(self, target: Path, result: Any) -> None:
+        """Write the shell file."""
+        from ..solver.package.shell.io import write_shell
+
+        write_shell(target, result)
+
+
+FILES: dict[str, type[AnalysedFiles]] = {
+    "section": SectionFiles,
+    "section-batch": SectionFiles,
+    "shell": ShellFiles,
+}
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make the files that a command asks for; returns the exit code."""
+    pool = options.command == "section-batch"
+    files = FILES.get(options.command)
+    team = launched_ranks() if files and not pool else None
+    listed = options.specs == [Path("-")]  # names follow on standard input
+
+    def target_of(spec: Path) -> Path:
+        name = (options.out_dir or spec.parent) / f"{spec.stem}.vtkhdf"
+        return getattr(options, "out", None) or name
+
+    # With names from standard input, each rank reports to the process that started it.
+    with reporter(options.json, team is None or team.rank == 0 or listed) as (report, progress):
+        product = files(options, team, progress) if files else BodyPackages()
+        how: dict[str, Any] = {"force": options.force, "report": report}
+        if listed:
+            names = (Path(line.rstrip("\n")) for line in sys.stdin)
+            return max((build_all(product, [name], target_of, **how) for name in names), default=0)
+        specs = options.specs
+        if files is SectionFiles:
+            groups = by_mesh((path, _mesh_key(path)) for path in specs)
+            specs = share([path for group in groups for path in group], options.shard)
+        if pool and _world_size() > 1:
+            assert isinstance(product, SectionFiles)
+            product.progress = None  # progress of workers would come from another process
+            return _build_over_ranks(product, specs, target_of, **how)
+        return build_all(product, specs, target_of, **how)
+
+
+def launched_ranks() -> Any:
+    """The ranks of this job, or None; found without loading MPI where no launcher is at work."""
+    if not any(name in os.environ for name in LAUNCHERS):
+        return None
+    from .fenicsx import parallel
+
+    ranks = parallel.Ranks()
+    expected = os.environ.get("PLYMOTION_RANKS", "")
+    if expected.isdecimal() and int(expected) != ranks.size:
+        raise InputError(
+            f"mpirun started {expected} processes, the MPI of this FEniCSx sees {ranks.size}: "
+            f"expected the mpiexec of {sys.executable}"
+        )
+    return ranks
+
+
+def _world_size() -> int:
+    from .fenicsx import parallel
+
+    return parallel.world_size()
+
+
+def _mesh_key(path: Path) -> str:
+    """Text that is equal for equal meshes; an unreadable specification is a group of its own."""
+    try:
+        return mesh_key(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, AttributeError):
+        return str(path)  # its error is reported when it is processed
+
+
+def _build_over_ranks(
+    product: Product,
+    specs: Sequence[Path],
+    target_of: Callable[[Path], Path],
+    *,
+    force: bool,
+    report: Report,
+) -> int:
+    """Make all files on the workers of the MPI job; returns the exit code.
+
+    Only the first rank reports. Each worker keeps the data that sections of a mesh share.
+    """
+    from .fenicsx import parallel
+
+    code, count = 0, 0
+    largest = max(1, math.ceil(len(specs) / (CHUNKS * (_world_size() - 1))))
+    with parallel.pool() as executor:
+        if executor is None:  # a worker that has received the signal to stop
+            return code
+        futures = []
+        for group in by_mesh((path, _mesh_key(path)) for path in specs):
+            for i in range(0, len(group), largest):
+                files = [(path, target_of(path)) for path in group[i : i + largest]]
+                futures.append(executor.submit(_build_some, product, files, force))
+        for future in as_completed(futures):
+            for outcome in future.result():
+                count += 1
+                report(outcome, f"{count}/{len(specs)}")
+                if outcome.status == "failed":
+                    code = USER_ERROR
+    return code
+
+
+def _build_some(product: Product, files: list[tuple[Path, Path]], force: bool) -> list[Outcome]:
+    """Task of a worker: a few sections of one mesh."""
+    return [build(product, path, target, force=force) for path, target in files]
