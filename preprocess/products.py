@@ -37,10 +37,13 @@ class BodyPackages:
 
         start = time.perf_counter()
         if isinstance(spec, dict) and spec.get("kind") == "imported":
-            from .exchange.import_file import build_imported as build_package
+            from .exchange.import_file import build_imported
+
+            package = build_imported(spec)
         else:
-            from .body import build_body as build_package
-        package = build_package(spec)
+            from .body import build_body
+
+            package = build_body(spec)
         write_valid(target, package, f"body {package.body}", own=True)  # also a damaged one
         seconds, dofs = package.provenance["seconds"], package.provenance["dofs"]
         hertz = package.frequencies / (2.0 * math.pi)

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from section_cases import section
 
-from plymotion.preprocess.materials import isotropic
+from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
 from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.mesh.cells import CellMesh
 from plymotion.preprocess.section.mesh.mesh import section_mesh
 from plymotion.preprocess.section.mesh.refine import refined
 from plymotion.preprocess.section.solve.estimate import error_of_edges, scaled
 from plymotion.preprocess.section.solve.problem import SectionProblem, section_problem
-from plymotion.preprocess.section.solve.singular import exponent
+from plymotion.preprocess.section.solve.singular import cell_exponents, exponent
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.solver.inputs.section.shapes.library import expand
 
@@ -142,6 +143,32 @@ def test_exponents_of_corners_by_closed_forms() -> None:
     for ratio in (10.0, 1e3, 1e4):
         found = exponent(turn, [ratio * one, one, ratio * one, one], closed=True)
         assert found == pytest.approx(4.0 / np.pi * np.arctan(ratio**-0.5), rel=1e-4)
+
+
+@pytest.mark.one_end
+def test_exponents_do_not_change_when_a_section_is_turned() -> None:
+    """Corners of an L of anisotropic plies, which the directions of its edges do not suit."""
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    corners = np.concatenate([square + shift for shift in ([0, 0], [1, 0], [0, 1])])
+    points, rows = np.unique(corners, axis=0, return_inverse=True)
+    nodes = np.full((3, 9), -1)
+    nodes[:, :4] = rows.reshape(3, 4)
+    constants = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
+    plies = np.stack([rotated(constants.stiffness_M, ply_rotation(t)) for t in (60.0, 20.0, -45.0)])
+    found = []
+    for angle in (0.0, 0.7):
+        c, s = np.cos(angle), np.sin(angle)
+        mesh = CellMesh(
+            points @ np.array([[c, s], [-s, c]]),
+            nodes,
+            np.ones(3, dtype=np.int64),
+            np.zeros(3, dtype=np.int64),
+            ("L",),
+        )
+        turned = rotated(plies, np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]))
+        found.append(cell_exponents(mesh, turned[:, None], np.ones(3), 1.0))
+    assert found[0].max() < 0.99
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
 
 
 def test_estimate_of_round_edges_by_closed_forms() -> None:
