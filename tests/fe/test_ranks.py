@@ -96,13 +96,13 @@ if team.rank == 0:
 FAILS = """
 import sys
 from plymotion.preprocess.__main__ import main
-from plymotion.preprocess.fenicsx import distributed, parallel
+from plymotion.preprocess.fenicsx import distributed, parallel, world
 
 def fails(self, part):
     raise MemoryError("no memory for the rows")
 
 parallel.AFTER_ERROR = 1.0
-if parallel.world().rank == 1:
+if world().rank == 1:
     distributed.Distribution.csr = fails
 sys.exit(main(sys.argv[1:]))
 """
