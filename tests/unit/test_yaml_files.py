@@ -55,6 +55,13 @@ def test_plain_aliases_merges_and_reused_anchors_are_read(tmp_path):
     assert [found[key] for key in "bd"] == [[0, 1], [2]]
     assert found["f"] == {"x": 2}
     assert found["g"] == {"x": 2, "y": 3}
+    file.write_text(
+        "one: &one {width: 1}\ntwo: &two {width: 2, z: 3}\nh: {<<: [*one, *two], q: 0}\n"
+    )
+    assert read_yaml(file)["h"] == {"width": 1, "z": 3, "q": 0}
+    file.write_text("a: {<<: 3}\n")
+    with pytest.raises(InputError, match="<<: expected a table"):
+        read_yaml(file)
     file.write_text(growing(5))
     assert len(read_yaml(file)["a4"]) == 9
 

@@ -88,7 +88,21 @@ def read_yaml(file: Path) -> Any:
         return _loaded(text)
     except (YAMLError, ValueError, AttributeError, LookupError) as error:  # also of PyYAML's tags
         where = " ".join(str(error).replace('in "<byte string>", ', "").split())
+        if "exceeded maximum" in where:  # a limit of libyaml's own, from PyYAML 6.0.4 on
+            where = f"more than {YAML_LEVELS} levels"
         raise InputError(f"{file}: not valid YAML: {where}") from error
+
+
+MERGE = "tag:yaml.org,2002:merge"
+
+
+def _merged_tables(node: Any) -> list[Any]:
+    """Return the tables that a node merges. Raises ValueError."""
+    tables = node.value if node.id == "sequence" else [node]
+    if any(table.id != "mapping" for table in tables):
+        line = node.start_mark.line + 1
+        raise ValueError(f"line {line}: <<: expected a table, or a list of tables")
+    return list(tables)
 
 
 def _loaded(text: bytes) -> Any:
@@ -144,6 +158,20 @@ def _loaded(text: bytes) -> Any:
                     raise ComposerError(None, None, f"{words}; expected it once")
                 marks[name] = key.start_mark
             return node
+
+        def flatten_mapping(self, node: Any) -> None:
+            """Merge tables (`<<`): own keys first, then the first table that has a key.
+
+            PyYAML 6.0.4 compares keys by identity and takes others.
+            """
+            own = [pair for pair in node.value if pair[0].tag != MERGE]
+            found = {(key.tag, str(key.value)): (key, value) for key, value in own}
+            for key, value in node.value:
+                for table in _merged_tables(value) if key.tag == MERGE else ():
+                    self.flatten_mapping(table)
+                    for pair in table.value:
+                        found.setdefault((pair[0].tag, str(pair[0].value)), pair)
+            node.value = list(found.values())
 
     loader = Loader(text)
     try:
