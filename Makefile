@@ -29,8 +29,8 @@ rooms = $(filter $(addprefix solver/,$(addsuffix %,$(1))),$(SOLVER_SOURCES))
 PACKAGE_SOURCES := $(call rooms,errors math package)
 HOT_SOURCES := $(call rooms,math dynamics integrators)
 RUN_SOURCES := $(filter-out $(call rooms,__main__ commands extras report workers),$(SOLVER_SOURCES))
-SECTION_SOURCES := $(call rooms,commands/section commands/described report/section inputs strength workers)
-SHELL_SOURCES := $(call rooms,commands/shell commands/described report/shell inputs strength workers)
+SECTION_SOURCES := $(call rooms,commands/bodies report/section inputs strength workers)
+SHELL_SOURCES := $(call rooms,commands/bodies report/shell inputs strength workers)
 
 # Files of these patterns whose names neither make nor the shell can misread, and the others.
 PLAIN_NAME := ([A-Za-z0-9][A-Za-z0-9._-]*/)*[A-Za-z0-9][A-Za-z0-9._-]*
