@@ -7,10 +7,15 @@ from ..math.arrays import Array
 from ..math.curves import Hermite
 from ..math.keys import Number
 from .compiled.alpha import advance_alpha
-from .compiled.alpha_stages import new_alpha_workspace, restart_alpha
+from .compiled.alpha_stages import (
+    FORMULATIONS,
+    SPECTRAL_RADIUS,
+    new_alpha_workspace,
+    restart_alpha,
+    scheme,
+)
 from .compiled.step_control import Ends
 from .generic.advice import SHORTER, of_choice
-from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import Dense
 from .step_loop import StepLoop
 
