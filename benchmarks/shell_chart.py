@@ -10,7 +10,7 @@ from typing import Any
 
 from plymotion.solver.report.style import INK, PALE, Canvas, colour, house_style
 
-MARKERS = ("o", "s", "D", "^", "v", "P", "X", "*")
+MARKERS = ("o", "s", "D", "^", "v", "P", "X", "*", "p")
 LAYUPS = {"0": "[0]6", "cas15": "CAS 15 (lay-up 3)"}
 
 
@@ -78,6 +78,8 @@ def against_time(found: dict[str, Any], picture: Path) -> None:
                 label=curve["name"],
             )
         axis.set(xscale="log", yscale="log", xlabel="processor time [s]", title=LAYUPS[layup])
+        for line in (axis.xaxis, axis.yaxis):  # the house style has no mathematical text
+            line.set_major_formatter("{x:g}")
     panels[0].set_ylabel("largest error of f1..f6 [%]")
     handles, labels = panels[0].get_legend_handles_labels()
     canvas.figure.legend(handles, labels, loc="outside lower center", ncols=4)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..solver.math.cores import cores
 from ..solver.package.body.schema import MASS_FORMS
+from ..solver.package.shell import elements
 from .fenicsx import NODES, PlainMesh
 
 SOLIDS = ("tetrahedron", "hexahedron")
@@ -63,9 +64,8 @@ def lists_of_shells() -> list[tuple[int, str, str]]:
     from .shell.elements.drilling import DRILLINGS
     from .shell.elements.membranes import MEMBRANES
     from .shell.elements.plates import PLATES
-    from .shell.elements.quads import QUADS
 
-    lists = [(4, "quadrilateral", name) for name in QUADS]
+    lists = [(4, "quadrilateral", name) for name in elements.QUADS]
     lists += [(3, "plate", name) for name in PLATES]
     lists += [(3, "membrane", name) for name in MEMBRANES]
     lists += [(3, "drilling", name) for name in DRILLINGS]

@@ -28,6 +28,7 @@ LIMITS = {
     "shell-mesh-coarse": ("preprocess/shell/analyses/modes.py", "COARSE"),
     "shell-triangles-warped": ("preprocess/shell/model/warped.py", "LOCKED"),
     "shell-quadrilaterals-warped": ("preprocess/shell/model/warped.py", "LOCKED"),
+    "stiffener-locks-cells": ("preprocess/shell/model/warped.py", "LOCKED"),
     "link-distorts-section": ("preprocess/shell/model/link_distortion.py", "DISTORTED"),
     "triangles-not-paired": ("preprocess/shell/model/guards.py", "UNPAIRED"),
     "buckling-after-large-rotation": ("preprocess/shell/analyses/prestress.py", "LARGE"),

@@ -51,9 +51,7 @@ def test_constant_strain_and_curvature(laminate, quad, membrane) -> None:
 @pytest.mark.parametrize("quad", QUADS)
 def test_constant_curvature_at_any_thickness(quad, thickness) -> None:
     choice = Choice(quadrilateral=quad)
-    # the shear stiffness of mitc4 is (1/h)^2 times that of bending, and so is its round-off
-    bound = 1e-12 if quad == "dkmq" else max(1e-12, 1e-16 / thickness**2)
-    assert quad_patch_error(isotropic(thickness), choice, NONE, CURVATURE, np.eye(3)) < bound
+    assert quad_patch_error(isotropic(thickness), choice, NONE, CURVATURE, np.eye(3)) < 1e-12
 
 
 @pytest.mark.parametrize("cut", [1, 2, 3])

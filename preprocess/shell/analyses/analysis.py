@@ -25,7 +25,8 @@ from ..model.guards import check_supported
 from ..model.link_distortion import link_warnings
 from ..model.loads import resultant
 from ..model.problem import ShellProblem
-from ..model.warped import warped_warnings
+from ..model.regions import cell_axes
+from ..model.warped import locking_warnings
 from .discretisation import FinerMesh
 from .modes import by_node, shell_buckling, shell_modes
 from .prestress import Stressed
@@ -86,7 +87,7 @@ def analyse(
         from .verification import verified  # here: its forms are loaded only where they are needed
 
         begin("verification")
-        second = verified(problem, finer, cases, modes)
+        second = verified(problem, finer, cases, modes, warnings)
         warnings += second.warnings
     return ShellFile(
         name=str(spec.get("name", "shell")),
@@ -135,7 +136,8 @@ def _cases(
         solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
-        warnings += warped_warnings(problem, u, [f"load case {name}" for name in names])
+        states = [f"load case {name}" for name in names]
+        warnings += locking_warnings(problem, u, states, forces)
         warnings += link_warnings(problem, u, forces, energy, names)
         taken = np.zeros(freedom.n_dof, dtype=bool)
         for row, support in enumerate(problem.supports):
@@ -194,9 +196,8 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
 def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
     mesh = problem.mesh
     of_region = {region.name: region.laminate_name for region in problem.regions}
-    A_GE, area = np.empty((len(mesh.cells), 3, 3)), np.empty(len(mesh.cells))
+    area = np.empty(len(mesh.cells))
     for region in problem.regions:
-        A_GE[region.cells] = region.geometry.A_GE
         area[region.cells] = region.geometry.area
     return ShellMeshData(
         nodes_G=mesh.points_G,
@@ -205,6 +206,6 @@ def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
         region=mesh.region,
         regions=mesh.regions,
         laminate=np.array([laminates.index(of_region[name]) for name in mesh.regions]),
-        A_GE=A_GE,
+        A_GE=cell_axes(mesh, problem.regions),
         area=area,
     )

@@ -13,7 +13,7 @@ from ..model.freedom import Freedom
 from ..model.guards import drilling_warning, zero_energy_warnings
 from ..model.problem import ShellProblem
 from ..model.spec import mode_count
-from ..model.warped import warped_warnings
+from ..model.warped import locking_warnings
 from .discretisation import FinerMesh, frequency_errors, load_factor_errors
 from .frequencies import natural_modes
 from .prestress import Stressed, buckled, buckling, check_stable
@@ -106,7 +106,7 @@ def by_node(mesh: ShellMesh, u: Array) -> Array:
 
 def _locked(problem: ShellProblem, shapes: Array, first: int) -> Warnings:
     names = [f"mode {first + i + 1}" for i in range(shapes.shape[1])]
-    return warped_warnings(problem, shapes, names)
+    return locking_warnings(problem, shapes, names)
 
 
 def _left_out(table: Mapping[str, Any], mesh: ShellMesh) -> str:

@@ -16,7 +16,7 @@ from ...provenance import body_provenance
 from ..mesh.body_spec import ShellBodySpec, read_shell_body
 from ..model.link_distortion import interface_warnings
 from ..model.problem import ShellProblem
-from ..model.warped import warped_warnings
+from ..model.warped import locking_warnings
 from .interfaces import interfaces, node_shapes, places
 from .recovery import cell_resultants, laminates
 from .reduction import ShellModel, eigen_solver
@@ -46,7 +46,7 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     assembled = time.perf_counter()
     modes = shell_modes(model)
     u = model.problem.freedom.expanded(modes.columns_B)
-    found = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
+    found = locking_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
     found += interface_warnings(model.problem, u, modes.values, body.modes.attachments)
     solved = time.perf_counter()
     provenance = body_provenance(

@@ -6,6 +6,7 @@ from ....solver.math.arrays import Array
 from ....solver.package.body.schema import CellResultants, LaminateData
 from ....solver.package.section.recovery_data import rounded
 from ..model.problem import ShellProblem
+from ..model.regions import cell_axes
 
 
 def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
@@ -18,17 +19,15 @@ def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
     u : (n_dof, m) motion of all degrees of freedom
     """
     mesh = problem.mesh
-    A_BE = np.empty((len(mesh.cells), 3, 3))
     laminate = np.empty(len(mesh.cells), dtype=np.int64)
     names = _laminate_names(problem)
     for region in problem.regions:
-        A_BE[region.cells] = region.geometry.A_GE
         laminate[region.cells] = names.index(region.laminate_name)
     found = problem.resultants(u)
     return CellResultants(
         cell=np.arange(len(mesh.cells)),
         laminate=laminate,
-        A_BE=A_BE,
+        A_BE=cell_axes(mesh, problem.regions),
         resultants_E=rounded(np.ascontiguousarray(np.moveaxis(found, 0, 2))),
     )
 

@@ -9,7 +9,6 @@ from ..errors import ShellError
 from .drilling import DRILLINGS
 from .membranes import MEMBRANES
 from .plates import PLATES
-from .quads import QUADS
 
 
 class Choice(NamedTuple):
@@ -46,7 +45,7 @@ class Choice(NamedTuple):
             ("plate", PLATES),
             ("membrane", MEMBRANES),
             ("drilling", ("auto", "none", *DRILLINGS)),
-            ("quadrilateral", QUADS),
+            ("quadrilateral", elements.QUADS),
         ):
             _known(key, getattr(self, key), known)
         if isinstance(self.beta0, str):

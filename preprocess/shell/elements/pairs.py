@@ -22,9 +22,9 @@ from .choice import Choice
 from .drilling import DRILLINGS
 from .membranes import MEMBRANES
 from .plates import PLATES
+from .plates.dkmt import dkmt
 from .plates.dst import moment_slopes
 from .plates.strains import side_differences
-from .quads import QUADS
 from .quads.hybrid import hybrid
 from .quads.internal import relief
 
@@ -67,17 +67,20 @@ def plate_work(t: Cell, name: str) -> Work:
     return Work(pairs, coupling=t.area * t.B * k, means=[*_rows(k), *_rows(gamma)])
 
 
-def quadrilateral_work(q: Cell, name: str) -> Work:
-    """Hybrid membrane and plate of a quadrilateral, coupled."""
-    element = QUADS[name]
-    plate = element.strains(q)
+def quadrilateral_work(q: Cell) -> Work:
+    """Hybrid membrane and plate of a quadrilateral, coupled.
+
+    The plate is DKMQ, the discrete Kirchhoff-Mindlin quadrilateral (Katili 1993), as the triangle.
+    The ratio phi_k of a side has a part of the width (quadrilaterals.py), which with the internal
+    rotations (internal.py) lets a strip of one cell twist.
+    """
+    plate = dkmt(q)
     membrane = hybrid(q, plate.curvature)
     D = q.D - q.B * inv(q.A) * q.B  # the rest of B is in the membrane
     pairs = list(membrane.pairs)
     for point, k, gamma in zip(q.points, plate.curvature, plate.shear, strict=True):
         pairs += [(point.weight * D * k, k), (point.weight * q.Ds * gamma, gamma)]
-    if element.internal:
-        pairs += relief(q, plate.shear)
+    pairs += relief(q, plate.shear)
     k, gamma = (
         sum((p.weight * value for p, value in zip(q.points, values, strict=True)), 0 * values[0])
         / q.area
@@ -196,7 +199,7 @@ WORKS = {
     "membrane": membrane_work,
     "plate": plate_work,
     "drilling": lambda t, name: Work(DRILLINGS[name].pairs(t)),
-    "quadrilateral": quadrilateral_work,
+    "quadrilateral": lambda q, _: quadrilateral_work(q),
     "mass": mass_work,
     "geometric": lambda t, _: geometric_work(t),
     "pressure": lambda t, _: pressure_work(t),

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.cells import NONE, corner_counts, sides
+from ....solver.package.shell.cells import NONE, corner_counts
 from ...fenicsx import NamedNodes, PlainMesh
 from .mesh import ShellMesh, mesh_of
 from .refinement import split
@@ -35,16 +35,14 @@ def refined(mesh: ShellMesh) -> Refined:
     kind = "triangle" if cells.shape[1] == 3 else "mixed"
     named = NamedNodes(np.arange(1, n + 1), mesh.curves, mesh.marks)
     straight = split(PlainMesh(mesh.points_G, cells, kind, 1, mesh.region, mesh.regions, {}, named))
-    ends, owner = sides(cells)
-    pairs, side = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    heights = _heights(mesh, ends, owner, side.ravel())
+    heights = _heights(mesh)
     # four sides that meet at a centre: half the sum of their middles less a quarter of the corners
     four = np.flatnonzero(corner_counts(cells) == 4)
     of_cell = np.zeros((len(cells), 3))
-    np.add.at(of_cell, owner, 0.5 * heights[side.ravel()])
+    np.add.at(of_cell, mesh.edges.owner, 0.5 * heights[mesh.edges.number])
     above = np.concatenate([np.zeros((n, 3)), heights, of_cell[four]])
     fine = mesh_of(replace(straight, points=straight.points + above), "finer mesh")
-    return Refined(fine, _interpolation(n, pairs, cells[four]))
+    return Refined(fine, _interpolation(n, mesh.edges.nodes, cells[four]))
 
 
 def _interpolation(n: int, pairs: IntArray, four: IntArray) -> sp.csr_matrix:
@@ -57,22 +55,16 @@ def _interpolation(n: int, pairs: IntArray, four: IntArray) -> sp.csr_matrix:
     return sp.csr_matrix(sp.vstack(blocks))
 
 
-def _heights(mesh: ShellMesh, ends: IntArray, owner: IntArray, side: IntArray) -> Array:
-    """From the chord to the surface in the middle of each side, (sides, 3) [m].
-
-    Parameters
-    ----------
-    ends, owner : (s, 2), (s,) sides of all cells and their cells
-    side : (s,) number of the common side
-    """
+def _heights(mesh: ShellMesh) -> Array:
+    """From the chord to the surface in the middle of each edge, (e, 3) [m]."""
+    edges, owner = mesh.edges, mesh.edges.owner
     axes, curvature = _curvatures(mesh)
-    along = np.einsum("sij,sj->si", axes[owner], np.diff(mesh.points_G[ends], axis=1)[:, 0])[:, :2]
+    along = np.einsum("sij,sj->si", axes[owner], np.diff(mesh.points_G[edges.ends], axis=1)[:, 0])[
+        :, :2
+    ]
     height = -0.125 * np.einsum("si,sij,sj->s", along, curvature[owner], along)
     normal = axes[owner, 2]
-    count = side.max() + 1
-    A, b = np.zeros((count, 3, 3)), np.zeros((count, 3))
-    np.add.at(A, side, normal[:, :, None] * normal[:, None, :])
-    np.add.at(b, side, height[:, None] * normal)
+    A, b = edges.sums(normal[:, :, None] * normal[:, None]), edges.sums(height[:, None] * normal)
     inverse = np.linalg.pinv(A, rcond=ONE_SURFACE, hermitian=True)
     return np.asarray(np.einsum("sij,sj->si", inverse, b))
 

@@ -9,7 +9,7 @@ import json
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from ... import fenicsx
 from ...fenicsx import NamedNodes, PlainMesh
 from ...python_script import is_refused, load_script
 from ..errors import ShellError
+from .edges import Edges
 from .pairing import Unpaired, paired
 from .refinement import finer_parameters, is_ours, split
 
@@ -60,6 +61,11 @@ class ShellMesh:
     def size(self) -> float:
         """Diagonal of the box around the mesh [m]."""
         return float(np.linalg.norm(np.ptp(self.points_G, axis=0)))
+
+    @cached_property
+    def edges(self) -> Edges:
+        """Edges of the cells."""
+        return Edges(self.cells)
 
     @property
     def area_vectors_G(self) -> Array:

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.cells import NONE, corner_counts, sides
+from ....solver.package.shell.cells import NONE, corner_counts
 from ...fenicsx import PlainMesh
+from .edges import Edges
 from .triangles import BoolArray
 
 # Least sine of the angles of a quadrilateral that is better than any triangles; 1 is a rectangle.
@@ -35,22 +36,18 @@ def paired(plain: PlainMesh) -> tuple[PlainMesh, Unpaired]:
     ----------
     plain : triangles, or triangles and quadrilaterals, of degree 1
     """
-    n = len(plain.points)
     three = corner_counts(plain.cells) == 3
     triangles = plain.cells[:, :3]
-    ends, owner = sides(plain.cells)
-    key = np.sort(ends, axis=1) @ [n, 1]
-    order = np.argsort(key, kind="stable")
-    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
-    count = np.diff(np.concatenate([first, [len(key)]]))
-    one, other = order[first[count == 2]], order[first[count == 2] + 1]
+    edges = Edges(plain.cells)
+    ends, owner = edges.ends, edges.owner
+    one, other = edges.shared.T
     both = three[owner[one]] & three[owner[other]]
     one, other = one[both], other[both]
     a, b = owner[one], owner[other]
     joined = (plain.region[a] == plain.region[b]) & (ends[one, 0] == ends[other, 1])
     curves = [rows for rows in plain.named.curves.values() if len(rows)] if plain.named else []
     if curves:
-        joined &= ~np.isin(key[one], np.sort(np.concatenate(curves), axis=1) @ [n, 1])
+        joined &= ~np.isin(edges.number[one], edges.find(np.concatenate(curves)))
     opposite = [triangles[c].sum(axis=1) - ends[one].sum(axis=1) for c in (a, b)]
     quads = np.stack([ends[one, 0], opposite[1], ends[one, 1], opposite[0]], axis=1)
     quality, flat = _quality(plain.points, quads)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.cells import NONE, area_vectors, corner_counts, sides
+from ....solver.package.shell.cells import NONE, area_vectors, corner_counts
+from .edges import Edges
 from .triangles import FLAT, NORMAL, BoolArray, projected_axes, refuse
 
 
@@ -14,17 +15,12 @@ def width_ratios(points_G: Array, cells: IntArray) -> Array:
     ratios = np.zeros(cells.shape)
     if cells.shape[1] == 3:
         return ratios
-    ends, owner = sides(cells)
-    length = np.linalg.norm(points_G[ends[:, 1]] - points_G[ends[:, 0]], axis=1)
-    width = np.linalg.norm(area_vectors(points_G, cells), axis=1)[owner] / length
-    key = np.sort(ends, axis=1) @ [len(points_G), 1]
-    _, number = np.unique(key, return_inverse=True)
-    number = number.ravel()
-    count = np.bincount(number)
-    mean = np.bincount(number, weights=width) / count
-    triangle = corner_counts(cells)[owner] == 3
-    beside = np.bincount(number, weights=triangle) > 0
-    ratios[cells != NONE] = np.where(beside[number], 0.0, (length / mean[number]) ** 2)
+    edges = Edges(cells)
+    length = np.linalg.norm(np.diff(points_G[edges.ends], axis=1)[:, 0], axis=1)
+    width = np.linalg.norm(area_vectors(points_G, cells), axis=1)[edges.owner] / length
+    mean = (edges.sums(width) / edges.count)[edges.number]
+    beside = edges.sums(corner_counts(cells)[edges.owner] == 3)[edges.number] > 0
+    ratios[cells != NONE] = np.where(beside, 0.0, (length / mean) ** 2)
     return ratios
 
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ....solver.math.arrays import IntArray
-from ....solver.package.shell.cells import NONE, next_corners
+from ....solver.package.shell.cells import NONE
 from ...fenicsx import PlainMesh
+from .edges import Edges
 
 COUNT = "n_"  # scripts of meshes/shells: parameters that count the cells of a direction
 
@@ -50,11 +51,10 @@ def split(plain: PlainMesh) -> PlainMesh:
     """
     cells, n = plain.cells, len(plain.points)
     there = cells != NONE
-    pairs = np.sort(np.stack([cells, next_corners(cells)], axis=2), axis=2)
-    sides, row = np.unique(pairs[there], axis=0, return_inverse=True)
+    edges = Edges(cells)
     middles = np.full(cells.shape, NONE)
-    middles[there] = n + row.reshape(-1)
-    points = [plain.points, plain.points[sides].mean(axis=1)]
+    middles[there] = n + edges.number
+    points = [plain.points, plain.points[edges.nodes].mean(axis=1)]
     parts = np.full((len(cells), 4, cells.shape[1]), NONE)
     quads = there.all(axis=1) & (cells.shape[1] == 4)
     # triangles: a corner and the middles beside it, and the triangle between the middles
@@ -64,7 +64,7 @@ def split(plain: PlainMesh) -> PlainMesh:
     ):
         parts[~quads, part, :3] = np.stack(corners, axis=1)
     if quads.any():
-        centre = n + len(sides) + np.arange(int(quads.sum()))
+        centre = n + len(edges.nodes) + np.arange(int(quads.sum()))
         points.append(plain.points[cells[quads]].mean(axis=1))
         c, m = cells[quads].T, middles[quads].T
         for part in range(4):
@@ -74,7 +74,7 @@ def split(plain: PlainMesh) -> PlainMesh:
     named = plain.named
     if named is not None:
         tags = np.concatenate([named.tags, named.tags.max() + 1 + np.arange(len(new) - n)])
-        curves = {name: _halves(rows, sides, n) for name, rows in named.curves.items()}
+        curves = {name: _halves(rows, edges, n) for name, rows in named.curves.items()}
         named = named._replace(tags=tags, curves=curves)
     return replace(
         plain,
@@ -86,11 +86,9 @@ def split(plain: PlainMesh) -> PlainMesh:
     )
 
 
-def _halves(curve: IntArray, sides: IntArray, n: int) -> IntArray:
+def _halves(curve: IntArray, edges: Edges, n: int) -> IntArray:
     """Segments (s, 2) of a curve in halves; those that are no side of a cell stay whole."""
-    known = {(int(a), int(b)): n + i for i, (a, b) in enumerate(sides)}
-    found = []
-    for a, b in curve.tolist():
-        middle = known.get((min(a, b), max(a, b)))
-        found += [[a, b]] if middle is None else [[a, middle], [middle, b]]
-    return np.array(found, dtype=np.int64).reshape(-1, 2)
+    row = edges.find(curve)
+    middle = np.where(row < 0, curve[:, 1], n + row)
+    halves = np.stack([curve[:, 0], middle, middle, curve[:, 1]], axis=1).reshape(-1, 2, 2)
+    return np.asarray(halves[np.stack([row >= -1, row >= 0], axis=1)])

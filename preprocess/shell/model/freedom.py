@@ -8,7 +8,6 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.cells import sides
 from ....solver.package.specification import SHELL_LINK_KINDS
 from ..errors import ShellError
 from ..mesh.mesh import ShellMesh
@@ -173,7 +172,7 @@ class Freedom:
         """Number of the connected part (by cells and links) of each node and reference point,
         (n,)."""
         mesh, n = self.mesh, self.n_dof // DOFS
-        pairs = [sides(mesh.cells)[0]]
+        pairs = [mesh.edges.nodes]
         for row, link in enumerate(self.links):
             nodes = link.group.nodes
             pairs.append(np.stack([nodes, np.full(len(nodes), mesh.n_node + row)], axis=1))

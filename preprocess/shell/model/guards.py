@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from ....solver.errors import few
 from ....solver.math.arrays import Array
 from ....solver.package.shell import elements
-from ....solver.package.shell.cells import NONE, corner_counts, sides
+from ....solver.package.shell.cells import NONE, corner_counts
 from ...coincident import coincident
 from ..elements.choice import Choice
 from ..elements.drilling import DRILLINGS
@@ -21,7 +21,7 @@ from ..mesh.triangles import Triangles
 from .assembly import DOFS
 from .freedom import Freedom
 from .links import Link
-from .regions import Region
+from .regions import Region, cell_axes
 
 Warnings = list[dict[str, str]]
 
@@ -60,33 +60,22 @@ class Sides:
     has the same direction in both cells, which means that their normals disagree."""
 
     def __init__(self, mesh: ShellMesh, regions: Sequence[Region]) -> None:
-        reversed_ = np.zeros(len(mesh.cells), dtype=bool)
-        self.normals_G = np.empty((len(mesh.cells), 3))
-        area = mesh.area_vectors_G
-        for region in regions:
-            e3 = region.geometry.A_GE[:, :, 2]
-            self.normals_G[region.cells] = e3
-            reversed_[region.cells] = np.einsum("ci,ci->c", e3, area[region.cells]) < 0.0
-        ends, owner = sides(mesh.cells)
-        forward = (ends[:, 0] < ends[:, 1]) ^ reversed_[owner]
-        key = ends.min(axis=1) * mesh.n_node + ends.max(axis=1)
-        order = np.argsort(key, kind="stable")
-        first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
-        count = np.diff(np.concatenate([first, [len(key)]]))
-        pair = first[count == 2]
-        a, b = order[pair], order[pair + 1]
-        self.cells = np.stack([owner[a], owner[b]], axis=1)
-        self.ends = ends[a]
+        self.normals_G = cell_axes(mesh, regions)[:, :, 2]
+        edges = mesh.edges
+        turned = np.einsum("ci,ci->c", self.normals_G, mesh.area_vectors_G) < 0.0
+        forward = (edges.ends[:, 0] < edges.ends[:, 1]) ^ turned[edges.owner]
+        a, b = edges.shared.T
+        self.cells = edges.owner[edges.shared]
+        self.ends = edges.ends[a]
         self.same = forward[a] == forward[b]
-        self.boundary = ends[order[first[count != 2]]]  # of one cell, or of three and more
+        self.boundary = edges.nodes[edges.count != 2]  # of one cell, or of three and more
 
 
 def _slivers(mesh: ShellMesh) -> Warnings:
-    ends, owner = sides(mesh.cells)
-    squares = ((mesh.points_G[ends[:, 1]] - mesh.points_G[ends[:, 0]]) ** 2).sum(axis=1)
+    squares = (np.diff(mesh.points_G[mesh.edges.ends], axis=1)[:, 0] ** 2).sum(axis=1)
     area = np.linalg.norm(mesh.area_vectors_G, axis=1)
     best = np.where(corner_counts(mesh.cells) == 3, 4.0 * np.sqrt(3.0), 4.0)
-    quality = best * area / np.bincount(owner, weights=squares)
+    quality = best * area / np.bincount(mesh.edges.owner, weights=squares)
     bad = np.flatnonzero(quality < SLIVER)
     if not bad.size:
         return []

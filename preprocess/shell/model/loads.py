@@ -26,7 +26,7 @@ from ..mesh.groups import group
 from ..mesh.mesh import ShellMesh
 from .assembly import DOFS
 from .freedom import Freedom
-from .regions import Region
+from .regions import Region, cell_axes
 from .supports import COMPONENTS
 
 KINDS = ("force", "moment", "force_per_length", "force_per_area", "pressure", "gravity")
@@ -140,28 +140,16 @@ class Loads:
         mesh, out = self.mesh, np.zeros((self.mesh.n_node, 3))
         if not self._bow:
             return out
-        sides = np.sort(mesh.curves[curve], axis=1)
-        key = sides[:, 0] * mesh.n_node + sides[:, 1]
-        found, weight = [], np.zeros(len(key))
-        for region in self.regions:
-            cells = region.nodes
-            count = cells.shape[1]
-            for corner in range(count):
-                ends = np.sort(cells[:, [corner, (corner + 1) % count]], axis=1)
-                own = ends[:, 0] * mesh.n_node + ends[:, 1]
-                cell = np.flatnonzero(np.isin(own, key))
-                row = np.searchsorted(key, own[cell], sorter=np.argsort(key))
-                row = np.argsort(key)[row]
-                found.append((row, region.geometry.A_GE[cell, :, 2]))
-                np.add.at(weight, row, 1.0)
-        for row, e3 in found:  # a side of several cells is divided equally
-            i, j = sides[row].T
-            along = mesh.points_G[j] - mesh.points_G[i]
-            size = np.linalg.norm(along, axis=1)
-            across = np.cross(along, e3) @ per_length  # L p . n
-            moment = (self._bow / 12.0 * size * across / weight[row])[:, None] * e3
-            np.add.at(out, j, moment)
-            np.add.at(out, i, -moment)
+        row, side = mesh.edges.on(mesh.curves[curve])
+        e3 = cell_axes(mesh, self.regions)[mesh.edges.owner[side], :, 2]
+        i, j = mesh.edges.nodes[mesh.edges.number[side]].T
+        along = mesh.points_G[j] - mesh.points_G[i]
+        size = np.linalg.norm(along, axis=1)
+        across = np.cross(along, e3) @ per_length  # L p . n
+        share = np.bincount(row)[row]  # a side of several cells is divided equally
+        moment = (self._bow / 12.0 * size * across / share)[:, None] * e3
+        np.add.at(out, j, moment)
+        np.add.at(out, i, -moment)
         return out
 
     def _shares(self, at: Any, key: str, where: str) -> tuple[IntArray, Array, float]:

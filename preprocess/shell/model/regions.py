@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ....solver.errors import did_you_mean, few
-from ....solver.math.arrays import IntArray
+from ....solver.math.arrays import Array, IntArray
 from ....solver.package.shell.cells import NONE, corner_counts
 from ... import fenicsx
 from ...laminate import (
@@ -152,6 +152,14 @@ def _laminate(
             plain[key] = table[key]
     name = f"{region}: {table['material']}"
     return name, laminate_from_dict(plain, materials, where)
+
+
+def cell_axes(mesh: ShellMesh, regions: Sequence[Region]) -> Array:
+    """Axes A_GE of the laminate of every cell of the mesh, (c, 3, 3)."""
+    axes = np.empty((len(mesh.cells), 3, 3))
+    for region in regions:
+        axes[region.cells] = region.geometry.A_GE
+    return axes
 
 
 def own_cells(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) -> list[Region]:

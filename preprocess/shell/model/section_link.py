@@ -21,7 +21,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.cells import sides
 from ..errors import ShellError
 from ..mesh.groups import Group
 from ..mesh.mesh import ShellMesh
@@ -73,16 +72,14 @@ def _wall_stiffness(
     mesh: ShellMesh, regions: Sequence[Region], lines: IntArray, x: Array, where: str
 ) -> Array:
     """E and G [N/m] and 4 D66 [N m] of each line, (s, 3), sums over its cells."""
-    key = np.sort(lines, axis=1) @ [mesh.n_node, 1]
-    out, count = np.zeros((len(lines), 3)), np.zeros(len(lines))
+    out, (lines_at, side) = np.zeros((len(lines), 3)), mesh.edges.on(lines)
+    owner = mesh.edges.owner[side]
+    if len(np.unique(lines_at)) < len(lines):
+        raise ShellError(f"{where}: lines of the curve are no edges of cells")
     for region in regions:
-        ends, owner = sides(region.nodes)
-        own = np.sort(ends, axis=1) @ [mesh.n_node, 1]
-        order = np.argsort(key)
-        at = np.searchsorted(key[order], own).clip(max=len(key) - 1)
-        hit = np.flatnonzero(key[order][at] == own)
-        row = order[at[hit]]
-        c, s = ((region.geometry.A_GE[owner[hit], :, k] @ x) for k in (0, 1))
+        hit = np.isin(owner, region.cells)
+        row, cells = lines_at[hit], np.searchsorted(region.cells, owner[hit])
+        c, s = ((region.geometry.A_GE[cells, :, k] @ x) for k in (0, 1))
         length = np.hypot(c, s)
         if not (length > ACROSS).all():
             raise ShellError(
@@ -91,7 +88,7 @@ def _wall_stiffness(
             )
         c, s = c / length, s / length
         # strain and curvature along x and its normal from those along e1, e2
-        T = np.empty((len(hit), 3, 3))
+        T = np.empty((len(cells), 3, 3))
         T[:, 0] = np.stack([c * c, s * s, c * s], axis=1)
         T[:, 1] = np.stack([s * s, c * c, -c * s], axis=1)
         T[:, 2] = np.stack([-2 * c * s, 2 * c * s, c * c - s * s], axis=1)
@@ -101,9 +98,6 @@ def _wall_stiffness(
             [1.0 / flexible[:, 0, 0], 1.0 / flexible[:, 2, 2], 4.0 / bending[:, 2, 2]], axis=1
         )
         np.add.at(out, row, found)
-        np.add.at(count, row, 1.0)
-    if not count.all():
-        raise ShellError(f"{where}: lines of the curve are no edges of cells")
     return out
 
 

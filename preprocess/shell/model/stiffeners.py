@@ -20,13 +20,12 @@ from ....solver.errors import few
 from ....solver.math.arrays import Array, IntArray
 from ....solver.math.definite import REGULAR, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
-from ....solver.package.shell.cells import sides
 from ...beam.element import BeamElement
 from ..errors import ShellError
 from ..mesh.axes import vector
 from ..mesh.mesh import ShellMesh
 from .links import carried
-from .regions import Region
+from .regions import Region, cell_axes
 
 KEYS = ("at", "section", "stiffness", "mass", "x2_axis", "offset")
 PARALLEL = 1e-6  # sine of the angle between x2_axis and the curve
@@ -145,10 +144,9 @@ def _axes(
 ) -> Array:
     """Section axes of each edge, (l, 3, 3)."""
     if given is None:
-        normals = np.zeros((len(mesh.cells), 3))
-        for region in regions:
-            normals[region.cells] = region.geometry.A_GE[:, :, 2]
-        x3 = _crossed(x1, np.cross(_edge_normals(ends, mesh, normals), x1))
+        normals = cell_axes(mesh, regions)[mesh.edges.owner, :, 2]
+        found = np.concatenate([mesh.edges.sums(normals), np.zeros((1, 3))])[mesh.edges.find(ends)]
+        x3 = _crossed(x1, np.cross(found, x1))
         x2 = np.cross(x3, x1)
     else:
         x2 = np.broadcast_to(vector(given, f"{where}.x2_axis"), x1.shape)
@@ -164,20 +162,6 @@ def _crossed(x1: Array, x2: Array) -> Array:
     """Unit x3 = x1 x x2, (l, 3)."""
     x3 = np.cross(x1, x2)
     return np.asarray(x3 / np.linalg.norm(x3, axis=1)[:, None])
-
-
-def _edge_normals(ends: IntArray, mesh: ShellMesh, normals: Array) -> Array:
-    """Sum of the normals of the cells at each edge, (l, 3)."""
-    found, owner = sides(mesh.cells)
-    found = np.sort(found, axis=1)
-    key = found[:, 0] * mesh.n_node + found[:, 1]
-    order = np.argsort(key, kind="stable")
-    wanted = np.sort(ends, axis=1)
-    asked = wanted[:, 0] * mesh.n_node + wanted[:, 1]
-    first = np.searchsorted(key[order], asked, side="left")
-    last = np.searchsorted(key[order], asked, side="right")
-    total = np.concatenate([np.zeros((1, 3)), np.cumsum(normals[owner[order]], axis=0)])
-    return np.asarray(total[last] - total[first])
 
 
 def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:

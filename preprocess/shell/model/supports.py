@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.cells import sides
 from ..errors import ShellError
 from ..mesh.groups import united
 from ..mesh.mesh import ShellMesh
@@ -143,10 +142,8 @@ def _held(supports: Sequence[Support], mesh: ShellMesh) -> BoolArray:
 
 def _free_edges(mesh: ShellMesh) -> tuple[IntArray, Array]:
     """Sides of one cell only, (s, 2), and its normal, (s, 3), where the shell is flat at both."""
-    pairs, cell = sides(mesh.cells)
-    keys = np.sort(pairs, axis=1)
-    _, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
-    single = first[count == 1]
+    edges = mesh.edges
+    single = np.flatnonzero(edges.count[edges.number] == 1)
     normals = mesh.area_vectors_G
     normals = normals / np.linalg.norm(normals, axis=1)[:, None]
     total = np.zeros((mesh.n_node, 3))
@@ -157,5 +154,5 @@ def _free_edges(mesh: ShellMesh) -> tuple[IntArray, Array]:
         np.add.at(number, corner[there], 1.0)
     # the length of a mean of unit vectors: 1 only where all are equal
     flat = np.linalg.norm(total, axis=1) > FLAT * number
-    single = single[flat[pairs[single]].all(axis=1)]
-    return pairs[single], normals[cell[single]]
+    single = single[flat[edges.ends[single]].all(axis=1)]
+    return edges.ends[single], normals[edges.owner[single]]

@@ -18,7 +18,6 @@ MEMBRANES = {
 }
 QUADS = {
     "dkmq": "converges for laminates of any thickness",
-    "mitc4": "is the simplest",
 }
 DRILLINGS = {
     "fictitious": "the paper's fictitious one",
