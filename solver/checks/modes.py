@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.analysis.held import vibrations
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.dense_equations import assemble
@@ -151,10 +152,14 @@ def loaded_damping(run: FinishedRun) -> list[dict[str, Any]]:
     ]
     if not damped or run.model.n_vel > MOST:
         return []
-    found = _vibrations(run)
-    if found is None:
+    equations = assemble(run.model, float(run.solution.t[0]), run.solution.y[0])
+    Z = free_motions(equations, run.model.inertia_scale).Z
+    try:
+        _, values, shapes = vibrations(run.model, Z, equations.M)
+    except np.linalg.LinAlgError:  # a free motion moves no mass
         return []
-    omega, shapes = found
+    elastic = values > RIGID * values[-1]
+    omega, shapes = np.sqrt(values[elastic]), shapes[:, elastic]
     entries = []
     for i in damped:
         package = packages[names[i]]
@@ -180,28 +185,6 @@ def loaded_damping(run: FinishedRun) -> list[dict[str, Any]]:
             }
         )
     return entries
-
-
-def _vibrations(run: FinishedRun) -> tuple[Array, Array] | None:
-    """Return angular frequencies (v,), ascending, and velocities (n_vel, v) of unit modal mass.
-
-    None if the mass matrix of the free motions is singular.
-    """
-    model = run.model
-    equations = assemble(model, float(run.solution.t[0]), run.solution.y[0])
-    Z = free_motions(equations, model.inertia_scale).Z
-    K = np.zeros((model.n_vel, model.n_vel))
-    for i, name in enumerate(run.built.body_names):
-        if name in run.packages:
-            j, package = int(model.vel_start[i]) + 6, run.packages[name]
-            K[j : j + package.n_mode, j : j + package.n_mode] = package.stiffness
-    try:
-        inverse = np.linalg.inv(np.linalg.cholesky(Z.T @ equations.M @ Z))
-    except np.linalg.LinAlgError:
-        return None
-    values, vectors = np.linalg.eigh(inverse @ (Z.T @ K @ Z) @ inverse.T)
-    elastic = values > RIGID * values[-1]
-    return np.sqrt(values[elastic]), (Z @ inverse.T @ vectors)[:, elastic]
 
 
 # Elastic rotations: how far interfaces turn relative to the frame of their body.

@@ -58,21 +58,39 @@ def quasi_static_deformations_of_loops(model: Model, t: float, y: Array, rigid: 
     are its motion: see `motions_without_strain`, of a state before the deformation. Dense.
     """
     equations = assemble(model, t, y)
-    motions = free_motions(equations, model.inertia_scale)
-    Z, M, K = motions.Z, equations.M, np.zeros((model.n_vel, model.n_vel))
-    parts = []
-    for i in range(model.n_body):
-        m, square = int(model.n_mode[i]), int(model.square_start[i])
-        part = slice(int(model.vel_start[i]) + 6, int(model.vel_start[i]) + 6 + m)
-        K[part, part] = model.K_qq[square : square + m * m].reshape(m, m)
-        parts.append(part)
-    root = np.linalg.inv(np.linalg.cholesky(Z.T @ M @ Z))
-    values, vectors = np.linalg.eigh(root @ (Z.T @ K @ Z) @ root.T)
-    X, stiffness = (Z @ root.T @ vectors)[:, rigid:], values[rigid:]
+    motions, M = free_motions(equations, model.inertia_scale), equations.M
+    K, values, X = vibrations(model, motions.Z, M)
+    X, stiffness = X[:, rigid:], values[rigid:]
     a = motions.P @ equations.gamma  # what joints and drives prescribe, with least deformation
     a -= X @ ((X.T @ (K @ a)) / stiffness)
     change = X @ ((X.T @ (equations.f - M @ a)) / stiffness)
-    return [np.asarray(change[part]) for part in parts]
+    return [np.asarray(change[_modes(model, i)]) for i in range(model.n_body)]
+
+
+def vibrations(model: Model, Z: Array, M: Array) -> tuple[Array, Array, Array]:
+    """Return the stiffness of the modes of all bodies, and the vibrations with it.
+
+    Z (n_vel, f) are the motions that the joints leave free, M (n_vel, n_vel) is the mass. Stiffness
+    (n_vel, n_vel); squared angular frequencies (f,), ascending; velocities (n_vel, f) of unit mass.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        A free motion moves no mass.
+    """
+    K = np.zeros((model.n_vel, model.n_vel))
+    for i in range(model.n_body):
+        m, square = int(model.n_mode[i]), int(model.square_start[i])
+        K[_modes(model, i), _modes(model, i)] = model.K_qq[square : square + m * m].reshape(m, m)
+    root = np.linalg.inv(np.linalg.cholesky(Z.T @ M @ Z))
+    values, vectors = np.linalg.eigh(root @ (Z.T @ K @ Z) @ root.T)
+    return K, values, Z @ root.T @ vectors
+
+
+def _modes(model: Model, i: int) -> slice:
+    """Return the modal rates of body i among the velocities."""
+    first = int(model.vel_start[i]) + 6
+    return slice(first, first + int(model.n_mode[i]))
 
 
 def is_moving(model: Model, y: Array, *, at_most: float = 1e-9) -> bool:
