@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.analysis.held import vibrations
+from ..dynamics.analysis.quasi_static import vibrations
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.dense_equations import assemble
