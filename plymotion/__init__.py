@@ -20,6 +20,7 @@ __version__ = "0.1.0"
 # Public name -> module of this folder; __init__.pyi tells their types.
 _PUBLIC = {
     "Campbell": "api.modes",
+    "Blade": "api.blade",
     "Case": "api.case",
     "InputError": "solver.errors",
     "Modes": "api.modes",
@@ -36,6 +37,7 @@ _PUBLIC = {
     "export": "api.bodies",
     "import_body": "api.bodies",
     "info": "api.bodies",
+    "blade": "api.blade",
     "load": "api.case",
     "modes": "api.modes",
     "norm": "api.signal",

@@ -1,3 +1,5 @@
+from .api.blade import Blade as Blade
+from .api.blade import blade as blade
 from .api.bodies import Package as Package
 from .api.bodies import Shell as Shell
 from .api.bodies import Solid as Solid

@@ -45,7 +45,7 @@ LIMITS = {
     "strongly-curved": ("preprocess/section/solve/guards.py", "STRONG"),
     "taper-neglected": ("preprocess/section/solve/guards.py", "TAPER"),
     "rule-differs": ("solver/extras/blade/tables.py", "AGREE"),
-    "no-room": ("solver/commands/bodies/blade.py", "REMOVED"),
+    "no-room": ("solver/extras/blade/analysis.py", "REMOVED"),
     "differs-from-file": ("solver/extras/blade/windio.py", "DIFFERENT"),
     "accuracy-not-met": ("preprocess/section/analysis/analysis.py", "MOST_DOFS"),
     "verification-differs": ("preprocess/section/analysis/verification.py", "LARGEST"),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from blade_samples import along, anchor, area, areas, blade_table, layer, write_blade
 
+import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.shape import contour
 from plymotion.solver.extras.blade.station import write_station
@@ -241,6 +242,25 @@ def test_stiffness_and_mass_of_stations(built, tmp_path):
         assert float(row["K11"]) == pytest.approx(stiffness, rel=2e-3)
         assert float(row["mass_kg_m"]) == pytest.approx(mass, rel=1e-9)
         assert float(row["M11"]) == float(row["mass_kg_m"])
+
+
+def test_python_has_what_the_command_writes(built):
+    """`plymotion.blade` in the folder of the command: nothing is analysed again."""
+    known, out = built
+    before = {file: file.stat().st_mtime_ns for file in out.glob("sections/*/*.vtkhdf")}
+    text = (out / "beam.csv").read_text()
+    blade = pm.blade(known.file, at=[0.0, 0.4, 1.0], out=out, estimate=False)
+    assert {file: file.stat().st_mtime_ns for file in before} == before
+    assert (out / "beam.csv").read_text() == text
+    rows = rows_of(out / "blade.csv")
+    np.testing.assert_array_equal(blade.r, [float(row["r"]) for row in rows])
+    np.testing.assert_array_equal(blade.K[:, 3, 3], [float(row["K44"]) for row in rows])
+    np.testing.assert_array_equal(blade.M[:, 0, 0], blade.to_pandas()["mass_kg_m"])
+    assert blade.sections[1].K[0, 0] == blade.K[1, 0, 0]
+    assert list(pm.load(blade.case).runs) == ["spin-up"]
+    assert "3 stations" in repr(blade)
+    with pytest.raises(pm.InputError, match="expected beamdyn or hawc2"):
+        pm.blade(known.file, to="fast")
 
 
 def test_a_failed_station_has_no_numbers_of_an_earlier_call(built, tmp_path, capsys):

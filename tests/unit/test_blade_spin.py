@@ -43,7 +43,7 @@ def spun(fenicsx, tmp_path_factory):
         assert main([*words, "--stations", "5", "-o", str(few), "--spin", "0:6:3"]) == 0
         assert main([*words, "--stations", "17", "-o", str(many), "--no-estimate"]) == 0
     places = {f"r{round(1e4 * r):05d}": float(r) for r in np.linspace(0.0, 1.0, 17)}
-    stations = analysed(many / "sections", places, [None] * 17)
+    stations = analysed(many / "sections", places, dict.fromkeys(places))
     blade = read_blade(file)
     return few, [frequencies_at_rest(blade, some, quiet=True) for some in (stations[::2], stations)]
 

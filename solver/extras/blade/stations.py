@@ -2,11 +2,10 @@
 
 import csv
 import io
-import json
 import math
 import shlex
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -45,22 +44,26 @@ class Station:
     results: SectionResults | None  # None: it has failed
 
 
-def analysed(sections: Path, places: dict[str, float], meshes: list[StationMesh]) -> list[Station]:
-    """Return the stations with the results of the last call of the section command.
-
-    Files of earlier calls do not count: a station that has failed now has none.
+def analysed(
+    sections: Path,
+    places: Mapping[str, float],
+    meshes: Mapping[str, StationMesh],
+    failed: Container[str] = (),
+) -> list[Station]:
+    """Return the stations that have a mesh, with the results of their section files.
 
     Parameters
     ----------
-    sections : folder of the section files and their summary.json
+    sections : folder of the section files
     places : r by name of the station
+    meshes : by name of the station
+    failed : names of stations that have failed: files of earlier calls do not count
     """
-    summary = json.loads((sections / "summary.json").read_text(encoding="utf-8"))
     found = []
-    for (name, r), mesh in zip(places.items(), meshes, strict=True):
+    for name, mesh in meshes.items():
         file = sections / name / f"{name}.vtkhdf"
-        failed = summary[name]["status"] == "failed"
-        found.append(Station(r, name, mesh, file, None if failed else read_results(file)))
+        results = None if name in failed else read_results(file)
+        found.append(Station(places[name], name, mesh, file, results))
     return found
 
 

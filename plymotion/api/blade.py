@@ -1,0 +1,149 @@
+"""A rotor blade in Python: sections of its stations, its table as a beam, its frequencies."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..solver.errors import InputError, few
+from ..solver.extras.blade.analysis import TABLE, Meshed, collected, read_and_mesh, write_whole
+from ..solver.extras.blade.stations import Station, frequencies_at_rest
+from ..solver.inputs.case.file import CASE_FILE
+from ..solver.inputs.section.described import described_spec
+from ..solver.math.arrays import Array
+from ..solver.math.cores import cores
+from ..solver.workers.described import Entry, Made, make_files, write_specs
+from ..solver.workers.executors import Local
+from ..solver.workers.launch import keep_preprocessors
+from .frames import pandas
+from .running import named
+from .section import Section
+
+
+class Blade:
+    """An analysed rotor blade; `blade` returns it.
+
+    Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the
+    suction side, x1 to the tip (docs/blade.md). Order of rows and columns: F1, F2, F3, M1, M2, M3.
+
+    Attributes
+    ----------
+    folder : of the files that `plymotion blade` writes as well
+    """
+
+    def __init__(self, meshed: Meshed, stations: Sequence[Station]) -> None:
+        self._meshed, self._stations = meshed, stations
+        self.folder = meshed.folder
+
+    @property
+    def case(self) -> Path:
+        """Case of the blade on its turning hub, for `plymotion.load`."""
+        return self.folder / CASE_FILE
+
+    @property
+    def r(self) -> Array:
+        """Stations (n,), from 0 at the root to 1 at the tip [-]."""
+        return np.array([station.r for station in self._stations])
+
+    @property
+    def sections(self) -> list[Section]:
+        """The analysed section of each station."""
+        return [Section(station.file) for station in self._stations]
+
+    @property
+    def K(self) -> Array:
+        """Stiffness about the reference axis, without twist (n, 6, 6) [N, N m, N m2]."""
+        return np.array([s.results.K for s in self._stations if s.results is not None])
+
+    @property
+    def M(self) -> Array:
+        """Mass per length about the reference axis, without twist (n, 6, 6) [kg/m, kg, kg m]."""
+        return np.array([s.results.M for s in self._stations if s.results is not None])
+
+    def frequencies(self) -> tuple[Array, dict[str, Array]]:
+        """Return the six lowest frequencies at rest, clamped at the root, and their errors.
+
+        Returns
+        -------
+        frequencies : (6,) [Hz]
+        errors : (6,) [-] by cause: "sections", "stations", "elements"; not those without estimate
+        """
+        return frequencies_at_rest(self._meshed.blade, self._stations, quiet=True)
+
+    def to_pandas(self) -> Any:
+        """Return blade.csv as a DataFrame. Raises ImportError without pandas."""
+        return pandas().read_csv(self.folder / TABLE)
+
+    def __repr__(self) -> str:
+        name, n = self._meshed.blade.file.stem, len(self._stations)
+        length = float(np.ptp(self._meshed.blade.length.values))
+        return f"<Blade {name}: {length:.4g} m, {n} stations>"
+
+
+def blade(
+    path: str | Path,
+    *,
+    stations: int | None = None,
+    at: Sequence[float] = (),
+    out: str | Path | None = None,
+    to: str | None = None,
+    estimate: bool = True,
+) -> Blade:
+    """Analyse the cross-sections of a rotor blade from a windIO 2 file.
+
+    Stations that are up to date are read. What is doubtful about the file goes to the logger
+    "plymotion" as warnings. Needs FEniCSx and PyYAML.
+
+    Parameters
+    ----------
+    path : the windIO file
+    stations : number of stations at equal distances from root to tip
+    at : places of stations from 0 to 1; neither: the grid of the chord in the file
+    out : folder of the files, those of `plymotion blade`; None: build/blades/NAME
+    to : "beamdyn" or "hawc2": also files for this code
+    estimate : estimate the error of each section, which takes three times as long
+
+    Raises
+    ------
+    InputError
+        The file is wrong, a station cannot be meshed or analysed, files of others are in the way.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> one = pm.blade("blade.yaml", stations=3, estimate=False)  # doctest: +SKIP
+    >>> one.K.shape  # doctest: +SKIP
+    (3, 6, 6)
+    """
+    if to not in (None, "beamdyn", "hawc2"):
+        raise InputError(f"to = {to!r}: expected beamdyn or hawc2")
+    file = Path(path)
+    folder = Path(out) if out is not None else Path("build") / "blades" / file.stem
+
+    def failed(name: str, r: float, error: Exception) -> None:
+        raise error
+
+    made: list[Made] = []
+    with named(None if out is None else folder):
+        meshed = read_and_mesh(file, folder, count=stations, at=at, failed=failed)
+        entries = [Entry(description.stem, description) for description in meshed.descriptions]
+        requests, wrong = write_specs(
+            entries,
+            meshed.sections,
+            lambda entry: described_spec(entry.file, {}, entry.name, meshed.sections),
+        )
+        keep_preprocessors()
+        make_files(
+            requests,
+            "section",
+            [] if estimate else ["--no-estimate"],
+            executor=lambda: Local(cores(), threads=True),
+            done=made.append,
+            progress=lambda _: None,
+        )
+        if errors := [one.error for one in (*wrong, *made) if one.status == "failed"]:
+            raise InputError(few(errors))
+        analysed = collected(meshed, ())
+        write_whole(meshed, analysed, to)
+    return Blade(meshed, analysed)

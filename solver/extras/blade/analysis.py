@@ -1,0 +1,156 @@
+"""A blade from its file to its table: stations are meshed, analysed, compared and written."""
+
+import logging
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError
+from ...inputs.case.file import CASE_FILE
+from ...package.common.replaceable import refuse_foreign
+from ...package.common.temporary import write_text
+from .layers import StationMesh
+from .station import write_station
+from .stations import (
+    Station,
+    analysed,
+    body_csv,
+    complete,
+    station_csv,
+    write_blade_case,
+    write_for,
+)
+from .windio import Blade, differences, read_blade
+
+LOGGER = logging.getLogger(__name__)
+REMOVED = 0.02  # share of the layers' area without room, above which a warning says so
+TABLE, BODY = "blade.csv", "beam.csv"
+
+
+@dataclass(frozen=True)
+class Meshed:
+    """Meshes and descriptions of stations in a folder.
+
+    Attributes
+    ----------
+    places : r of 0 to 1 by name of the station, also of those that have failed
+    meshes : by name of the station
+    failed : why a station has no mesh, by its name
+    """
+
+    blade: Blade
+    folder: Path
+    places: dict[str, float]
+    meshes: dict[str, StationMesh] = field(default_factory=dict)
+    failed: dict[str, Exception] = field(default_factory=dict)
+
+    @property
+    def descriptions(self) -> list[Path]:
+        """Section descriptions of the stations that have a mesh."""
+        return [self.folder / "stations" / f"{name}.toml" for name in self.meshes]
+
+    @property
+    def sections(self) -> Path:
+        """Folder of the section files, folder/NAME/NAME.vtkhdf."""
+        return self.folder / "sections"
+
+
+def read_and_mesh(
+    file: Path,
+    folder: Path,
+    *,
+    count: int | None = None,
+    at: Sequence[float] = (),
+    failed: Callable[[str, float, Exception], None],
+) -> Meshed:
+    """Read a windIO file and write folder/stations: a mesh and a description of each station.
+
+    Findings are logged as warnings.
+
+    Parameters
+    ----------
+    count : stations at equal distances from root to tip
+    at : places r of 0 to 1; neither: the grid of the file's chord
+    failed : told of each station that cannot be meshed; the others are
+
+    Raises
+    ------
+    InputError : the file is wrong, both `count` and `at`, stations at one place, foreign files.
+    """
+    blade = read_blade(file)
+    for words in blade.left_out:
+        _warning("not-modelled", f"{file}: {words}")
+    for words in blade.doubtful:
+        _warning("unlike-a-blade", f"{file}: {words}")
+    for words in blade.differences:
+        _warning("rule-differs", f"{file}: {words}")
+    if at and count:
+        raise InputError("blade: expected --stations or --at, not both")
+    if count:
+        at = np.linspace(0.0, 1.0, count).tolist()
+    places = at or np.unique(np.clip(blade.span, 0.0, 1.0)).tolist()
+    meshed = Meshed(blade, folder, {f"r{round(1e4 * r):05d}": r for r in places})
+    if len(meshed.places) < len(places):
+        raise InputError("blade: stations closer than 1e-4 of the span")
+    for written in (TABLE, BODY, CASE_FILE):
+        refuse_foreign(folder / written)  # before the work
+    for name, r in meshed.places.items():
+        try:
+            mesh = write_station(blade, r, name, folder / "stations")
+        except (InputError, ValueError, ArithmeticError, LookupError) as error:
+            meshed.failed[name] = error  # the others can be right
+            failed(name, r, error)
+            continue
+        meshed.meshes[name] = mesh
+        if mesh.removed > REMOVED:
+            words = "of the layers find no room between the two sides and are not there"
+            _warning("no-room", f"station r = {r:g}: {mesh.removed:.1%} {words}")
+    return meshed
+
+
+def collected(meshed: Meshed, failed: Container[str]) -> list[Station]:
+    """Read the section files, compare them with the matrices of the file and write blade.csv.
+
+    Parameters
+    ----------
+    failed : names of stations whose analysis has failed; their files are of earlier calls
+    """
+    blade, stations = meshed.blade, analysed(meshed.sections, meshed.places, meshed.meshes, failed)
+    for station in complete(stations):
+        if blade.given is not None and station.results is not None:
+            found = differences(blade.given, station.r, station.results)
+            place = f"{blade.file}: station r = {station.r:g}"
+            if found:
+                _warning("differs-from-file", f"{place}: {'; '.join(found)}")
+    write_text(meshed.folder / TABLE, station_csv(blade, stations))
+    return stations
+
+
+def write_whole(meshed: Meshed, stations: Sequence[Station], code: str | None) -> list[Path]:
+    """Write what needs all stations: the beam body, its case, files for another code.
+
+    Parameters
+    ----------
+    code : "beamdyn" or "hawc2"; None: no files for another code
+
+    Raises
+    ------
+    InputError : a station is missing, or the other code needs more of them.
+    """
+    done = complete(stations)
+    if len(done) < len(meshed.places):
+        found = {station.name for station in done}
+        lost = ", ".join(f"{r:g}" for name, r in meshed.places.items() if name not in found)
+        raise InputError(f"blade: r = {lost}: without these stations the blade is another one")
+    write_text(meshed.folder / BODY, body_csv(meshed.blade, stations))
+    files = [meshed.folder / BODY]
+    files += write_for(code, meshed.blade, stations, meshed.folder) if code else []
+    if len(done) > 1:
+        files.append(write_blade_case(meshed.blade, stations, meshed.folder))
+    return files
+
+
+def _warning(code: str, words: str) -> None:
+    LOGGER.warning("warning [%s] %s", code, words)
