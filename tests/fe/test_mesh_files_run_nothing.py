@@ -148,3 +148,27 @@ def test_a_script_does_not_merge_a_file_with_a_companion(square: Path) -> None:
     assert not (folder / "STRUCK").exists()
     companion.unlink()
     assert fenicsx.run_script(script, {}).cells.size
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        'Merge StrCat("{}", ".msh");',
+        'name = "{}.msh"; Merge Str(name);',
+        'Merge /* a comment */ "{}.msh";',
+    ],
+    ids=["StrCat", "variable", "comment"],
+)
+def test_a_script_that_computes_a_name_does_not_merge_a_file_with_a_companion(
+    square: Path, words: str
+) -> None:
+    folder = square.parent
+    script = folder / "own.geo"
+    script.write_text(words.format(square.stem) + "\n")
+    companion = folder / f"{square.name}.opt"
+    companion.write_text(strike(folder))
+    with pytest.raises(MeshError, match=r"computes the name .*square.msh.opt as a script"):
+        fenicsx.run_script(script, {})
+    assert not (folder / "STRUCK").exists()
+    companion.unlink()
+    assert fenicsx.run_script(script, {}).cells.size

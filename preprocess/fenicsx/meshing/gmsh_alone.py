@@ -16,12 +16,15 @@ import runpy
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from itertools import islice
 
 import gmsh
 import numpy as np
 
 FINEST = 1e-7  # size of cells over that of the model, below which no mesh is meant
 NAMED = re.compile(r"\b(Merge|Include)\s*[\"']([^\"'\n]+)[\"']")
+COMPUTED = re.compile(r"\b(?:Merge|Include)\b(?!\s*[\"'])")
+MOST_FOLDERS = 1000  # below that of a script, which are searched for what it could merge
 Parameters = Mapping[str, float | Sequence[float]]
 
 
@@ -51,7 +54,10 @@ def read(script: str) -> None:
 
 
 def _refuse_options(script: str, known: frozenset[str] = frozenset()) -> None:
-    """Raise ValueError if a FILE that a script merges, by a name in quotes, has a FILE.opt."""
+    """Raise ValueError if a FILE that a script merges has a FILE.opt.
+
+    A script that computes a name could merge any FILE of its folder and of those below.
+    """
     if script in known or not os.path.isfile(script):
         return
     with open(script, encoding="utf-8", errors="replace") as file:
@@ -64,6 +70,16 @@ def _refuse_options(script: str, known: frozenset[str] = frozenset()) -> None:
             raise ValueError(
                 f'Merge "{name}" would run {path}.opt as a script: expected no such file'
             )
+    if COMPUTED.search(text):
+        for folder, _, names in islice(os.walk(os.path.dirname(script)), MOST_FOLDERS):
+            for name in names:
+                path = os.path.join(folder, name)
+                if name.endswith(".opt") and os.path.lexists(path.removesuffix(".opt")):
+                    raise ValueError(
+                        f"{script} computes the name of a file that it merges; with that of "
+                        f"{path.removesuffix('.opt')} gmsh would run {path} as a script: expected "
+                        "no such file"
+                    )
 
 
 def generate(script: str, parameters: Parameters) -> None:
