@@ -7,7 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..solver.errors import InputError, few
-from ..solver.extras.blade.analysis import TABLE, Meshed, collected, read_and_mesh, write_whole
+from ..solver.extras.blade.analysis import (
+    TABLE,
+    Meshed,
+    collected,
+    folder_of,
+    read_and_mesh,
+    write_whole,
+)
 from ..solver.extras.blade.stations import Station, frequencies_at_rest
 from ..solver.inputs.case.file import CASE_FILE
 from ..solver.inputs.section.described import described_spec
@@ -119,7 +126,7 @@ def blade(
     if to not in (None, "beamdyn", "hawc2"):
         raise InputError(f"to = {to!r}: expected beamdyn or hawc2")
     file = Path(path)
-    folder = Path(out) if out is not None else Path("build") / "blades" / file.stem
+    folder = Path(out) if out is not None else folder_of(file)
 
     def failed(name: str, r: float, error: Exception) -> None:
         raise error

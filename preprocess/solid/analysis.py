@@ -25,6 +25,7 @@ ERROR = FINER**2 / (FINER**2 - 1.0)  # of the first mesh over the difference
 MOST = 60_000  # unknowns of which the second mesh, four times as many, is not left out
 COMPARED = 6  # frequencies that `accuracy` is about
 ROUNDS = 5  # meshes that `accuracy` may take
+LARGEST = 1e100  # [m] displacement: strains of steel are below 1e-2
 ORDER = 2.0  # power of the size with which `accuracy` expects errors to fall
 
 
@@ -60,8 +61,8 @@ class HeldSolid:
         """Lowest frequencies [Hz]."""
         return _hertz(self._condition.lowest(count, self._solver.eigenpairs)[0])
 
-    def case(self, loads: Mapping[str, Any]) -> Case:
-        """Static displacements under the loads of a case."""
+    def case(self, loads: Mapping[str, Any], where: str = "loads") -> Case:
+        """Static displacements under the loads of a case; `where`: its key, for messages."""
         f = np.zeros(self._T.shape[0])
         for load in loads.values():
             if "gravity" in load:
@@ -71,6 +72,8 @@ class HeldSolid:
                 f += self._links[load["at"]].motion.T @ np.array(wrench)
         reduced = (self._T.T @ f)[:, None]
         columns = self._condition.static(reduced, np.zeros_like(reduced)).columns
+        if not np.abs(columns).max(initial=0.0) < LARGEST:  # nor NaN
+            raise SolidError(f"{where}: its displacements overflow; expected smaller loads")
         reaction = (self._K @ columns - reduced)[:, 0]
         return Case(
             np.asarray(self._T @ columns).reshape(-1, 3),
@@ -153,7 +156,8 @@ def findings(
     if held is not None:
         found["held_hz"] = held.hertz(count).tolist()
         found["cases"] = {
-            name: _case(model, held.case(loads), solid) for name, loads in table["loads"].items()
+            name: _case(model, held.case(loads, f"loads.{name}"), solid)
+            for name, loads in table["loads"].items()
         }
     found |= _errors(model, table, solid, found, count)
     return found

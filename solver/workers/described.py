@@ -82,6 +82,8 @@ def write_specs(
     for entry in entries:
         spec_file = folder / entry.name / f"{entry.name}.json"
         try:
+            if entry.name in (".", ".."):  # "...toml": its folder would be that of the others
+                raise InputError(f"{entry.file}: expected a file with a name before its ending")
             spec = spec_of(entry)
         except InputError as error:
             failed.append(Made(entry, spec_file.with_suffix(".vtkhdf"), "failed", str(error)))

@@ -215,6 +215,9 @@ def test_load_cases_are_in_equilibrium_and_bend_as_a_beam(bar_file: Path) -> Non
     bend = 100.0 * LENGTH**3 / (3.0 * 70e9 * WIDTH * HEIGHT**3 / 12.0)
     tip = np.isclose(model.body.nodes[:, 0], LENGTH)
     assert loaded.u[tip, 2].mean() == pytest.approx(bend, rel=1e-2)
+    for force in (1.7e308, 1e200):  # infinite displacements; stresses whose squares are
+        with pytest.raises(SolidError, match=r"loads.pull: .* expected smaller loads"):
+            held.case({"tip": {"at": "tip", "force": [0.0, 0.0, force]}}, "loads.pull")
 
 
 @pytest.mark.one_end

@@ -12,6 +12,7 @@ from solid_samples import (
     MILLIMETRE,
     STEEL,
     WOUND,
+    bar,
     bracket,
     cad_file,
     filleted,
@@ -247,6 +248,13 @@ def test_ten_million_unknowns_are_refused_before_meshing(tmp_path: Path) -> None
     step_file(file, bracket)
     with pytest.raises(SolidError, match=r"mesh.size = 0.0005 m: about .*e\+0[67] unknowns"):
         model_of(file, 0.0005)
+
+
+def test_cells_larger_than_the_part_are_the_coarsest(tmp_path: Path) -> None:
+    file = tmp_path / "part.step"
+    step_file(file, bar)
+    model = model_of(file, 1e308)
+    assert 0 < len(model.mesh.plain.cells) <= len(model_of(file, 0.02).mesh.plain.cells)
 
 
 def test_faces_that_intersect_are_refused(tmp_path: Path) -> None:

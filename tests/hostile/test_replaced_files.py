@@ -21,6 +21,21 @@ LINKS = "a planted link where a command writes"
 WORDS = "the only copy of a thesis\n"
 
 
+@pytest.mark.parametrize("stem", [".", ".."])
+def test_a_file_of_dots_writes_nowhere_else(repository, tmp_path, monkeypatch, capsys, stem):
+    """The stem of "...toml" is "..", and so is the folder of its files."""
+    text = (repository / "cases/sections/square.toml").read_text()
+    (tmp_path / f"{stem}.toml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    out = tmp_path / "deep/out"
+    assert main(["section", str(tmp_path / f"{stem}.toml"), "--check", "--out", str(out)]) == 2
+    assert "expected a file with a name before its ending" in capsys.readouterr().err
+    for words in (["run"], ["blade", "--check"]):
+        assert main([*words, str(tmp_path / f"{stem}.toml")]) == 2
+        assert "expected a file with a name before its ending" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.rglob("*") if file.is_file()] == [f"{stem}.toml"]
+
+
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     """A case that is checked, in a folder that is the current one."""

@@ -168,7 +168,8 @@ def _set_sizes(path: Path, size: float | None) -> None:
     """Sizes of cells; raise MeshError for too many, before anything is meshed."""
     box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
     extent = box[1] - box[0]
-    size = size or float(np.linalg.norm(extent)) / 20.0
+    diagonal = float(np.linalg.norm(extent))
+    size = min(size or diagonal / 20.0, diagonal)  # larger cells than the part there are not
     volume, area = (
         sum(gmsh.model.occ.getMass(d, tag) for d, tag in gmsh.model.getEntities(d)) for d in (3, 2)
     )

@@ -4,10 +4,16 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from ...errors import InputError
-from ...extras.blade.analysis import TABLE, Meshed, collected, read_and_mesh, write_whole
+from ...extras.blade.analysis import (
+    TABLE,
+    Meshed,
+    collected,
+    folder_of,
+    read_and_mesh,
+    write_whole,
+)
 from ...extras.blade.stations import (
     COUNT,
     Station,
@@ -31,7 +37,7 @@ FREQUENCIES = "frequencies.csv"
 
 def run_blade(options: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    out = options.out or Path("build") / "blades" / options.file.stem
+    out = options.out or folder_of(options.file)
     codes: list[int] = []
 
     def failed(name: str, r: float, error: Exception) -> None:

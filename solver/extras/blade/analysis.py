@@ -57,6 +57,13 @@ class Meshed:
         return self.folder / "sections"
 
 
+def folder_of(file: Path) -> Path:
+    """Return build/blades/NAME, the folder of a windIO file. Raises InputError: no name."""
+    if file.stem in (".", ".."):
+        raise InputError(f"{file}: expected a file with a name before its ending")
+    return Path("build") / "blades" / file.stem
+
+
 def read_and_mesh(
     file: Path,
     folder: Path,

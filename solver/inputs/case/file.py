@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from ...errors import InputError
+
 CASE_FILE = "case.toml"
 
 
@@ -12,4 +14,6 @@ def case_file(path: Path) -> Path:
 
 def case_name(file: Path) -> str:
     """Return the name of the folder of a case.toml; of another file its own."""
+    if file.stem in (".", ".."):  # "...toml": build/.. would be the folder of its files
+        raise InputError(f"{file}: expected a file with a name before its ending")
     return file.resolve().parent.name if file.name == CASE_FILE else file.stem
