@@ -11,13 +11,13 @@ when it is asked for; __init__.pyi tells their types.
 """
 
 from ...solver.math.lazy import lazy_names
-from .errors import EigenError, FactorisationError, InertiaError, MeshError, SingularError
-from .plain import EDGES, NODES, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
-from .stack import MissingFenicsx, versions
-from .team import ALONE, Team, world
+from . import stack as stack  # raises MissingFenicsx
 
 # Module of this folder -> the names that it offers; no module has the name of a function.
 _PUBLIC = {
+    "errors": ("EigenError", "FactorisationError", "InertiaError", "MeshError", "SingularError"),
+    "plain": ("EDGES", "NODES", "NamedNodes", "PlainMesh", "used_nodes", "with_centre_nodes"),
+    "team": ("ALONE", "Team", "world"),
     "evaluation": ("evaluated",),
     "solvers.eigen": ("eigenpairs",),
     "solvers.factorisation": ("Cholesky", "cholesky", "negative_pivots"),
@@ -25,28 +25,9 @@ _PUBLIC = {
     "meshing.gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "kernels": ("Kernel", "Rows", "Symbols", "compiled", "kernel", "matrices", "rows", "symbols"),
     "reference_cell": ("lagrange", "order_of_nodes", "quadrature", "reference_nodes"),
-    "stack": ("HAS_MUMPS", "MPI", "gmsh"),
+    "stack": ("HAS_MUMPS", "MPI", "MissingFenicsx", "gmsh", "versions"),
     "surface": ("Surface", "SurfacePattern"),
 }
 _MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
-
-__all__ = [
-    "ALONE",
-    "EDGES",
-    "NODES",
-    "EigenError",
-    "FactorisationError",
-    "InertiaError",
-    "MeshError",
-    "MissingFenicsx",
-    "NamedNodes",
-    "PlainMesh",
-    "SingularError",
-    "Team",
-    "used_nodes",
-    "versions",
-    "with_centre_nodes",
-    "world",
-]
 
 __getattr__, __dir__ = lazy_names(_MODULE, globals())

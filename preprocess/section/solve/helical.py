@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.sparse.linalg import LinearOperator, gmres
 
@@ -19,7 +18,7 @@ from ..errors import IllConditioned, SectionError
 from ..mesh.pattern import Restriction
 from ..space.space import SectionSpace
 from .twist import TwistedStrains
-from .warping import unknowns_at_nodes
+from .warping import pinned_dofs
 
 Residual = tuple[Array, Array]  # loads (n_dof, 6), resultants (6, 6); or warping and beam strains
 
@@ -178,21 +177,6 @@ def change_of_resultants(k: Array) -> Array:
     return T
 
 
-def six_pins(space: SectionSpace) -> NDArray[np.int64]:
-    """Six unknowns that prevent every rigid motion of the section.
-
-    A node, the motion of a second one across their line, and u1 at both and at a third node.
-    """
-    whole, x = unknowns_at_nodes(space)
-    i = int(np.argmin(x.sum(axis=1)))
-    away = x - x[i]
-    j = int(np.argmax(np.hypot(*away.T)))
-    across = 2 if abs(away[j, 0]) >= abs(away[j, 1]) else 1
-    third = int(np.argmax(np.abs(away[:, 0] * away[j, 1] - away[:, 1] * away[j, 0])))
-    a, b, c = 3 * whole[[i, j, third]]
-    return np.array([a, a + 1, a + 2, b + across, b, c])
-
-
 def central_solutions(
     space: SectionSpace,
     k: Array,
@@ -219,7 +203,7 @@ def central_solutions(
     FactorisationError : the section is not one part.
     """
     strains, T = TwistedStrains(space, k), change_of_resultants(k)
-    kept = space.pattern.without(six_pins(space))
+    kept = space.pattern.without(pinned_dofs(space, six=True))
     simple = AlongAxis(strains, C, kept, largest_growth)
     if is_enough is not None and not is_enough(simple.growth):
         raise IllConditioned

@@ -65,16 +65,20 @@ def unknowns_at_nodes(space: SectionSpace) -> tuple[NDArray[np.int64], Array]:
     return space.unknowns.whole, x[space.unknowns.at]
 
 
-def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
-    """Four unknowns that prevent the rigid motions: a node, and one component of a distant node."""
+def pinned_dofs(space: SectionSpace, *, six: bool = False) -> NDArray[np.int64]:
+    """Four unknowns that prevent the rigid motions in the null space of E, or `six` for all.
+
+    A node, and the motion of a distant one across their line; of six, also u1 at this and at a
+    third node.
+    """
     whole, x = unknowns_at_nodes(space)
-    x2, x3 = x.T
-    i = int(np.argmin(x2 + x3))
-    lever_2, lever_3 = x2 - x2[i], x3 - x3[i]
-    j = int(np.argmax(np.hypot(lever_2, lever_3)))
-    across = 2 if abs(lever_2[j]) >= abs(lever_3[j]) else 1
-    a, b = whole[[i, j]]
-    return np.array([3 * a, 3 * a + 1, 3 * a + 2, 3 * b + across])
+    i = int(np.argmin(x.sum(axis=1)))
+    away = x - x[i]
+    j = int(np.argmax(np.hypot(*away.T)))
+    third = int(np.argmax(np.abs(away[:, 0] * away[j, 1] - away[:, 1] * away[j, 0])))
+    a, b, c = 3 * whole[[i, j, third]]
+    across = 2 if abs(away[j, 0]) >= abs(away[j, 1]) else 1
+    return np.array([a, a + 1, a + 2, b + across, *((b, c) if six else ())])
 
 
 class WarpingSolver:
