@@ -101,10 +101,9 @@ def bdf_theory(order: int, w_h: float) -> float:
 
 def explicit_theory(kind: Any, z: complex) -> float:
     """Modulus of the stability function of a tableau."""
-    s = kind.B.size
-    A = np.zeros((s, s))
-    A[:, : kind.A.shape[1]] = kind.A[:s, :s]
-    return float(abs(1 + z * kind.B @ np.linalg.solve(np.eye(s) - z * A, np.ones(s))))
+    A, B = kind.tableau.A, kind.tableau.B
+    s = B.size
+    return float(abs(1 + z * B @ np.linalg.solve(np.eye(s) - z * A, np.ones(s))))
 
 
 def alpha_theory(rho: float, w_h: float) -> float:

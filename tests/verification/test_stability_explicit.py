@@ -14,10 +14,9 @@ METHODS = {"rk5": RungeKutta5, "rk8": RungeKutta8}
 
 def stability_function(kind, z):
     """Growth per step on y' = lambda y at z = h lambda, from the tableau alone."""
-    s = kind.B.size
-    A = np.zeros((s, s))
-    A[:, : kind.A.shape[1]] = kind.A[:s, :s]
-    return 1.0 + z * kind.B @ np.linalg.solve(np.eye(s) - z * A, np.ones(s))
+    A, B = kind.tableau.A, kind.tableau.B
+    s = B.size
+    return 1.0 + z * B @ np.linalg.solve(np.eye(s) - z * A, np.ones(s))
 
 
 def _highest_mode(name, w_h, n_step):
