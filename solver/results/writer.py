@@ -38,6 +38,7 @@ from .surfaces import MOST_STORED, drawn_by_views
 from .view_file import LAYOUT, link_record, view_record
 
 Item = TypeVar("Item")
+AT_ONCE = 6_000_000  # bytes of positions in memory, which do not grow with output times
 MULTIPLIER_UNIT = "N, N m"
 
 
@@ -68,7 +69,7 @@ def write_result(
         check_result(result)
     except ResultError as error:
         raise ResultError(f"{path}: {error}") from None
-    if result.node_positions_G.nbytes <= MOST_STORED:  # written twice, computed once
+    if result.node_positions_G.nbytes <= AT_ONCE:  # written twice, computed once
         result = replace(result, node_positions_G=np.asarray(result.node_positions_G[:]))
     with new_file(path) as file:
         set_text(file, "format", FORMAT)
