@@ -87,7 +87,7 @@ class ExplicitLoop(ClosingLoop):
     ) -> tuple[int, int]:
         model, options, workspace = self._model, self._options, self._workspace
         if (left := self.bounded_to - self.counters.steps) > 0:
-            most = min(most, left)  # the next bound is found at the same step, whatever is asked for
+            most = min(most, left)  # the next bound is found at the same step in any case
         found = advance_explicit(
             model, options, self.tableau, workspace, most, times, rows, filled, ends
         )
