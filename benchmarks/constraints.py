@@ -14,10 +14,10 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from constraint_runs import new_run, prepared, run
 from matplotlib import pyplot as plt
 from matplotlib.ticker import NullFormatter
-from mechanism_samples import Sample, bricard, chain, four_bars, pendulum
+from samples.constraint_runs import new_run, prepared, run
+from samples.mechanism_samples import Sample, bricard, chain, four_bars, pendulum
 
 from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment

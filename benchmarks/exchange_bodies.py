@@ -11,8 +11,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from exchange_decks import MASS, write_mystran, write_shell, write_solid
-from exchange_routes import ccx, import_file, mystran, run_program
+from samples.exchange_decks import MASS, write_mystran, write_shell, write_solid
+from samples.exchange_routes import ccx, import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.import_file import package_of, read_table
 from plymotion.solver.__main__ import main as plymotion

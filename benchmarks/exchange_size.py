@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import scipy.io
-from brick_model import brick
+from samples.brick_model import brick
 
 COUNT, SIZE, DENSITY = (200, 12, 12), (2.0, 0.12, 0.12), 2700.0
 IMPORT_FILE = f"""\

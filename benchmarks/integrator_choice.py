@@ -12,10 +12,10 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from constraint_runs import prepared
-from mechanism_samples import Sample, chain
+from samples.constraint_runs import prepared
+from samples.mechanism_samples import Sample, chain
+from samples.stability_samples import hand
 from solver_methods import PEERS
-from stability_samples import hand
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.solver import Solver

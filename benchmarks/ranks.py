@@ -29,8 +29,8 @@ QUIET = {"OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_hwloc_base_binding_polic
 
 def models() -> dict[str, dict[str, Any]]:
     """A laminated box and a plate of triangles."""
-    from section_cases import section
-    from shell_specs import plate
+    from samples.section_cases import section
+    from samples.shell_specs import plate
 
     clamped = {"root": {"at": "left", "fixed": "all"}}
     load = {"a": {"tip": {"at": "right", "force": [0.0, 0.0, 1.0]}}}
@@ -85,7 +85,7 @@ def timed(work: Callable[..., Any], spent: list[float]) -> Callable[..., Any]:
 
 def measured(n: int, words: list[str]) -> dict[str, float]:
     """The largest figures of the ranks of one run."""
-    from mpi_samples import of_ranks
+    from harness.mpi_samples import of_ranks
 
     os.environ |= QUIET
     with tempfile.TemporaryDirectory() as folder:

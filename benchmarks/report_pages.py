@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from chromium import SOFTWARE, Browser
+from harness.chromium import SOFTWARE, Browser
 
 BUILD = Path("build")
 AXE = BUILD / "browser/axe.min.js"

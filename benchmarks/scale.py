@@ -20,8 +20,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from dask_cluster import Cluster
-from mpi_samples import ranks, with_mpi
+from harness.dask_cluster import Cluster
+from harness.mpi_samples import ranks, with_mpi
 from processes import Cost, cost, cost_of
 from scale_cases import checked, sweep
 from scale_page import write

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from section_cases import section
+from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section.mesh.mesh import SectionMesh, section_mesh

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from section_cases import reference, section
+from samples.section_cases import reference, section
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section import analyse

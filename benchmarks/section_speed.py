@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from section_cases import section
+from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.solvers.petsc import MINIMUM_DEGREE

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 import shell_calculix
-from shell_benchmarks import expected, numbers
+from samples.shell_benchmarks import expected, numbers
 from shell_text import replace_between
 
 ELEMENTS: dict[str, dict[str, Any]] = {

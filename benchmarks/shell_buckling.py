@@ -2,9 +2,9 @@ r"""Load factors of laminated plates: triangles, quadrilaterals and CalculiX's *
 
 . build/fenicsx.env && PYTHONPATH=.:tests "$FENICSX_PYTHON" benchmarks/shell_buckling.py
 
-Cantilever plates of PLATES (tests/shell_layups.py), clamped at x = 0 and pushed by 1 N along x at
-the other edge, in both codes with the same supports. CalculiX misses a factor below 1 without a
-word, and its composite S8R shears its layers apart in thick laminates: the load here is far
+Cantilever plates of PLATES (tests/samples/shell_layups.py), clamped at x = 0 and pushed by 1 N
+along x at the other edge, in both codes with the same supports. CalculiX misses a factor below 1 without
+a word, and its composite S8R shears its layers apart in thick laminates: the load here is far
 below the critical one and the plates are thin. It is left out where `ccx` is not installed.
 """
 
@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 import shell_calculix
-from shell_cantilevers import cantilever
-from shell_layups import PLATES
+from samples.shell_cantilevers import cantilever
+from samples.shell_layups import PLATES
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from shell_layups import (
+from samples.shell_layups import (
     BOX_MATERIAL,
     BOXES,
     HEIGHT,

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from shell_benchmarks import expected, numbers
+from samples.shell_benchmarks import expected, numbers
 
 from plymotion.preprocess import fenicsx
 

@@ -13,8 +13,8 @@ os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 import shutil
 
 import numpy as np
+from samples.shell_model import SCRIPTS, isotropic
 from shell_calculix import ABSENT, Array, Model, Wall, grid, run, simpson
-from shell_model import SCRIPTS, isotropic
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 

@@ -19,9 +19,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import cylinder_peer
 import numpy as np
-from cylinder_samples import LAMINA, cylinder, write_cylinder
+from peers import cylinder_peer
+from samples.cylinder_samples import LAMINA, cylinder, write_cylinder
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem

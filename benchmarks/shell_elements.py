@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from shell_element_samples import element_mass, element_stiffness
+from samples.shell_element_samples import element_mass, element_stiffness
 
 from plymotion.preprocess.shell.elements.choice import Choice
 from plymotion.preprocess.shell.elements.membranes import MEMBRANES

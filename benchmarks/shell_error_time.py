@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 import shell_calculix
-from shell_benchmarks import expected
-from shell_cantilevers import box
+from samples.shell_benchmarks import expected
+from samples.shell_cantilevers import box
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.shell.mesh.mesh import shell_mesh

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from shell_cantilevers import box, cantilever
+from samples.shell_cantilevers import box, cantilever
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.distributed import Distribution

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from constraint_runs import new_run, prepared
-from flexible_samples import Points, body_of
 from matplotlib.lines import Line2D
-from mechanism_samples import Sample, pendulum
+from samples.constraint_runs import new_run, prepared
+from samples.flexible_samples import Points, body_of
+from samples.mechanism_samples import Sample, pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates

@@ -20,9 +20,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
-from beam_samples import coupled_stiffness, reduced  # noqa: E402
-from flexible_samples import simulate  # noqa: E402
-from stiffening_samples import (  # noqa: E402
+from samples.beam_samples import coupled_stiffness, reduced  # noqa: E402
+from samples.flexible_samples import simulate  # noqa: E402
+from samples.stiffening_samples import (  # noqa: E402
     CHORD,
     CLAMPED,
     GRAVITY,

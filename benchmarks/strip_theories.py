@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
-from strip_models import beam, clamped_hz, free_hz, solid
+from peers.strip_models import beam, clamped_hz, free_hz, solid
 
 
 def main() -> None:

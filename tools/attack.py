@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from attack_table import table  # noqa: E402
-from hostile_profile import BAD, recorded  # type: ignore[import-not-found]  # noqa: E402
+from harness.hostile_profile import BAD, recorded  # type: ignore[import-not-found]  # noqa: E402
 
 FOLDER = ROOT / "build/attack"
 COUNTS, SOURCES, OUTPUT = (FOLDER / name for name in ("counts.jsonl", "sources", "pytest.log"))

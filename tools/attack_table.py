@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from hostile_profile import (  # type: ignore[import-not-found]
+from harness.hostile_profile import (  # type: ignore[import-not-found]
     BAD,
     GOOD,
     MISSED,
@@ -37,7 +37,7 @@ def table(counts: Counter[tuple[str, str]]) -> str:
 
 
 def main() -> None:
-    """Read counts (tests/hostile_profile.py) and replace the table of the page."""
+    """Read counts (tests/harness/hostile_profile.py) and replace the table of the page."""
     _, counts = recorded(Path(sys.argv[1]))
     page = PAGE.read_text(encoding="utf-8")
     before, rest = page.split(BEGIN)

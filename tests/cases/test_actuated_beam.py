@@ -5,7 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 import scipy.linalg
-from case_samples import case_runs, run_case
+from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.package import read_package
 

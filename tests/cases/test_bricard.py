@@ -4,7 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from case_samples import case_runs, run_case
+from samples.case_samples import case_runs, run_case
 
 
 @pytest.fixture(scope="module")

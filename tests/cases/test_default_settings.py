@@ -4,10 +4,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from constraint_runs import prepared
-from mechanism_samples import bricard, chain, four_bars, pendulum
-from stability_samples import hand
-from two_body_samples import stretching_rod, two_bodies
+from samples.constraint_runs import prepared
+from samples.mechanism_samples import bricard, chain, four_bars, pendulum
+from samples.stability_samples import hand
+from samples.two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.inputs.case import load_case

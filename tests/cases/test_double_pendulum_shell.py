@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flexible_samples import momenta, simulate, total_energy
+from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from case_samples import case_runs, run_case
+from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.math.arrays import Array
 

@@ -8,14 +8,14 @@ import time
 from collections import Counter
 from pathlib import Path
 
-import executor_samples as samples
 import h5py
 import numpy as np
 import pytest
-from dask_cluster import TESTS, Cluster, until
-from hostile_profile import WAIT_S
-from mpi_samples import ranks, with_mpi
-from sweep_samples import FORCE, MASS, ball, ball_plan
+from harness import executor_samples as samples
+from harness.dask_cluster import TESTS, Cluster, until
+from harness.hostile_profile import WAIT_S
+from harness.mpi_samples import ranks, with_mpi
+from samples.sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
@@ -257,7 +257,7 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
 
 KILLED = """
 import sys
-import executor_samples
+from harness import executor_samples
 from plymotion.solver.__main__ import main
 from plymotion.solver.studies.sweep import work
 work.compute_portion = executor_samples.noted_portion

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fidelity_packages import CASE, build_bodies
+from samples.fidelity_packages import CASE, build_bodies
 
 import plymotion as pm
 from plymotion.solver.__main__ import main

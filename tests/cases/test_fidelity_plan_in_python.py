@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from fidelity_packages import CASE, build_bodies
+from samples.fidelity_packages import CASE, build_bodies
 from scipy.optimize import minimize_scalar
 
 import plymotion as pm

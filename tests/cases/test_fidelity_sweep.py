@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from fidelity_packages import CASE, build_bodies
+from samples.fidelity_packages import CASE, build_bodies
 
 import plymotion as pm
 from plymotion.solver.__main__ import main

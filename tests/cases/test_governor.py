@@ -1,7 +1,7 @@
 """A flyball governor with springs at its sleeve, damped and not: few refusals, no false hints."""
 
 import pytest
-from case_samples import HEAD, rigid
+from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case

@@ -4,12 +4,18 @@ import dataclasses
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
-from case_samples import rigid
-from judged_samples import judged, judged_case
-from recovery_samples import PLY, PLY_STRENGTH, mode_resultants, plies_of, rectangle_recovery
+from samples.beam_samples import CLAMPED, reduced
+from samples.case_samples import rigid
+from samples.judged_samples import judged, judged_case
+from samples.recovery_samples import (
+    PLY,
+    PLY_STRENGTH,
+    mode_resultants,
+    plies_of,
+    rectangle_recovery,
+)
+from samples.stiffening_samples import rectangle
 from scipy.optimize import brentq
-from stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.body import mode_warnings
 from plymotion.preprocess.beam.line import straight_line

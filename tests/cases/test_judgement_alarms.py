@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
-from case_samples import HEAD, rigid
-from stiffening_samples import rectangle
+from samples.beam_samples import CLAMPED, reduced
+from samples.case_samples import HEAD, rigid
+from samples.stiffening_samples import rectangle
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case

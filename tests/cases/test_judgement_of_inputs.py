@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import pytest
-from case_samples import rigid
-from judged_samples import judged
-from package_samples import cantilever
+from samples.case_samples import rigid
+from samples.judged_samples import judged
+from samples.package_samples import cantilever
 
 FREE = """
 [bodies.bar]

@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, case_runs, rigid
+from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case

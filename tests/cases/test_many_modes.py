@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beam_samples import dense
-from body_specs import beam_body
-from case_samples import HEAD
-from recovery_samples import STEEL
+from samples.beam_samples import dense
+from samples.body_specs import beam_body
+from samples.case_samples import HEAD
+from samples.recovery_samples import STEEL
 
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.line import LineSection

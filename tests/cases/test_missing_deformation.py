@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, Beam, reduced
-from case_samples import rigid
-from curved_samples import meshed
-from judged_samples import judged
-from stiffening_samples import rectangle
+from samples.beam_samples import CLAMPED, Beam, reduced
+from samples.case_samples import rigid
+from samples.curved_samples import meshed
+from samples.judged_samples import judged
+from samples.stiffening_samples import rectangle
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH, EI = 0.5, K[5, 5]

@@ -6,7 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from case_samples import case_runs, run_case
+from samples.case_samples import case_runs, run_case
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.inputs.case import load_case

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, case_runs, rigid
+from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER
-from coordinate_samples import carriage
+from samples.case_samples import HEAD, SOLVER
+from samples.coordinate_samples import carriage
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

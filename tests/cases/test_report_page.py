@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from chromium import NO_3D, SOFTWARE, Browser
+from harness.chromium import NO_3D, SOFTWARE, Browser
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.rotations import rotation_matrix

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from case_samples import short_run
-from chromium import SOFTWARE, Browser
+from harness.chromium import SOFTWARE, Browser
+from samples.case_samples import short_run
 
 from plymotion.solver.__main__ import main
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chromium import SOFTWARE, Browser
-from result_samples import swinging_rod
+from harness.chromium import SOFTWARE, Browser
+from samples.result_samples import swinging_rod
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package

@@ -5,8 +5,8 @@ import json
 
 import numpy as np
 import pytest
-from beam_tables import rod_frequencies
-from case_samples import case_runs, run_case
+from samples.beam_tables import rod_frequencies
+from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
@@ -43,7 +43,7 @@ def rows(file):
 
 
 def test_first_flap_and_edge_frequencies_are_those_of_the_rod(case, repository):
-    """At rest: integrated along the curved line, without elements (tests/beam_tables.py)."""
+    """At rest: integrated along the curved line, without elements (samples/beam_tables.py)."""
     package = read_package(repository / "tests/packages/rotor-blade/blade.stiffened.vtkhdf")
     body = {
         "kind": "beam",

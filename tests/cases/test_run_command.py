@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import case_runs, run_case
+from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.package import read_package
 

@@ -3,8 +3,8 @@
 import re
 
 import pytest
-from case_samples import case_runs, rigid, run_text
-from judged_samples import judged
+from samples.case_samples import case_runs, rigid, run_text
+from samples.judged_samples import judged
 
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.preparation import prepare

@@ -7,8 +7,8 @@ import json
 import h5py
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from sweep_samples import FORCE, MASS, ball, ball_plan, checked
+from samples.case_samples import HEAD, SOLVER, rigid
+from samples.sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.results.codes import SPIN

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import numpy as np
-from sweep_samples import FORCE, MASS, ball, ball_plan
+from samples.sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.studies.sweep import work

@@ -11,7 +11,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from case_samples import case_runs
+from samples.case_samples import case_runs
 
 from plymotion.solver.inputs.case.tables.record import seal
 from plymotion.solver.inputs.case.tables.resolved import resolved

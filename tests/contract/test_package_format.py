@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from package_samples import cantilever, same
-from panel_sample import panel
+from samples.package_samples import cantilever, same
+from samples.panel_sample import panel
 
 from plymotion.solver.package import (
     ModalPackage,

@@ -5,9 +5,9 @@ import shutil
 
 import numpy as np
 import pytest
-from case_samples import HEAD
-from dask_cluster import Cluster
-from sweep_samples import checked
+from harness.dask_cluster import Cluster
+from samples.case_samples import HEAD
+from samples.sweep_samples import checked
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from source_copy import recipe_files
+from harness.source_copy import recipe_files
 
 FOLDERS = ("solver", "preprocess", "tests", "benchmarks", "tools", "meshes", "cases", "docs")
 # Not part of a longer path, such as a dataset `/modal_package/...` or `build/solver/...`.

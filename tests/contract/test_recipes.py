@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from source_copy import copy_with_recipes, recipe_files, recipe_lines, run_python
+from harness.source_copy import copy_with_recipes, recipe_files, recipe_lines, run_python
 
 from plymotion.solver.dynamics.elements.forces.table import FORCES
 from plymotion.solver.dynamics.elements.joints.contract import DrivenBy

@@ -5,9 +5,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from package_samples import cantilever
-from result_samples import crowd, swinging_rod
-from vtk_samples import Player, grid_of
+from samples.package_samples import cantilever
+from samples.result_samples import crowd, swinging_rod
+from samples.vtk_samples import Player, grid_of
 
 from plymotion.solver.package import write_package
 from plymotion.solver.results import write_result

@@ -6,8 +6,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from case_samples import short_run
-from vtk_samples import Player
+from samples.case_samples import short_run
+from samples.vtk_samples import Player
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import PackageError

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from exchange_routes import PROGRAMS
-from exchange_samples import bar, request
+from samples.exchange_routes import PROGRAMS
+from samples.exchange_samples import bar, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.formats.ansys import body_of, matrices, mesh_of

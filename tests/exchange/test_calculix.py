@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_shell, write_solid
-from exchange_routes import ccx, import_file, run_program
+from samples.exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_shell, write_solid
+from samples.exchange_routes import ccx, import_file, run_program
 
 from plymotion.preprocess.exchange.formats.calculix import read
 from plymotion.preprocess.exchange.formats.files import Files

@@ -5,8 +5,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from dmig_cards import read_dmig
-from exchange_samples import bar, exported, request
+from samples.dmig_cards import read_dmig
+from samples.exchange_samples import bar, exported, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exchange_routes import PROGRAMS
-from exchange_samples import DIRECTIONS, bar, request
+from samples.exchange_routes import PROGRAMS
+from samples.exchange_samples import DIRECTIONS, bar, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, run_case
-from fmu_samples import SLIDER, export, fmpy, slider
+from samples.case_samples import HEAD, SOLVER, run_case
+from samples.fmu_samples import SLIDER, export, fmpy, slider
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.arrays import Array

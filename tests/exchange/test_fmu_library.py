@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fmu_samples import Instance, fmpy, slider
+from samples.fmu_samples import Instance, fmpy, slider
 
 from plymotion.solver.extras.fmu.write import LIBRARY
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
-from exchange_samples import bar
+from samples.exchange_samples import bar
 
 from plymotion.preprocess.exchange.direct import Direct, dissection, negative_eigenvalues, order_of
 from plymotion.solver.math.arrays import Array

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from brick_model import Brick, brick
-from exchange_samples import bar, request, write_matrices
+from samples.brick_model import Brick, brick
+from samples.exchange_samples import bar, request, write_matrices
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from exchange_samples import bar, write_matrices
+from samples.exchange_samples import bar, write_matrices
 
 from plymotion.preprocess.__main__ import main as preprocess
 from plymotion.solver.__main__ import main

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exchange_decks import (
+from samples.exchange_decks import (
     ANGLES,
     E1,
     E2,
@@ -18,7 +18,7 @@ from exchange_decks import (
     WIDTH,
     write_mystran,
 )
-from exchange_routes import import_file, mystran, run_program
+from samples.exchange_routes import import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_layups
 from plymotion.preprocess.exchange.import_file import package_of, read_table

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from brick_model import brick
-from exchange_samples import DENSITY, SIZE, request
+from samples.brick_model import brick
+from samples.exchange_samples import DENSITY, SIZE, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.formats.calculix import read_modes
@@ -81,7 +81,7 @@ def test_pyuff_reads_the_universal_file(folder: Path) -> None:
     """Coordinates and shapes to the six digits of the format."""
     import sys
 
-    from exchange_routes import PROGRAMS
+    from samples.exchange_routes import PROGRAMS
 
     if not (PROGRAMS / "python" / "pyuff").is_dir():
         pytest.skip("pyuff is not installed: make test-exchange downloads it")

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from exchange_decks import MASS, write_mystran, write_solid
-from exchange_routes import ccx, import_file, mystran, run_program
+from samples.exchange_decks import MASS, write_mystran, write_solid
+from samples.exchange_routes import ccx, import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_op4
 from plymotion.preprocess.exchange.import_file import package_of as built

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
-from brick_model import CORNERS, Brick, brick
-from exchange_samples import DENSITY, SIZE, TOTAL, bar, request
+from samples.brick_model import CORNERS, Brick, brick
+from samples.exchange_samples import DENSITY, SIZE, TOTAL, bar, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.solver.math.arrays import Array
@@ -188,7 +188,7 @@ def test_area_weights_of_an_average_interface(body: Brick) -> None:
 
 def test_six_dof_masses_keep_the_momentum(body: Brick) -> None:
     """A frame of beam elements: momentum and angular momentum of every mode from R'MX."""
-    from exchange_frames import frame
+    from samples.exchange_frames import frame
 
     nodes, dofs, K, M = frame()
     package = from_matrices(

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.sparse as sp
-from brick_model import Brick
-from exchange_samples import TOTAL, bar, request, write_matrices
+from samples.brick_model import Brick
+from samples.exchange_samples import TOTAL, bar, request, write_matrices
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main

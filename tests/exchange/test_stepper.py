@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, case_runs, rigid
+from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

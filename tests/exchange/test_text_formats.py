@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from exchange_samples import bar, exported, request
+from samples.exchange_samples import bar, exported, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.solver.math.arrays import Array

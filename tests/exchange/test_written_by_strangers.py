@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import scipy.linalg
-from exchange_samples import SIZE, bar
+from samples.exchange_samples import SIZE, bar
 
 from plymotion.solver.package import read_package, validate
 

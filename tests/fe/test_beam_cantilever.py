@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body
-from section_specs import rectangle_spec
+from samples.body_specs import beam_body
+from samples.section_specs import rectangle_spec
 
 from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.body import build_body

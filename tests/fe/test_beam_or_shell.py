@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from samples.section_specs import library_spec, rectangle_spec
+from samples.shell_specs import METAL, SCRIPTS
 from scipy.linalg import eigh
-from section_specs import library_spec, rectangle_spec
-from shell_specs import METAL, SCRIPTS
 
 from plymotion.preprocess import section
 from plymotion.preprocess.shell.analyses.analysis import analyse

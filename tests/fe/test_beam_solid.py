@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("plymotion.preprocess.fenicsx")
 
-from strip_models import beam, free_hz, solid
+from peers.strip_models import beam, free_hz, solid
 
 
 @pytest.fixture(scope="module")

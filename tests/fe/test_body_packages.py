@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body, panel_body
-from section_specs import rectangle_spec
-from shell_specs import plate
+from samples.body_specs import beam_body, panel_body
+from samples.section_specs import rectangle_spec
+from samples.shell_specs import plate
 
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.body import build_body

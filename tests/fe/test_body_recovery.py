@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body
-from ply_stresses import beam_ply_stress
-from recovery_samples import mode_resultants
+from peers.ply_stresses import beam_ply_stress
+from samples.body_specs import beam_body
+from samples.recovery_samples import mode_resultants
 
 from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection

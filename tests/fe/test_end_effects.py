@@ -10,9 +10,9 @@ import pytest
 pytest.importorskip("plymotion.preprocess.fenicsx")
 
 import ufl
-from section_specs import library_spec, rectangle_spec
-from shell_specs import CFRP, METAL
-from solid_prism import held_compliance
+from peers.solid_prism import held_compliance
+from samples.section_specs import library_spec, rectangle_spec
+from samples.shell_specs import CFRP, METAL
 
 from plymotion.preprocess.materials import material_from_dict
 from plymotion.preprocess.section import analyse

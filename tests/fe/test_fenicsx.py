@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 import ufl
-from dolfinx_forms import mesh_from_geo
-from shell_specs import plate
+from peers.dolfinx_forms import mesh_from_geo
+from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.spaces import cell_dofs, cell_name, vector_space

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from section_cases import section
+from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section import analyse

@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from section_cases import section
-from section_specs import rectangle_spec
-from shell_specs import METAL
+from samples.section_cases import section
+from samples.section_specs import rectangle_spec
+from samples.shell_specs import METAL
 
 FORM = """
 from plymotion.preprocess.fenicsx import stack

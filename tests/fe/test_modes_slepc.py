@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from body_specs import beam_body
-from section_specs import rectangle_spec
+from samples.body_specs import beam_body
+from samples.section_specs import rectangle_spec
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.modes import ModeError

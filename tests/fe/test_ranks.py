@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mpi_samples import of_ranks
-from section_specs import library_spec
-from shell_specs import CFRP, box, plate
+from harness.mpi_samples import of_ranks
+from samples.section_specs import library_spec
+from samples.shell_specs import CFRP, box, plate
 
 from plymotion.preprocess.__main__ import main
 from plymotion.solver.package.section.io import read_section

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from source_copy import copy_with_recipes, run_python
+from harness.source_copy import copy_with_recipes, run_python
 
 PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 

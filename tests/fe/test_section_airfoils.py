@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_mesh_samples import SIZES, library, nodes_of
+from samples.section_mesh_samples import SIZES, library, nodes_of
 
 from plymotion.preprocess.section.mesh.mesh import SectionError, section_mesh
 from plymotion.preprocess.section.space.layers import nearest_on_curve

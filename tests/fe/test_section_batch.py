@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mpi_samples import mpirun
+from harness.mpi_samples import mpirun
 
 from plymotion.preprocess.__main__ import main
 from plymotion.solver.package.section.io import read_section

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_cases import section
+from samples.section_cases import section
 
 from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
 from plymotion.preprocess.section import analyse

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_mesh_samples import CFRP, ISOTROPIC, SIZES, library, moments, nodes_of
+from samples.section_mesh_samples import CFRP, ISOTROPIC, SIZES, library, moments, nodes_of
 
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.mesh.cells import KINDS as CELL_KINDS

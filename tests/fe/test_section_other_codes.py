@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from vabs_peer import orthotropic, stiffness, turned
+from peers.vabs_peer import orthotropic, stiffness, turned
 
 from plymotion.preprocess.section import analyse
 from plymotion.solver.inputs.section.codes.other_codes import (

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_cases import section as described
+from samples.section_cases import section as described
 
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.solve.estimate import scaled

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from peers.solid_bar import compliance
 from scipy.spatial.transform import Rotation
-from solid_bar import compliance
 
 from plymotion.preprocess.materials import Orthotropic, bond, isotropic, ply_rotation, rotated
 from plymotion.preprocess.section import analyse

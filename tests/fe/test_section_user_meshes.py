@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_mesh_samples import moments, nodes_of
+from samples.section_mesh_samples import moments, nodes_of
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh

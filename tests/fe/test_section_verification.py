@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_cases import section
-from section_specs import rectangle_spec
-from shell_specs import METAL
+from samples.section_cases import section
+from samples.section_specs import rectangle_spec
+from samples.shell_specs import METAL
 
 from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.analysis.verification import LARGEST, verified

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_cases import section
+from samples.section_cases import section
 
 from plymotion.preprocess.section import analyse
 from plymotion.solver.errors import InputError

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import ENTRIES, expected, mesh_of, numbers, tolerances
+from samples.shell_benchmarks import ENTRIES, expected, mesh_of, numbers, tolerances
 
 Record = Callable[[str, Any], None]
 

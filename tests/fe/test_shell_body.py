@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import CLAMPED, beam_body, shell_body
-from ply_stresses import shell_file_ply_stress, shell_ply_stress
-from section_specs import rectangle_spec
-from shell_specs import CFRP, METAL, box, plate
+from peers.ply_stresses import shell_file_ply_stress, shell_ply_stress
+from samples.body_specs import CLAMPED, beam_body, shell_body
+from samples.section_specs import rectangle_spec
+from samples.shell_specs import CFRP, METAL, box, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.modes import ModeError

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import panel_body
-from flexible_samples import momenta, simulate, total_energy
-from shell_specs import CFRP, plate
+from samples.body_specs import panel_body
+from samples.flexible_samples import momenta, simulate, total_energy
+from samples.shell_specs import CFRP, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.solver.math.arrays import Array

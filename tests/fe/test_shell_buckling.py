@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_cantilevers import cantilever
-from shell_model import SCRIPTS, isotropic, laminate
-from shell_specs import plate
-from shell_squares import lamina
+from samples.shell_cantilevers import cantilever
+from samples.shell_model import SCRIPTS, isotropic, laminate
+from samples.shell_specs import plate
+from samples.shell_squares import lamina
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shell_element_samples import element_mass, element_stiffness, isotropic, one_triangle
+from samples.shell_element_samples import element_mass, element_stiffness, isotropic, one_triangle
 
 from plymotion.preprocess.shell.elements.choice import Choice
 from plymotion.preprocess.shell.elements.resultants import element_strains

@@ -6,8 +6,8 @@ Distorted: inner nodes shifted at random by up to a quarter of a cell.
 
 import numpy as np
 import pytest
-from shell_benchmarks import expected, numbers
-from shell_squares import in_plane
+from samples.shell_benchmarks import expected, numbers
+from samples.shell_squares import in_plane
 
 # The elements with both DOLFINx: test_shell_benchmarks.py.
 pytestmark = pytest.mark.one_end

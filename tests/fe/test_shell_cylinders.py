@@ -1,16 +1,16 @@
 """Buckling of laminated cylinders and their frequencies under load, against Ritz series.
 
-tests/cylinder_peer.py is exact for cross plies under compression and external pressure, and
+tests/peers/cylinder_peer.py is exact for cross plies under compression and external pressure, and
 converges for all others. R/h = 50, L = R, E1/E2 = 40, both ends simply supported (SS3).
 """
 
 from pathlib import Path
 from typing import Any
 
-import cylinder_peer
 import numpy as np
 import pytest
-from cylinder_samples import LAMINA, cylinder, write_cylinder
+from peers import cylinder_peer
+from samples.cylinder_samples import LAMINA, cylinder, write_cylinder
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem

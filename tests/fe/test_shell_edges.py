@@ -1,4 +1,4 @@
-"""Buckling of laminated squares with edges of all kinds, against Ritz series (tests/plate_peer.py).
+"""Buckling of laminated squares with edges of all kinds, against Ritz series (peers/plate_peer.py).
 
 Jones' simple supports S1 to S4 differ in what they hold in the plane: S1 both displacements, S2
 that along the edge (Reddy's SS-1), S3 that normal to it (SS-2), S4 none. C2 is S2 clamped, F free.
@@ -7,12 +7,12 @@ that along the edge (Reddy's SS-1), S3 that normal to it (SS-2), S4 none. C2 is 
 from typing import Any
 
 import numpy as np
-import plate_peer
 import pytest
-from plate_peer import U, V, W, X, Y
-from shell_model import isotropic, laminate
-from shell_specs import plate
-from shell_squares import lamina
+from peers import plate_peer
+from peers.plate_peer import U, V, W, X, Y
+from samples.shell_model import isotropic, laminate
+from samples.shell_specs import plate
+from samples.shell_squares import lamina
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from shell_element_samples import (
+from samples.shell_element_samples import (
     MEMBRANES,
     PLATES,
     coupled,

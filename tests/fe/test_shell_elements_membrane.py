@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shell_element_samples import (
+from samples.shell_element_samples import (
     MEMBRANES,
     coupled,
     element_stiffness,

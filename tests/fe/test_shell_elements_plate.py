@@ -2,7 +2,14 @@
 
 import numpy as np
 import pytest
-from shell_element_samples import assembled, element_stiffness, grid, isotropic, ratios, solved
+from samples.shell_element_samples import (
+    assembled,
+    element_stiffness,
+    grid,
+    isotropic,
+    ratios,
+    solved,
+)
 
 from plymotion.preprocess.shell.elements.choice import Choice
 from plymotion.preprocess.shell.elements.plates.dst import SHEAR_RATIO_LIMIT

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cylinder_samples import write_cylinder
-from shell_specs import SCRIPTS, plate
+from samples.cylinder_samples import write_cylinder
+from samples.shell_specs import SCRIPTS, plate
 
 from plymotion.preprocess.shell.analyses import discretisation
 from plymotion.preprocess.shell.analyses.analysis import analyse

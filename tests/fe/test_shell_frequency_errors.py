@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_specs import plate
+from samples.shell_specs import plate
 
 from plymotion.preprocess.shell.analyses import modes as shell_modes
 from plymotion.preprocess.shell.analyses.analysis import analyse

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
+from samples.shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.laminate import LaminateError

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shell_specs import plate
+from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.stack import dolfinx

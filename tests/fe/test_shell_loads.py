@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_specs import CFRP, METAL, SCRIPTS, box, mesh_from, plate
+from samples.shell_specs import CFRP, METAL, SCRIPTS, box, mesh_from, plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shell_element_samples import element_mass, one_triangle, rigid_motions
+from samples.shell_element_samples import element_mass, one_triangle, rigid_motions
 
 from plymotion.preprocess.shell.mesh.triangles import POINTS, triangles
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from mpi_samples import mpirun
-from shell_element_samples import element_stiffness
-from shell_specs import HARD, METAL, box, mesh_from, plate
+from harness.mpi_samples import mpirun
+from samples.shell_element_samples import element_stiffness
+from samples.shell_specs import HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.__main__ import main

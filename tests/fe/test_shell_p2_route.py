@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import expected, numbers, tolerances
-from shell_cantilevers import box
-from shell_model import Model
-from shell_obstacle_course import scordelis, twisted_beam
-from shell_specs import HARD, plate
-from shell_squares import cross_ply
+from samples.shell_benchmarks import expected, numbers, tolerances
+from samples.shell_cantilevers import box
+from samples.shell_model import Model
+from samples.shell_obstacle_course import scordelis, twisted_beam
+from samples.shell_specs import HARD, plate
+from samples.shell_squares import cross_ply
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.second_route import SecondRoute

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_obstacle_course import straight_beam
-from shell_specs import plate
+from samples.shell_obstacle_course import straight_beam
+from samples.shell_specs import plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem

@@ -1,14 +1,14 @@
-"""Laminated plates against Ritz series (tests/plate_peer.py): shear, mixed loads, spin at a hub."""
+"""Laminated plates against Ritz series (peers/plate_peer.py): shear, mixed loads, spin at a hub."""
 
 from typing import Any
 
 import numpy as np
-import plate_peer
 import pytest
-from body_specs import panel_body
-from plate_peer import X, Y
-from shell_model import laminate
-from shell_specs import CFRP, plate
+from peers import plate_peer
+from peers.plate_peer import X, Y
+from samples.body_specs import panel_body
+from samples.shell_model import laminate
+from samples.shell_specs import CFRP, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.analysis import analyse

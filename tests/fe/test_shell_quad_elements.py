@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import ufl
-from shell_element_samples import (
+from samples.shell_element_samples import (
     QUADS,
     coupled,
     element_mass,

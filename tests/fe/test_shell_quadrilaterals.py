@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import panel_body
-from shell_benchmarks import expected, numbers
-from shell_specs import CFRP, box, plate
+from samples.body_specs import panel_body
+from samples.shell_benchmarks import expected, numbers
+from samples.shell_specs import CFRP, box, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.analysis import analyse
@@ -85,7 +85,7 @@ def test_narrow_strip_in_torsion(h: float) -> None:
 
 def curved_out(n: tuple[int, int], **cells: str) -> float:
     """Displacement of the curved beam out of its plane over that of beam theory, 0.5022."""
-    from shell_model import SCRIPTS, isotropic
+    from samples.shell_model import SCRIPTS, isotropic
 
     stack, materials = isotropic(1e7, 0.25, 0.1)
     size = {"n_length": n[0], "n_width": n[1]}

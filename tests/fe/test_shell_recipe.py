@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from source_copy import copy_with_recipes, run_python
+from harness.source_copy import copy_with_recipes, run_python
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 REFUSED = """

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_specs import SCRIPTS, plate
+from samples.shell_specs import SCRIPTS, plate
 
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
 from plymotion.preprocess.shell.analyses.analysis import analyse

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import shell_body, shell_parts
-from shell_specs import CFRP, METAL, box, plate
+from samples.body_specs import shell_body, shell_parts
+from samples.shell_specs import CFRP, METAL, box, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes

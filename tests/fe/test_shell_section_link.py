@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import shell_body, shell_parts
-from shell_layups import BOX_MATERIAL, BOXES, WALL
-from shell_model import laminate
-from shell_specs import METAL, SCRIPTS, plate
+from samples.body_specs import shell_body, shell_parts
+from samples.shell_layups import BOX_MATERIAL, BOXES, WALL
+from samples.shell_model import laminate
+from samples.shell_specs import METAL, SCRIPTS, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh

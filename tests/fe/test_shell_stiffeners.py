@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from section_specs import rectangle_spec
-from shell_specs import METAL, plate
+from samples.section_specs import rectangle_spec
+from samples.shell_specs import METAL, plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_specs import METAL, plate
+from samples.shell_specs import METAL, plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem

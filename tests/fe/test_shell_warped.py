@@ -5,9 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import shell_body, shell_parts
-from shell_cantilevers import box
-from shell_obstacle_course import hemisphere, pinched_cylinder, scordelis, shell, twisted_beam
+from samples.body_specs import shell_body, shell_parts
+from samples.shell_cantilevers import box
+from samples.shell_obstacle_course import (
+    hemisphere,
+    pinched_cylinder,
+    scordelis,
+    shell,
+    twisted_beam,
+)
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh

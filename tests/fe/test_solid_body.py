@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body
-from section_specs import rectangle_spec
-from solid_samples import ALUMINIUM, bar, bracket, model_of, step_file, thin_rib
+from samples.body_specs import beam_body
+from samples.section_specs import rectangle_spec
+from samples.solid_samples import ALUMINIUM, bar, bracket, model_of, step_file, thin_rib
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.body import build_body

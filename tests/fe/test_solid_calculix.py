@@ -11,9 +11,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exchange_decks import frequencies
-from exchange_routes import ccx, run_program
-from solid_samples import ALUMINIUM, bar, bracket, calculix_deck, filleted, model_of, step_file
+from samples.exchange_decks import frequencies
+from samples.exchange_routes import ccx, run_program
+from samples.solid_samples import (
+    ALUMINIUM,
+    bar,
+    bracket,
+    calculix_deck,
+    filleted,
+    model_of,
+    step_file,
+)
 
 from plymotion.preprocess.solid.analysis import free_hertz
 from plymotion.preprocess.solid.forms import mass

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from solid_samples import (
+from samples.solid_samples import (
     ALUMINIUM,
     INCH,
     MILLIMETRE,

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from beam_samples import dense
-from body_specs import beam_body
-from section_specs import rectangle_spec
-from stiffening_samples import steady_spin
+from samples.beam_samples import dense
+from samples.body_specs import beam_body
+from samples.section_specs import rectangle_spec
+from samples.stiffening_samples import steady_spin
 
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.line import LineSection

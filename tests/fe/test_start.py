@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from section_specs import rectangle_spec
-from shell_specs import METAL, plate
+from samples.section_specs import rectangle_spec
+from samples.shell_specs import METAL, plate
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD_AND_LIST = """

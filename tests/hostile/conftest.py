@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from forks import forks
-from hostile_profile import RECORD, note_outcome, recorded
+from harness.forks import forks
+from harness.hostile_profile import RECORD, note_outcome, recorded
 
 # Commands in the background ignore INT, and with nohup HUP, and their children inherit that; what
 # has a handler here has none in them.

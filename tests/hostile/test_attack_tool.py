@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from hostile_profile import LONG, WAIT_S
+from harness.hostile_profile import LONG, WAIT_S
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 TESTS = """
@@ -29,7 +29,7 @@ def test_second():
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM][:LONG])
 def test_a_signal_to_the_tool_alone(repository, tmp_path, number):
-    for name in ("tools/attack.py", "tools/attack_table.py", "tests/hostile_profile.py"):
+    for name in ("tools/attack.py", "tools/attack_table.py", "tests/harness/hostile_profile.py"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(repository / name, tmp_path / name)
     (tmp_path / "tests/hostile").mkdir()

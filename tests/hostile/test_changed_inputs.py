@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hostile_changes import EXTREMES, SCALES, TEXTS, inner, places, toml_file
-from hostile_profile import LIMIT_S, Hang, count, limited, tries
+from harness.hostile_changes import EXTREMES, SCALES, TEXTS, inner, places, toml_file
+from harness.hostile_profile import LIMIT_S, Hang, count, limited, tries
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
-from sweep_samples import BALL, FORCE, ball
+from samples.sweep_samples import BALL, FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import printable

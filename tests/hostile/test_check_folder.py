@@ -3,8 +3,8 @@
 import json
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from sweep_samples import BALL, MASS
+from samples.case_samples import HEAD, SOLVER, rigid
+from samples.sweep_samples import BALL, MASS
 
 from plymotion.solver.__main__ import main
 

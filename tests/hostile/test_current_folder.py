@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hostile_profile import count, tries
-from package_samples import cantilever
+from harness.hostile_profile import count, tries
+from samples.package_samples import cantilever
 
 from plymotion.solver.math.disk_cache import DiskCache
 from plymotion.solver.package import read_package, write_package

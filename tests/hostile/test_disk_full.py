@@ -5,11 +5,11 @@ import sys
 
 import numpy as np
 import pytest
-from forks import forks
-from hostile_profile import count
-from package_samples import cantilever
-from result_samples import swinging_rod
-from sweep_samples import FORCE, ball
+from harness.forks import forks
+from harness.hostile_profile import count
+from samples.package_samples import cantilever
+from samples.result_samples import swinging_rod
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import write_package

@@ -6,7 +6,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER
+from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

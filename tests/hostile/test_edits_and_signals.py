@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from fidelity_packages import CASE, build_bodies
-from forks import forks
-from hostile_profile import MISSED, WAIT_S, count, tries
-from sweep_samples import FORCE, ball
+from harness.forks import forks
+from harness.hostile_profile import MISSED, WAIT_S, count, tries
+from samples.case_samples import HEAD, SOLVER, rigid
+from samples.fidelity_packages import CASE, build_bodies
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

@@ -12,10 +12,10 @@ import sys
 import tomllib
 
 import pytest
-from brick_model import brick
-from exchange_samples import exported, write_matrices
-from hostile_changes import changed, places, toml_file
-from hostile_profile import count, tries
+from harness.hostile_changes import changed, places, toml_file
+from harness.hostile_profile import count, tries
+from samples.brick_model import brick
+from samples.exchange_samples import exported, write_matrices
 
 from plymotion.solver.__main__ import main
 

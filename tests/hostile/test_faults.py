@@ -11,10 +11,10 @@ import sys
 import time
 
 import pytest
-import struck_samples as samples
-from hostile_profile import LONG, MISSED, WAIT_S, count
-from struck_samples import changed, commands, end_of, names, number_of, struck, times_passed
-from sweep_samples import FORCE, ball
+from harness import struck_samples as samples
+from harness.hostile_profile import LONG, MISSED, WAIT_S, count
+from harness.struck_samples import changed, commands, end_of, names, number_of, struck, times_passed
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 

@@ -10,12 +10,12 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from hostile_profile import count, tries
-from package_samples import cantilever
-from result_samples import swinging_rod
-from section_samples import rectangle
-from shell_file_samples import plate
-from sweep_samples import FORCE, ball
+from harness.hostile_profile import count, tries
+from samples.package_samples import cantilever
+from samples.result_samples import swinging_rod
+from samples.section_samples import rectangle
+from samples.shell_file_samples import plate
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError, PackageError

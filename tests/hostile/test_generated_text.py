@@ -11,10 +11,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER
-from exchange_samples import bar, request
-from fmu_samples import SLIDER
-from hostile_profile import count, tries
+from harness.hostile_profile import count, tries
+from samples.case_samples import HEAD, SOLVER
+from samples.exchange_samples import bar, request
+from samples.fmu_samples import SLIDER
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange

@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from hostile_profile import LONG, WAIT_S, count
-from struck_samples import number_of, project, struck
+from harness.hostile_profile import LONG, WAIT_S, count
+from harness.struck_samples import number_of, project, struck
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 FORM = """

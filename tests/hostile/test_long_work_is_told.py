@@ -7,7 +7,7 @@ import sys
 import time
 
 import pytest
-from hostile_profile import LONG, WAIT_S
+from harness.hostile_profile import LONG, WAIT_S
 
 from plymotion.solver.commands.bodies import described
 

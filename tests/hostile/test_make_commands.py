@@ -4,8 +4,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from make_samples import Project
+from harness.make_samples import Project
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 

@@ -6,9 +6,9 @@ import sys
 import time
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from hostile_profile import LONG, MISSED, count
-from make_samples import Project
+from harness.hostile_profile import LONG, MISSED, count
+from harness.make_samples import Project
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.package.common.temporary import temporary_sibling, write_text

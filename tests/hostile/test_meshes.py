@@ -6,8 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from case_samples import HEAD, SOLVER
-from hostile_profile import count, tries
+from harness.hostile_profile import count, tries
+from samples.case_samples import HEAD, SOLVER
 
 NAMES = ["a.msh", "a.MSH", "a.txt", "a.step", "a.stl", "a.unv", "a.med", "a.msh2", "a", "a.geo.msh"]
 HEADS = ["", "", "", " ", "\n", "\ufeff", "// ", "$Comments\n$EndComments\n"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

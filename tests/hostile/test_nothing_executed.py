@@ -6,10 +6,10 @@ import subprocess
 import sys
 
 import pytest
-from package_samples import cantilever
-from section_samples import rectangle
-from shell_file_samples import plate
-from sweep_samples import FORCE, ball
+from samples.package_samples import cantilever
+from samples.section_samples import rectangle
+from samples.shell_file_samples import plate
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.package import write_package
 from plymotion.solver.package.section.io import write_section

@@ -5,12 +5,12 @@ import random
 import shutil
 from pathlib import Path
 
-import fidelity_packages
 import pytest
-from blade_samples import write_blade
-from case_samples import HEAD, SOLVER, rigid
-from hostile_profile import count, tries
-from sweep_samples import FORCE, ball
+from harness.hostile_profile import count, tries
+from samples import fidelity_packages
+from samples.blade_samples import write_blade
+from samples.case_samples import HEAD, SOLVER, rigid
+from samples.sweep_samples import FORCE, ball
 
 import plymotion as pm
 from plymotion.solver.__main__ import main

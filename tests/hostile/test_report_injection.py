@@ -1,9 +1,9 @@
 """Words of a case file are words in report.html, whatever they contain: no script of them runs."""
 
 import pytest
-from chromium import Browser
-from hostile_profile import count
-from sweep_samples import BALL
+from harness.chromium import Browser
+from harness.hostile_profile import count
+from samples.sweep_samples import BALL
 
 from plymotion.solver.__main__ import main
 

@@ -7,12 +7,12 @@ import subprocess
 import sys
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from dask_cluster import until
-from forks import forks
-from hostile_profile import LONG as PROFILE
-from hostile_profile import WAIT_S, count
-from sweep_samples import FORCE, ball
+from harness.dask_cluster import until
+from harness.forks import forks
+from harness.hostile_profile import LONG as PROFILE
+from harness.hostile_profile import WAIT_S, count
+from samples.case_samples import HEAD, SOLVER, rigid
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

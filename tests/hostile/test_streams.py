@@ -5,8 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from hostile_profile import WAIT_S, count
-from sweep_samples import FORCE, ball
+from harness.hostile_profile import WAIT_S, count
+from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.results import read_result
 

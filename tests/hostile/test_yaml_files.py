@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 import yaml
-from blade_samples import blade_table, write_blade
-from hostile_changes import changed, places
-from hostile_profile import LIMIT_S, count, limited, tries
+from harness.hostile_changes import changed, places
+from harness.hostile_profile import LIMIT_S, count, limited, tries
+from samples.blade_samples import blade_table, write_blade
 
 from plymotion.solver.__main__ import main
 

@@ -1,9 +1,9 @@
 """Properties that hold for any steps, any linear system, any output times."""
 
 import numpy as np
-from constraint_runs import new_generic
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from samples.constraint_runs import new_generic
 from scipy.linalg import expm
 from scipy_integrators import SCIPY
 

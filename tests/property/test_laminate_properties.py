@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS
+from samples.laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS
 
 from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
 from plymotion.preprocess.laminate.shear import CORRECTIONS

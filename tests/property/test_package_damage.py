@@ -4,10 +4,10 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from damaged_files import cut_is_refused, wrong_byte_is_refused_or_harmless
+from harness.damaged_files import cut_is_refused, wrong_byte_is_refused_or_harmless
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from package_samples import cantilever, same
+from samples.package_samples import cantilever, same
 
 from plymotion.solver.package import read_package, write_package
 

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from case_samples import rigid, run_text
+from samples.case_samples import rigid, run_text
 from scipy.special import gamma
 
 from plymotion.solver.dynamics.elements.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from case_samples import HEAD, rigid
+from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from case_samples import rigid, run_text
+from samples.case_samples import rigid, run_text
 
 import plymotion
 from plymotion.solver.errors import InputError

@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-from case_samples import HEAD, SOLVER
+from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

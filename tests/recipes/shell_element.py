@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from shell_element_samples import element_stiffness, isotropic
+from samples.shell_element_samples import element_stiffness, isotropic
 
 from plymotion.preprocess.shell.elements.choice import Choice
 from plymotion.preprocess.shell.mesh.triangles import triangles

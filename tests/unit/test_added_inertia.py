@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from flexible_samples import Points, body_of, random_points
-from mechanism_samples import GRAVITY, GROUND, Sample, four_bars
+from samples.constraint_runs import new_run, prepared
+from samples.flexible_samples import Points, body_of, random_points
+from samples.mechanism_samples import GRAVITY, GROUND, Sample, four_bars
 
 from plymotion.solver.dynamics.elements.bodies.added_inertia import (
     missing_inertia,

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from beam_samples import modal_mass
+from samples.beam_samples import modal_mass
 
 from plymotion.preprocess.beam.line import BeamLine, section_axes, straight_line
 from plymotion.preprocess.beam.section_mass import SectionMass

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, reduced
+from samples.beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, reduced
 
 from plymotion.preprocess.beam.line import section_axes, straight_line
 from plymotion.preprocess.beam.reduction import coarse_mesh_warnings

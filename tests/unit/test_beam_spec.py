@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import beam_body
+from samples.body_specs import beam_body
 
 from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, columns, write_table
+from samples.beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, columns, write_table
 
 from plymotion.preprocess.beam.sections import given_section
 from plymotion.preprocess.beam.spec import read_spec

@@ -8,7 +8,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from blade_samples import along, anchor, area, areas, blade_table, layer, write_blade
+from samples.blade_samples import along, anchor, area, areas, blade_table, layer, write_blade
 
 import plymotion as pm
 from plymotion.solver.__main__ import main

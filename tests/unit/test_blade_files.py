@@ -6,7 +6,16 @@ import shlex
 
 import numpy as np
 import pytest
-from blade_samples import along, anchor, areas, blade_table, circle, layer, symmetric, write_blade
+from samples.blade_samples import (
+    along,
+    anchor,
+    areas,
+    blade_table,
+    circle,
+    layer,
+    symmetric,
+    write_blade,
+)
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.shape import contour, edge_angle

@@ -5,7 +5,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from blade_samples import along, blade_table, write_blade
+from samples.blade_samples import along, blade_table, write_blade
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.stations import analysed, frequencies_at_rest

@@ -12,7 +12,7 @@ import sys
 import time
 
 import pytest
-from blade_samples import write_blade
+from samples.blade_samples import write_blade
 
 from plymotion.solver.__main__ import main
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from curved_samples import BAR
 from pydantic import ValidationError
+from samples.curved_samples import BAR
 
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs

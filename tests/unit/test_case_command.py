@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.math import digests

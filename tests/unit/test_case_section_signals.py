@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER
-from ply_stresses import beam_ply_stress
+from peers.ply_stresses import beam_ply_stress
+from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

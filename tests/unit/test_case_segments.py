@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from segment_samples import cantilever, run_of
+from samples.segment_samples import cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.errors import InputError

@@ -1,7 +1,7 @@
 """Variants that change kinds, bodies taken as rigid, and messages that name run and variant."""
 
 import pytest
-from tube_samples import CASE
+from samples.tube_samples import CASE
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.reading.load import load_case

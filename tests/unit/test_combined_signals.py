@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from constraint_runs import prepared
-from mechanism_samples import chain
+from samples.constraint_runs import prepared
+from samples.mechanism_samples import chain
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 

@@ -1,7 +1,7 @@
 """Steps along the group: rates, exponential, length of Euler parameters."""
 
 import numpy as np
-from flexible_samples import body_of, random_points, random_state
+from samples.flexible_samples import body_of, random_points, random_state
 
 from plymotion.solver.dynamics.model.coordinates import moved, position_rates
 from plymotion.solver.math.rotations import rotation_matrix, vector_to_matrix

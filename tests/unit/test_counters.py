@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from case_samples import case_runs
+from samples.case_samples import case_runs
 
 from plymotion.solver.run.execution import execute, read_run
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid, run_text
+from samples.case_samples import rigid, run_text
 
 from plymotion.solver.dynamics.elements.joints.table import DRIVES
 from plymotion.solver.errors import InputError

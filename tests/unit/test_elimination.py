@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flexible_samples import (
+from samples.flexible_samples import (
     body_of,
     random_marker,
     random_mechanism,

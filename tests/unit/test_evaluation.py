@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from constraint_runs import prepared
-from flexible_samples import random_mechanism, random_state
-from mechanism_samples import bricard, chain, four_bars
+from samples.constraint_runs import prepared
+from samples.flexible_samples import random_mechanism, random_state
+from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.analysis.projection import _dense_project, projected
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
+from samples.beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.__main__ import main

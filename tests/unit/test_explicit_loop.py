@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from mechanism_samples import chain
-from two_body_samples import two_bodies
+from samples.constraint_runs import new_run, prepared
+from samples.mechanism_samples import chain
+from samples.two_body_samples import two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.closures import projection, right_hand_side

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
 from plymotion.solver.errors import few, nearest

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
-from fidelity_samples import pendulum, planned_run
+from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.studies.fidelity.base.model import check_plan, covers
 from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan, kind_of

@@ -1,8 +1,8 @@
 """Fixed steps, which benchmarks use and cases do not have."""
 
 import pytest
-from constraint_runs import prepared
-from mechanism_samples import pendulum
+from samples.constraint_runs import prepared
+from samples.mechanism_samples import pendulum
 
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator, treatment_of

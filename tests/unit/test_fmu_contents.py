@@ -1,6 +1,6 @@
 """Folder `resources` of an FMU: all packages that the run needs, each once."""
 
-from case_samples import HEAD, SOLVER
+from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.extras.fmu.write import write_contents
 from plymotion.solver.inputs.case import load_case

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_generic
+from samples.constraint_runs import new_generic
 from scipy_integrators import SCIPY
 
 from plymotion.solver.integrators.generic import (

@@ -4,9 +4,9 @@ import importlib.util
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared, run
 from ida_integrator import SundialsIda
-from mechanism_samples import chain, four_bars, pendulum
+from samples.constraint_runs import new_run, prepared, run
+from samples.mechanism_samples import chain, four_bars, pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS, hybrid, stack
+from samples.laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS, hybrid, stack
 
 from plymotion.preprocess.laminate import (
     Lamina,

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from constraint_runs import prepared
-from mechanism_samples import chain
+from samples.constraint_runs import prepared
+from samples.mechanism_samples import chain
 
 from plymotion.solver.dynamics.analysis.projection import least_energy
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment

@@ -1,6 +1,6 @@
 """Places of a body that are loaded: for the shapes of `[fidelity]`, and for the check of modes."""
 
-from fidelity_samples import pendulum
+from samples.fidelity_samples import pendulum
 
 from plymotion.solver.inputs.case.bodies.rich import rich_bodies
 from plymotion.solver.inputs.case.tables.loaded import loaded_places

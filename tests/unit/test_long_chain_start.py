@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from mechanism_samples import chain
+from samples.mechanism_samples import chain
 
 from plymotion.solver.dynamics.analysis import rank as freedom
 from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom

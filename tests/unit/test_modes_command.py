@@ -5,8 +5,8 @@ import json
 import h5py
 import numpy as np
 import pytest
-from case_samples import rigid
-from modes_samples import write_case_text
+from samples.case_samples import rigid
+from samples.modes_samples import write_case_text
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.__main__ import main

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_run
-from crane_samples import rigid_crane
+from samples.constraint_runs import new_run
+from samples.crane_samples import rigid_crane
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
 from plymotion.solver.integrators.compiled import step_control as codes

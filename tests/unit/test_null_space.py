@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
-from modes_samples import modes_at, rates
+from samples.beam_samples import CLAMPED, reduced
+from samples.modes_samples import modes_at, rates
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.dynamics.analysis.rank import rank_of

@@ -9,9 +9,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from damaged_files import Change, alter, refused, replaced
-from package_samples import cantilever, same
-from second_python import needs_other_python
+from harness.damaged_files import Change, alter, refused, replaced
+from harness.second_python import needs_other_python
+from samples.package_samples import cantilever, same
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import (

@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from package_samples import same
+from samples.package_samples import same
 
 from plymotion.solver.math.disk_cache import DiskCache
 from plymotion.solver.package import PackageError, read_package

@@ -7,9 +7,9 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from damaged_files import Change, alter, dropped, refused, replaced
-from package_samples import cantilever, same
-from recovery_samples import PLY, STEEL, STEEL_STRENGTH, plies_of, rectangle_recovery
+from harness.damaged_files import Change, alter, dropped, refused, replaced
+from samples.package_samples import cantilever, same
+from samples.recovery_samples import PLY, STEEL, STEEL_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, MEAN_AXIS, reduced
-from package_samples import cantilever
+from samples.beam_samples import CLAMPED, MEAN_AXIS, reduced
+from samples.package_samples import cantilever
 
 from plymotion.solver.package import ModalPackage, from_stations
 from plymotion.solver.package.body.checks import content_findings

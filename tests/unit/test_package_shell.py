@@ -8,10 +8,10 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from package_samples import same
-from panel_sample import THICKNESS, WIDTH, E, panel
-from ply_stresses import shell_ply_stress, shell_resultants
-from recovery_samples import STEEL_STRENGTH
+from peers.ply_stresses import shell_ply_stress, shell_resultants
+from samples.package_samples import same
+from samples.panel_sample import THICKNESS, WIDTH, E, panel
+from samples.recovery_samples import STEEL_STRENGTH
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beam_samples import MASS, NAMES, REFERENCES, STIFFNESS, coupled_stiffness, reduced
+from samples.beam_samples import MASS, NAMES, REFERENCES, STIFFNESS, coupled_stiffness, reduced
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.body.schema import ModalPackage

@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from package_samples import cantilever
+from samples.package_samples import cantilever
 
 from plymotion.solver.package import ModalPackage, Remark, from_stations, validate, write_package
 from plymotion.solver.package.body.plausibility import (

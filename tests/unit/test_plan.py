@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from mechanism_samples import bricard, chain, four_bars
+from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.model.plan import Plan, make_plan
 

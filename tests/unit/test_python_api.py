@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 import plymotion as pm
 from plymotion.solver.__main__ import main as command

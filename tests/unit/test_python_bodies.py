@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from shell_file_samples import plate
+from samples.shell_file_samples import plate
 
 import plymotion as pm
 from plymotion.solver.__main__ import main

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from section_samples import rectangle
-from shell_file_samples import plate
+from samples.section_samples import rectangle
+from samples.shell_file_samples import plate
 
 import plymotion
 from plymotion.api.names import ByName

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, reduced
-from package_samples import cantilever
+from samples.beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, reduced
+from samples.package_samples import cantilever
 
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.plausibility import reference_findings

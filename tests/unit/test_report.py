@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from result_samples import swinging_rod
+from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.package.common.replaceable import RECORD

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from result_samples import swinging_rod
+from samples.result_samples import swinging_rod
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from result_samples import swinging_rod
+from samples.result_samples import swinging_rod
 
 from plymotion.solver.report.figures import crossings, plane, segments, spread, travelling_point
 from plymotion.solver.report.story import Story

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from result_samples import swinging_rod
+from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.report.figures import draw_spectrum

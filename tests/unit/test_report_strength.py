@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recovery_samples import (
+from samples.recovery_samples import (
     PLY,
     PLY_STRENGTH,
     mode_resultants,

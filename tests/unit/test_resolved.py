@@ -5,8 +5,8 @@ import math
 from pathlib import Path
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
 from pydantic import BaseModel
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

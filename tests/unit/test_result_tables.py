@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from result_samples import crowd
+from samples.result_samples import crowd
 
 from plymotion.solver.math.rows import StoredRows, temporary_file
 from plymotion.solver.results import (

@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from package_samples import same
-from result_samples import swinging_rod
+from samples.package_samples import same
+from samples.result_samples import swinging_rod
 
 from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.results import (

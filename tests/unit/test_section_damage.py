@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from damaged_files import (
+from harness.damaged_files import (
     Change,
     alter,
     cut_is_refused,
@@ -17,12 +17,12 @@ from damaged_files import (
     replaced,
     wrong_byte_is_refused_or_harmless,
 )
+from harness.second_python import needs_other_python
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from package_samples import cantilever, same
-from second_python import needs_other_python
-from section_samples import rectangle, with_recovery
-from vtk_samples import grid_of
+from samples.package_samples import cantilever, same
+from samples.section_samples import rectangle, with_recovery
+from samples.vtk_samples import grid_of
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package

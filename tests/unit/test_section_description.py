@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from section_texts import BOX, replaced
+from samples.section_texts import BOX, replaced
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.manual import page_keys, with_keys

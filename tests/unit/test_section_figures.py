@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from section_samples import rectangle
+from samples.section_samples import rectangle
 
 from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.package.section.schema import Ply, SectionFile

@@ -8,9 +8,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from package_samples import same
-from section_samples import rectangle, with_recovery
-from vtk_samples import grid_of
+from samples.package_samples import same
+from samples.section_samples import rectangle, with_recovery
+from samples.vtk_samples import grid_of
 
 from plymotion.solver.package import validate
 from plymotion.solver.package.section.io import read_section, write_section

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shell_file_samples import STRENGTH, laminate_of, plate
+from samples.shell_file_samples import STRENGTH, laminate_of, plate
 
 from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
@@ -96,7 +96,7 @@ def test_ply_stresses_are_those_of_the_ply() -> None:
     shell = plate()
     (skin, metal), _ = (found.laminates for found in case_findings(shell))
     e = np.linalg.solve(shell.laminates[0].ABD[:3, :3], [2e5, 0.0, 0.0])
-    from laminate_samples import CFRP
+    from samples.laminate_samples import CFRP
 
     S = CFRP.compliance_M[np.ix_([0, 1], [0, 1])]
     along = np.linalg.solve(S, e[:2])
@@ -151,14 +151,14 @@ def test_json_holds_the_numbers() -> None:
     ],
 )
 def test_stacking_in_words(angles: tuple[float, ...], text: str) -> None:
-    from laminate_samples import stack
+    from samples.laminate_samples import stack
 
     laminate = stack(*map(float, angles))
     assert stacking(laminate_of("x", laminate, ("cfrp",) * len(angles))) == text
 
 
 def test_stacking_of_two_materials_is_no_mirror() -> None:
-    from laminate_samples import CFRP, GLASS
+    from samples.laminate_samples import CFRP, GLASS
 
     laminate = Laminate((Lamina(CFRP, 0.0, 1e-3), Lamina(GLASS, 0.0, 1e-3)))
     shown = laminate_of("x", laminate, ("cfrp", "glass"))

@@ -9,8 +9,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from ply_stresses import shell_file_ply_stress
-from shell_file_samples import plate
+from peers.ply_stresses import shell_file_ply_stress
+from samples.shell_file_samples import plate
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.common.dataset import field_values, layout

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from constraint_runs import prepared
-from mechanism_samples import bricard, chain, four_bars
+from samples.constraint_runs import prepared
+from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.analysis.independence import new_independence
 from plymotion.solver.dynamics.analysis.rank import difference, new_spectrum, smallest_at

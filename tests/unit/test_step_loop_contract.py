@@ -7,9 +7,9 @@ import sys
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from mechanism_samples import chain, pendulum
-from two_body_samples import torn, two_bodies
+from samples.constraint_runs import new_run, prepared
+from samples.mechanism_samples import chain, pendulum
+from samples.two_body_samples import torn, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators import step_loop
@@ -245,8 +245,8 @@ CODE = """
 import json, sys
 sys.path[:0] = sys.argv[1:]
 import numpy as np
-from constraint_runs import new_run, prepared
-from two_body_samples import two_bodies
+from samples.constraint_runs import new_run, prepared
+from samples.two_body_samples import two_bodies
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic import integrate

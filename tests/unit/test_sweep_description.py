@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
+from samples.sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

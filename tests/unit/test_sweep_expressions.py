@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from tube_samples import CARBON, CASE, TUBE
+from samples.tube_samples import CARBON, CASE, TUBE
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.reading.load import checked_case, load_case

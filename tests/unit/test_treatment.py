@@ -1,7 +1,7 @@
 """Choosing a treatment: defaults, combinations, messages."""
 
 import pytest
-from mechanism_samples import pendulum
+from samples.mechanism_samples import pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment, treated
 from plymotion.solver.errors import InputError

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.report.table import summary_table

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from beam_samples import reduced
-from fidelity_samples import pendulum, planned_run
+from samples.beam_samples import reduced
+from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.inputs.case.tables.section_schema import DescribedSection
 from plymotion.solver.package import ModalPackage

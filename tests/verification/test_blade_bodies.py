@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from beam_samples import dense
-from beam_tables import rod_frequencies, write_table
+from samples.beam_samples import dense
+from samples.beam_tables import rod_frequencies, write_table
 
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.sections import given_section

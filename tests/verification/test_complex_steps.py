@@ -24,7 +24,7 @@ def test_differences_agree_with_complex_steps(repository, case, run, at):
         "PYTHONPATH": os.pathsep.join([str(repository), str(repository / "tests")]),
     }
     done = subprocess.run(
-        [sys.executable, "tests/complex_steps.py", *files, run, at],
+        [sys.executable, "tests/peers/complex_steps.py", *files, run, at],
         cwd=repository,
         env=variables,
         capture_output=True,

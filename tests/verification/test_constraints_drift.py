@@ -4,8 +4,8 @@ import tomllib
 
 import numpy as np
 import pytest
-from constraint_runs import run
-from mechanism_samples import pendulum
+from samples.constraint_runs import run
+from samples.mechanism_samples import pendulum
 
 TIMES = [0.0, 1.0, 5.0, 9.99, 10.0]
 INDEX_1 = ("index1", "baumgarte", "augmented-lagrangian", "projection")

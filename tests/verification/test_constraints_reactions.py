@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from constraint_runs import prepared, run
-from flexible_samples import body_of, random_marker, random_points, random_state
-from mechanism_samples import bricard, chain, four_bars, pendulum
+from samples.constraint_runs import prepared, run
+from samples.flexible_samples import body_of, random_marker, random_points, random_state
+from samples.mechanism_samples import bricard, chain, four_bars, pendulum
 
 from plymotion.solver.dynamics.analysis.recovery import (
     acting,

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from constraint_runs import prepared, run
-from mechanism_samples import GROUND, Rods, bricard, chain, four_bars
+from samples.constraint_runs import prepared, run
+from samples.mechanism_samples import GROUND, Rods, bricard, chain, four_bars
 
 from plymotion.solver.dynamics.analysis.recovery import joint_reactions
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment

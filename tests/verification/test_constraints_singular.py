@@ -4,8 +4,8 @@ import tomllib
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared, run
-from mechanism_samples import bricard, chain, four_bars
+from samples.constraint_runs import new_run, prepared, run
+from samples.mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.checks.monitors.singularity import SingularityMonitor

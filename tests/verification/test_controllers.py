@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from case_samples import case_runs
-from coordinate_samples import DEFAULT, RADAU, carriage, force, run, wheel
+from samples.case_samples import case_runs
+from samples.coordinate_samples import DEFAULT, RADAU, carriage, force, run, wheel
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.errors import InputError

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import DEFAULT, RADAU, force, prepared, run
+from samples.case_samples import rigid
+from samples.coordinate_samples import DEFAULT, RADAU, force, prepared, run
 
 from plymotion.solver.dynamics.analysis.recovery import momentum_balance
 from plymotion.solver.dynamics.evaluation import series

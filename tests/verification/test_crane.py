@@ -6,11 +6,11 @@ integrates the angles of the links from the vertical.
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import DEFAULT, run
-from crane_samples import DENSITY, LOAD, WIRE, G, beam_crane, crane_text
+from samples.case_samples import rigid
+from samples.coordinate_samples import DEFAULT, run
+from samples.crane_samples import DENSITY, LOAD, WIRE, G, beam_crane, crane_text
+from samples.segment_samples import run_of
 from scipy.integrate import solve_ivp
-from segment_samples import run_of
 
 from plymotion.solver.run.execution import execute
 

@@ -7,8 +7,8 @@ import pytest
 import scipy.linalg
 import scipy.optimize
 import scipy.special
-from beam_samples import CLAMPED, coupled_stiffness, reduced
-from curved_samples import BAR, meshed
+from samples.beam_samples import CLAMPED, coupled_stiffness, reduced
+from samples.curved_samples import BAR, meshed
 
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.section_mass import SectionMass

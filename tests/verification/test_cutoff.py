@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from case_samples import case_runs
-from constraint_runs import new_run, prepared
-from mechanism_samples import chain
-from stability_samples import hand
-from two_body_samples import two_bodies
+from samples.case_samples import case_runs
+from samples.constraint_runs import new_run, prepared
+from samples.mechanism_samples import chain
+from samples.stability_samples import hand
+from samples.two_body_samples import two_bodies
 
 from plymotion.solver.checks.course import stall_findings
 from plymotion.solver.checks.finished import Look

@@ -5,9 +5,9 @@ import json
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
-from modes_samples import modes_at, write_case_text
-from stiffening_samples import rectangle
+from samples.beam_samples import CLAMPED, reduced
+from samples.modes_samples import modes_at, write_case_text
+from samples.stiffening_samples import rectangle
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import write_package

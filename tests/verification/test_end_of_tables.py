@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid, run_text
+from samples.case_samples import HEAD, SOLVER, rigid, run_text
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from case_samples import case_runs, run_case
+from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

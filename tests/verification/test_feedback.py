@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import DEFAULT, RADAU, force, prepared, run
+from samples.case_samples import rigid
+from samples.coordinate_samples import DEFAULT, RADAU, force, prepared, run
 from scipy.linalg import expm
 
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fidelity_samples import pendulum, planned_run, true_signals
+from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.math.compiled import statistics
 from plymotion.solver.mechanism import build

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fidelity_samples import pendulum, planned_run, true_signals
+from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.dynamics.evaluation.derivative import residuals
 from plymotion.solver.mechanism import build

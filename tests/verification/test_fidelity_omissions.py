@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fidelity_samples import Table, pendulum, planned_run, true_signals
+from samples.fidelity_samples import Table, pendulum, planned_run, true_signals
 
 from plymotion.solver.studies.fidelity.base.comparison import difference, scales
 from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan

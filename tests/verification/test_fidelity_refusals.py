@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from fidelity_samples import pendulum, planned_run
+from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, masses_and_jacobians
 from plymotion.solver.studies.fidelity.base.model import check_plan, vibration_labels

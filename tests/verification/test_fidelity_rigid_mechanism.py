@@ -1,6 +1,6 @@
 """Plans of special scenes: rigid bodies alone, signals that are zero."""
 
-from fidelity_samples import Table, pendulum, planned_run
+from samples.fidelity_samples import Table, pendulum, planned_run
 
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.outcome import RunSpec

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fidelity_samples import Z, link, pendulum, planned_run
+from samples.fidelity_samples import Z, link, pendulum, planned_run
 
 from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
 from plymotion.solver.studies.fidelity.delivery.words import answer_text

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fidelity_samples import INTERFACES, pendulum, planned_run, true_signals
+from samples.fidelity_samples import INTERFACES, pendulum, planned_run, true_signals
 
 from plymotion.solver.inputs.case.tables.body_schema import ShellBody
 from plymotion.solver.studies.fidelity.base.comparison import difference, scales

@@ -5,7 +5,7 @@ Judge: with no load a body keeps energy, linear and angular momentum.
 
 import numpy as np
 import pytest
-from flexible_samples import (
+from samples.flexible_samples import (
     body_of,
     momenta,
     point_by_point,

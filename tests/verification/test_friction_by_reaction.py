@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import DEFAULT, RADAU, carriage, force, prepared, run, wheel
+from samples.case_samples import rigid
+from samples.coordinate_samples import DEFAULT, RADAU, carriage, force, prepared, run, wheel
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 

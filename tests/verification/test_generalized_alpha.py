@@ -7,11 +7,11 @@ the exponential, as Bruls and Cardona (2010).
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from flexible_samples import Points, body_of
-from mechanism_samples import GROUND, Sample, chain, pendulum
-from stability_samples import hand, stepped
-from two_body_samples import two_bodies
+from samples.constraint_runs import new_run, prepared
+from samples.flexible_samples import Points, body_of
+from samples.mechanism_samples import GROUND, Sample, chain, pendulum
+from samples.stability_samples import hand, stepped
+from samples.two_body_samples import two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import (

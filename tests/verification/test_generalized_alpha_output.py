@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD, rigid
+from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.dynamics.evaluation.series import balance
 from plymotion.solver.inputs.case import load_case

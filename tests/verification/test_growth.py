@@ -1,7 +1,7 @@
 """Unstable feedback: told, and ended where it only turns faster and faster."""
 
 import pytest
-from coordinate_samples import DEFAULT, carriage, force, run, wheel
+from samples.coordinate_samples import DEFAULT, carriage, force, run, wheel
 
 UNSTABLE = {"proportional": 400.0, "derivative": 2.0, "filter_time": 0.001, "sample_time": 0.02}
 

@@ -4,8 +4,8 @@ import shutil
 
 import numpy as np
 import pytest
-from case_samples import HEAD, case_runs, rigid
-from mechanism_samples import GRAVITY, GROUND, Rods
+from samples.case_samples import HEAD, case_runs, rigid
+from samples.mechanism_samples import GRAVITY, GROUND, Rods
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.inputs.case import load_case

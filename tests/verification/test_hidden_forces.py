@@ -8,7 +8,7 @@ from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
-from coordinate_samples import carriage, force, run, wheel
+from samples.coordinate_samples import carriage, force, run, wheel
 
 INTEGRATORS = ("radau", "rk8", "gear", "generalized-alpha")
 RTOL = 1e-5  # the default

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_generic, new_run, prepared, run
-from mechanism_samples import Sample, bricard, chain, pendulum
+from samples.constraint_runs import new_generic, new_run, prepared, run
+from samples.mechanism_samples import Sample, bricard, chain, pendulum
+from samples.two_body_samples import stretching_rod
 from scipy_integrators import SCIPY
-from two_body_samples import stretching_rod
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic import INTEGRATORS, integrate

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid, run_text
-from flexible_samples import body_of, random_marker, random_points, random_state
+from samples.case_samples import rigid, run_text
+from samples.flexible_samples import body_of, random_marker, random_points, random_state
 
 from plymotion.solver.dynamics.elements.joints.contract import FREEDOMS
 from plymotion.solver.dynamics.elements.joints.table import CONSTRAINTS, DRIVES, KINDS

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from laminate_samples import reference, reference_laminates
+from samples.laminate_samples import reference, reference_laminates
 
 from plymotion.preprocess.laminate import Laminate, laminate_stiffness
 from plymotion.preprocess.laminate.shear import shear_factors, uncorrected

@@ -4,8 +4,8 @@ import csv
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid
-from modes_samples import write_case_text
+from samples.case_samples import HEAD, SOLVER, rigid
+from samples.modes_samples import write_case_text
 from scipy.io import loadmat
 
 from plymotion.solver.__main__ import main

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import DEFAULT, RADAU, carriage, force, run
+from samples.case_samples import rigid
+from samples.coordinate_samples import DEFAULT, RADAU, carriage, force, run
 from scipy.special import ellipk
 
 from plymotion.solver.errors import InputError

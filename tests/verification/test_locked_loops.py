@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from case_samples import case_runs
-from mechanism_samples import GROUND, Rods
+from samples.case_samples import case_runs
+from samples.mechanism_samples import GROUND, Rods
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy

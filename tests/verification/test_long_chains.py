@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from mechanism_samples import bricard, chain, four_bars, pendulum
-from two_body_samples import two_bodies
+from samples.constraint_runs import new_run, prepared
+from samples.mechanism_samples import bricard, chain, four_bars, pendulum
+from samples.two_body_samples import two_bodies
 
 from plymotion.solver.checks.monitors.observation import observe
 from plymotion.solver.checks.monitors.singularity import SingularityMonitor

@@ -5,8 +5,8 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER
-from coordinate_samples import carriage, run
+from samples.case_samples import HEAD, SOLVER
+from samples.coordinate_samples import carriage, run
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

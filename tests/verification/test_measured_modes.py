@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
-from beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
-from flexible_samples import momenta, simulate, total_energy
+from samples.beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
+from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.solver.extras.measured_modes import experimental_package, load_measurement
 from plymotion.solver.mechanism.assembly.assembly import assemble_model

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from flexible_samples import body_of, random_points
+from samples.flexible_samples import body_of, random_points
 from scipy.optimize import brentq
 
 from plymotion.solver.dynamics.elements.bodies.marker import marker_motion

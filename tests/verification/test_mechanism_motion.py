@@ -4,7 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from case_samples import rigid, run_text
+from samples.case_samples import rigid, run_text
 
 COMMON = {"a": (0, 0, 0), "b": (1, 0, 0)}
 GRAVITY = "gravity = [0.0, -9.81, 0.0]\n"

@@ -4,7 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from flexible_samples import simulate
+from samples.flexible_samples import simulate
 
 from plymotion.solver.dynamics.analysis.recording import Recording
 from plymotion.solver.inputs.case.tables.signals import ReactionSignal

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from beam_samples import clamped_file
-from case_samples import run_text
+from samples.beam_samples import clamped_file
+from samples.case_samples import run_text
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

@@ -4,9 +4,9 @@ import tomllib
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import carriage, force
-from modes_samples import modes_at, rates
+from samples.case_samples import rigid
+from samples.coordinate_samples import carriage, force
+from samples.modes_samples import modes_at, rates
 
 POINT = 1e-9  # inertia of what should be a mass point [kg m2]
 

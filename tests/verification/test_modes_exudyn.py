@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from modes_samples import modes_at
+from samples.case_samples import rigid
+from samples.modes_samples import modes_at
 
 # Two bars, jointed to each other and to the ground by balls, on springs and dampers.
 MASS, INERTIA = (2.0, 3.0), ((0.02, 0.2, 0.21), (0.03, 0.3, 0.28))

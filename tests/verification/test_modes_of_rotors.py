@@ -4,8 +4,8 @@ import tomllib
 
 import numpy as np
 import pytest
-from beam_samples import CHORD, reduced
-from modes_samples import modes_at, rates
+from samples.beam_samples import CHORD, reduced
+from samples.modes_samples import modes_at, rates
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.package import write_package

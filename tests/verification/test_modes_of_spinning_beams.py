@@ -4,9 +4,9 @@ import tomllib
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
-from case_samples import run_text
-from modes_samples import modes_at, rates
+from samples.beam_samples import CLAMPED, reduced
+from samples.case_samples import run_text
+from samples.modes_samples import modes_at, rates
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.errors import InputError

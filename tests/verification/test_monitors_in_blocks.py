@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from mechanism_samples import bricard, chain, four_bars
+from samples.constraint_runs import new_run, prepared
+from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.checks.monitors.observation import new_observation, note, observe
 from plymotion.solver.checks.monitors.singularity import SingularityMonitor

@@ -4,7 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from flexible_samples import simulate, total_energy
+from samples.flexible_samples import simulate, total_energy
 
 from plymotion.solver.math import laws
 from plymotion.solver.mechanism.assembly.assembly import assemble_model

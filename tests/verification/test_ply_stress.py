@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from body_specs import beam_body
-from ply_stresses import beam_ply_stress
-from recovery_samples import (
+from peers.ply_stresses import beam_ply_stress
+from samples.body_specs import beam_body
+from samples.recovery_samples import (
     PLY,
     PLY_STRENGTH,
     STEEL,

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from case_samples import HEAD, rigid
+from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.integrators.choice import make_integrator

@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, clamped_file, reduced
-from case_samples import HEAD, run_text
-from stiffening_samples import rectangle
+from samples.beam_samples import CLAMPED, clamped_file, reduced
+from samples.case_samples import HEAD, run_text
+from samples.stiffening_samples import rectangle
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case

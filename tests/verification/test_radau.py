@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared, run
-from mechanism_samples import bricard, chain, four_bars, pendulum
-from stability_samples import amplitude, hand, stepped
-from two_body_samples import stretching_rod, two_bodies
+from samples.constraint_runs import new_run, prepared, run
+from samples.mechanism_samples import bricard, chain, four_bars, pendulum
+from samples.stability_samples import amplitude, hand, stepped
+from samples.two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from beam_samples import (
+from samples.beam_samples import (
     CENTRE,
     CHORD,
     CLAMPED,
@@ -19,7 +19,7 @@ from beam_samples import (
     reduced,
     with_all_modes,
 )
-from flexible_samples import momenta, simulate, total_energy
+from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations

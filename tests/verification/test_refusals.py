@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import case_runs
+from samples.case_samples import case_runs
 
 from plymotion.solver.checks.course import named_motion
 from plymotion.solver.integrators.choice import make_integrator

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from segment_samples import MATERIAL, SECTION, cantilever, run_of
+from samples.segment_samples import MATERIAL, SECTION, cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs

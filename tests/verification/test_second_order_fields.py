@@ -4,7 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
-from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_stiffness, reduced
+from samples.beam_samples import (
+    CHORD,
+    CLAMPED,
+    MEAN_AXIS,
+    NAMES,
+    REFERENCES,
+    coupled_stiffness,
+    reduced,
+)
 
 from plymotion.preprocess.beam.element import Z, gauss
 from plymotion.preprocess.beam.reduction import held_dofs

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flexible_samples import momenta
-from segment_samples import cantilever, run_of
-from stiffening_samples import rectangle
+from samples.flexible_samples import momenta
+from samples.segment_samples import cantilever, run_of
+from samples.stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.dynamics.elements.bodies.marker import marker_motion

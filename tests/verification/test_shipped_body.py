@@ -1,7 +1,7 @@
 """Conservation laws for a real body: the off-axis hand of the double pendulum, flying freely."""
 
 import numpy as np
-from flexible_samples import momenta, simulate, total_energy
+from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import flexible_body

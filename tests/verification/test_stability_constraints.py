@@ -5,9 +5,9 @@ Singular positions, treatment by treatment: test_constraints_singular.
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from mechanism_samples import pendulum
-from stability_samples import stepped
+from samples.constraint_runs import new_run, prepared
+from samples.mechanism_samples import pendulum
+from samples.stability_samples import stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from stability_samples import amplitude, hand, stepped
+from samples.constraint_runs import new_run, prepared
+from samples.stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic import Gear, RungeKutta5, RungeKutta8, integrate

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from beam_samples import (
+from samples.beam_samples import (
     CLAMPED,
     MASS,
     NAMES,

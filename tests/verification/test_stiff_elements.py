@@ -6,9 +6,9 @@ element has nothing to do; rk8 where the element is soft.
 
 import numpy as np
 import pytest
-from constraint_runs import new_run, prepared
-from flexible_samples import body_of, random_points
-from mechanism_samples import GRAVITY, GROUND, Sample
+from samples.constraint_runs import new_run, prepared
+from samples.flexible_samples import body_of, random_points
+from samples.mechanism_samples import GRAVITY, GROUND, Sample
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.elements.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS

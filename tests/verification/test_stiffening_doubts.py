@@ -6,8 +6,8 @@ import sys
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
-from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
+from samples.beam_samples import CLAMPED, reduced
+from samples.stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
 from plymotion.solver.checks.finished import FinishedRun
 from plymotion.solver.checks.monitors.geometric_stiffness import Loading, geometric_stiffness
@@ -106,7 +106,7 @@ STATE = """
 import sys
 import numpy as np
 sys.path[:0] = {path!r}
-from stiffening_samples import CHORD, soft_modes, soft_pendulum
+from samples.stiffening_samples import CHORD, soft_modes, soft_pendulum
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
 from plymotion.solver.dynamics.evaluation.derivative import derivative

@@ -5,10 +5,18 @@ Energy tells a right form from one that stiffens the elastic rows only; a spin-u
 
 import numpy as np
 import pytest
-from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_stiffness, reduced
-from curved_samples import meshed
-from flexible_samples import momenta, total_energy
-from stiffening_samples import on_interface
+from samples.beam_samples import (
+    CHORD,
+    CLAMPED,
+    MEAN_AXIS,
+    NAMES,
+    REFERENCES,
+    coupled_stiffness,
+    reduced,
+)
+from samples.curved_samples import meshed
+from samples.flexible_samples import momenta, total_energy
+from samples.stiffening_samples import on_interface
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.dynamics.analysis.recovery import momentum_balance

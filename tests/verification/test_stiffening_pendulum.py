@@ -3,8 +3,8 @@
 import tomllib
 
 import numpy as np
-from flexible_samples import simulate
-from stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
+from samples.flexible_samples import simulate
+from samples.stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
 
 from plymotion.solver.checks.monitors.geometric_stiffness import geometric_stiffness
 from plymotion.solver.checks.monitors.spin import SpinMonitor

@@ -5,8 +5,8 @@ import tomllib
 import numpy as np
 import pytest
 import scipy.linalg
-from beam_samples import CHORD, CLAMPED, NAMES, REFERENCES, reduced
-from stiffening_samples import rectangle, steady_spin
+from samples.beam_samples import CHORD, CLAMPED, NAMES, REFERENCES, reduced
+from samples.stiffening_samples import rectangle, steady_spin
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.dynamics.evaluation.derivative import derivative

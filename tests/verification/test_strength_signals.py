@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER
-from panel_sample import panel
-from ply_stresses import beam_ply_stress, shell_ply_stress
-from recovery_samples import (
+from peers.ply_stresses import beam_ply_stress, shell_ply_stress
+from samples.case_samples import HEAD, SOLVER
+from samples.panel_sample import panel
+from samples.recovery_samples import (
     PLY,
     PLY_STRENGTH,
     STEEL,

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from coordinate_samples import RADAU, carriage, force, run, wheel
+from samples.coordinate_samples import RADAU, carriage, force, run, wheel
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from plymotion.solver.errors import InputError

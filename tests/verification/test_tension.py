@@ -7,8 +7,8 @@ weight of a flexible link on its own modes, is as small as the link is light.
 import numpy as np
 import pytest
 import scipy.linalg
-from crane_samples import beam_crane, rigid_crane
-from segment_samples import run_of
+from samples.crane_samples import beam_crane, rigid_crane
+from samples.segment_samples import run_of
 
 from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD
+from samples.case_samples import HEAD
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.inputs.case import load_case

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from case_samples import HEAD, rigid
+from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.reading.specs import write_case

@@ -5,8 +5,8 @@ Friction of Stribeck, gravity and a payload; the limits of the motors act in bot
 
 import numpy as np
 import pytest
-from case_samples import rigid
-from coordinate_samples import DEFAULT, run
+from samples.case_samples import rigid
+from samples.coordinate_samples import DEFAULT, run
 from scipy.integrate import solve_ivp
 
 M_1, C_1, J_1, L_1 = 4.0, 0.25, 0.09, 0.5

@@ -1,8 +1,8 @@
 """Derivatives of accelerations and outputs along given directions, by central differences.
 
 Six points give an error of order h^6, and the four inner ones an estimate of it, by which the step
-is chosen. Against complex steps, which are exact but need plain NumPy (tests/complex_steps.py), the
-differences agree to 1e-9 of the largest entry of a column.
+is chosen. Against complex steps, which are exact but need plain NumPy
+(tests/peers/complex_steps.py), the differences agree to 1e-9 of the largest entry of a column.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,0 +1,117 @@
+"""Planned runs of small mechanisms, whose rich packages need no FEniCSx."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from samples.beam_samples import reduced
+from samples.stiffening_samples import rectangle
+
+from plymotion.solver.inputs.case.bodies.rich import rich_bodies
+from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.package import ModalPackage
+from plymotion.solver.package.body.selection import selected
+from plymotion.solver.run.execution import execute
+from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.studies.fidelity.base.model import with_values
+
+Table = dict[str, Any]
+Z = [0.0, 0.0, 1.0]
+SIZES = {"stiff": (0.04, 0.01), "soft": (0.01, 0.04)}  # along the section's x2 and x3
+INTERFACES = {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}}
+
+
+def link(length: float, x: float) -> Table:
+    """A beam along x; its section comes with the packages."""
+    return {
+        "kind": "beam",
+        "length": length,
+        "section": "bar",
+        "material": "metal",
+        "elements": 8,
+        "modes": [{"kind": "bending-xy", "count": 1}],
+        "position": [x, 0.0, 0.0],
+        "interfaces": INTERFACES,
+    }
+
+
+def pendulum(links: int = 1, speed: float = 6.0, t_end: float = 0.4, **fidelity: Any) -> Table:
+    """A chain of links of 0.6 m with a mass of 1 kg at its tip; the first is brought to a speed."""
+    bodies = {f"link{i}": link(0.6, 0.6 * i) for i in range(links)}
+    drive = {"polynomial": [0.0, 0.0, speed / (2.0 * t_end)]}
+    places = ["ground.origin", *(f"link{i}.tip" for i in range(links))]
+    joints: Table = {
+        f"hinge{i}": {"kind": "revolute", "between": [places[i], f"link{i}.root"], "axis": Z}
+        for i in range(links)
+    }
+    joints["hinge0"]["drive"] = drive
+    bend = {"kind": "deflection", "at": "link0.tip", "component": "y"}
+    return {
+        "gravity": [0.0, -9.81, 0.0],
+        "materials": {"metal": {"kind": "isotropic", "E": 73e9, "nu": 0.3, "rho": 2700.0}},
+        "sections": {"bar": {"shape": "rectangle", "width": 0.04, "height": 0.01}},
+        "bodies": bodies,
+        "ground": {"origin": {"position": [0.0, 0.0, 0.0]}},
+        "joints": joints,
+        "masses": {"load": {"mass": 1.0, "at": places[-1]}},
+        "signals": {
+            "tip_x": {"kind": "position", "at": places[-1], "component": "x"},
+            "tip_y": {"kind": "position", "at": places[-1], "component": "y"},
+            "bending": bend,
+            "force": {"kind": "reaction", "joint": "hinge0", "quantity": "force", "component": "x"},
+        },
+        "solver": {"t_end": t_end, "output_step": t_end / 200.0},
+        "fidelity": {"accuracy": 1e-2, "signals": ["tip_x", "tip_y"], "budget": 60.0, **fidelity},
+    }
+
+
+def planned_run(
+    table: Table,
+    side: str = "stiff",
+    modulus: float = 73e9,
+    *,
+    without: str = "",
+    elements: int | None = None,
+) -> tuple[RunSpec, dict[str, ModalPackage]]:
+    """A run with the rich packages of its model, and the packages of its check.
+
+    `without` is a kind of modes, `elements` a mesh, of the packages of the model: omissions.
+    """
+    mechanism = Mechanism.model_validate(table)
+    across, along = SIZES[side]
+    K, mass = rectangle(modulus, 0.3, 2700.0, along, across)
+    packages: list[dict[str, ModalPackage]] = [{}, {}]
+    for name, body in mechanism.bodies.items():
+        if body.kind != "beam":
+            continue
+        model, check = rich_bodies(name, mechanism)
+        kept = [mode.model_dump() for mode in model.modes if mode.kind != without]
+        every = [mode.model_dump() for mode in check.modes]
+        meshes = (kept, elements or model.elements), (every, check.elements)
+        for found, (modes, mesh) in zip(packages, meshes, strict=True):
+            found[name] = reduced(
+                {"kind": "clamped", "at": "root"},
+                modes,
+                elements=mesh,
+                K=K,
+                mass=mass,
+                length=body.length,
+                interfaces=INTERFACES,
+                body=name,
+            ).package
+    return RunSpec("sample", "planned", mechanism, packages[0]), packages[1]
+
+
+def true_signals(table: Table, side: str, rtol: float) -> dict[str, np.ndarray]:
+    """Signals with all vibrations and load shapes of the check in the plane, stiffened."""
+    spec, check = planned_run(table, side)
+    asked = [
+        {"kind": "bending-xy", "count": 6},
+        {"kind": "attachment", "at": "tip", "directions": ["x", "y", "rz"]},
+        {"kind": "static-inertia"},
+    ]
+    packages = {n: selected(package, asked) for n, package in check.items()}
+    solver = with_values(spec.mechanism.solver, rtol=rtol, geometric_stiffening=True)
+    mechanism = with_values(spec.mechanism, solver=solver)
+    result, _ = execute(replace(spec, mechanism=mechanism, packages=packages), progress=False)
+    return {signal.name: signal.values for signal in result.signals}
