@@ -3,9 +3,9 @@ r"""Load factors of laminated plates: triangles, quadrilaterals and CalculiX's *
 . build/fenicsx.env && PYTHONPATH=.:tests "$FENICSX_PYTHON" benchmarks/shell_buckling.py
 
 Cantilever plates of PLATES (tests/samples/shell_layups.py), clamped at x = 0 and pushed by 1 N
-along x at the other edge, in both codes with the same supports. CalculiX misses a factor below 1 without
-a word, and its composite S8R shears its layers apart in thick laminates: the load here is far
-below the critical one and the plates are thin. It is left out where `ccx` is not installed.
+along x at the other edge, in both codes with the same supports. CalculiX misses a factor below 1
+without a word, and its composite S8R shears its layers apart in thick laminates: the load here is
+far below the critical one and the plates are thin. It is left out where `ccx` is not installed.
 """
 
 import os
