@@ -37,6 +37,12 @@ class Blade:
     Attributes
     ----------
     folder : of the files that `plymotion blade` writes as well
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.blade("blade.yaml", stations=3)  # doctest: +SKIP
+    <Blade blade: 61.5 m, 3 stations>
     """
 
     def __init__(self, meshed: Meshed, stations: Sequence[Station]) -> None:
@@ -45,27 +51,62 @@ class Blade:
 
     @property
     def case(self) -> Path:
-        """Case of the blade on its turning hub, for `plymotion.load`."""
+        """Case of the blade on its turning hub, for `plymotion.load`.
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.blade("blade.yaml", stations=3).case.name  # doctest: +SKIP
+        'case.toml'
+        """
         return self.folder / CASE_FILE
 
     @property
     def r(self) -> Array:
-        """Stations (n,), from 0 at the root to 1 at the tip [-]."""
+        """Stations (n,), from 0 at the root to 1 at the tip [-].
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.blade("blade.yaml", stations=3).r  # doctest: +SKIP
+        array([0. , 0.5, 1. ])
+        """
         return np.array([station.r for station in self._stations])
 
     @property
     def sections(self) -> list[Section]:
-        """The analysed section of each station."""
+        """The analysed section of each station.
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.blade("blade.yaml", stations=3).sections[0].K.shape  # doctest: +SKIP
+        (6, 6)
+        """
         return [Section(station.file) for station in self._stations]
 
     @property
     def K(self) -> Array:
-        """Stiffness about the reference axis, without twist (n, 6, 6) [N, N m, N m2]."""
+        """Stiffness about the reference axis, without twist (n, 6, 6) [N, N m, N m2].
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.blade("blade.yaml", stations=3).K.shape  # doctest: +SKIP
+        (3, 6, 6)
+        """
         return np.array([s.results.K for s in self._stations if s.results is not None])
 
     @property
     def M(self) -> Array:
-        """Mass per length about the reference axis, without twist (n, 6, 6) [kg/m, kg, kg m]."""
+        """Mass per length about the reference axis, without twist (n, 6, 6) [kg/m, kg, kg m].
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.blade("blade.yaml", stations=3).M.shape  # doctest: +SKIP
+        (3, 6, 6)
+        """
         return np.array([s.results.M for s in self._stations if s.results is not None])
 
     def frequencies(self) -> tuple[Array, dict[str, Array]]:
@@ -75,11 +116,25 @@ class Blade:
         -------
         frequencies : (6,) [Hz]
         errors : (6,) [-] by cause: "sections", "stations", "elements"; not those without estimate
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> f, errors = pm.blade("blade.yaml").frequencies()  # doctest: +SKIP
+        >>> f.shape  # doctest: +SKIP
+        (6,)
         """
         return frequencies_at_rest(self._meshed.blade, self._stations, quiet=True)
 
     def to_pandas(self) -> Any:
-        """Return blade.csv as a DataFrame. Raises ImportError without pandas."""
+        """Return blade.csv as a DataFrame. Raises ImportError without pandas.
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.blade("blade.yaml", stations=3).to_pandas().shape[0]  # doctest: +SKIP
+        3
+        """
         return pandas().read_csv(self.folder / TABLE)
 
     def __repr__(self) -> str:
