@@ -86,10 +86,13 @@ def solid(cell: str) -> None:
     """Compile stiffness and mass of a solid."""
     from .fenicsx.solids import SolidSpace
     from .solid.cells import reference_nodes
-    from .solid.forms import mass, stiffness
+    from .solid.forms import MASS_DEGREE, Elasticity, mass
 
     points = reference_nodes(cell)
     rows = np.arange(len(points))[None, :]
-    space = SolidSpace(PlainMesh(points, rows, cell, 2, np.zeros(1, dtype=np.int64), ("",)))
-    space.matrix(stiffness(space.space, space.of_cells(np.eye(6)[None]), cell))
-    space.matrix(mass(space.space, space.of_cells(np.ones(1))))
+    plain = PlainMesh(points, rows, cell, 2, np.zeros(1, dtype=np.int64), ("",))
+    for degree in (2, 3):
+        space = SolidSpace(plain, degree)
+        C, rho = space.of_cells(np.eye(6)[None]), space.of_cells(np.ones(1))
+        space.matrix(Elasticity(C, cell, None, degree).stiffness(space.space))
+        space.matrix(mass(space.space, rho, MASS_DEGREE + 2 * (degree - 2)))

@@ -134,7 +134,9 @@ def _eliminated(front: Array, n: int) -> tuple[int, Array]:
 
 
 class Solver(Protocol):
-    """Direct solver of systems in the dofs at given places; see `Direct`."""
+    """Solver of systems in the dofs that the rigid links leave; see `Direct`."""
+
+    counts: bool  # it can count negative eigenvalues
 
     def add_subset(self, kept: IntArray) -> None:
         """Systems in fewer dofs will come."""
@@ -156,6 +158,8 @@ class Direct:
     ----------
     places : (N, 3) coordinates of the dofs
     """
+
+    counts = True
 
     def __init__(self, places: Array) -> None:
         self._places = {len(places): places}

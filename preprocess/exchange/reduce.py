@@ -51,7 +51,7 @@ def reduce_body(
     source: FreeBody,
     table: Reduction,
     tell: Tell = lambda _: None,
-    solver: Callable[[Array], Solver] = Direct,
+    solver: Callable[[Constrained], Solver] = lambda parts: Direct(parts.places),
     second_order: Callable[[Array], Array] | None = None,
 ) -> ModalPackage:
     """Modal package of a body from its free matrices.
@@ -61,7 +61,7 @@ def reduce_body(
     source : in the units of `table`
     table : interfaces, reference condition and modes (docs/exchange.md)
     tell : called with the name of each step
-    solver : made with the places of the dofs
+    solver : made with the dofs after the rigid links
     second_order : forces of pairs of modes, of a body of three dofs per node (second_order.py)
 
     Raises
@@ -79,7 +79,7 @@ def reduce_body(
     every = links(body, table["interfaces"], length)
     parts = constrained(body, every)
     try:
-        modes, condition = _modes(body, table, every, parts, tell, solver(parts.places))
+        modes, condition = _modes(body, table, every, parts, tell, solver(parts))
     except ModeError as error:
         raise InputError(f"{body.where}: {error}") from error
     tell("inertia invariants")
@@ -329,7 +329,7 @@ def vibrations(
         ends = [end for _, end in clusters(values)[:-1] if end >= count]
         if ends:
             middle = 0.5 * float(values[ends[0] - 1] + values[ends[0]])
-            if _count_below(condition, middle) == ends[0]:
+            if not direct.counts or _count_below(condition, middle) == ends[0]:
                 break
         spare *= 2
     else:

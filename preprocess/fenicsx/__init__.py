@@ -21,6 +21,7 @@ _PUBLIC = {
     "evaluation": ("evaluated",),
     "solvers.eigen": ("eigenpairs",),
     "solvers.factorisation": ("Cholesky", "cholesky", "negative_pivots"),
+    "solvers.multigrid": ("TwoGrids",),
     "meshing.gmsh_model": ("plain_from_model",),
     "meshing.gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
     "kernels": ("Kernel", "Rows", "Symbols", "compiled", "kernel", "matrices", "rows", "symbols"),

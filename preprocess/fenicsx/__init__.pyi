@@ -32,6 +32,7 @@ from .solvers.eigen import eigenpairs as eigenpairs
 from .solvers.factorisation import Cholesky as Cholesky
 from .solvers.factorisation import cholesky as cholesky
 from .solvers.factorisation import negative_pivots as negative_pivots
+from .solvers.multigrid import TwoGrids as TwoGrids
 from .stack import HAS_MUMPS as HAS_MUMPS
 from .stack import MPI as MPI
 from .stack import MissingFenicsx as MissingFenicsx

@@ -150,12 +150,16 @@ def _table(rows: Any) -> NDArray[np.int32]:
     return np.array(rows, dtype=np.int32)
 
 
-def cell_function(mesh: Any, values: Any) -> Any:
-    """A function with one constant value (or tensor) in each cell, values (n_cell, ...)."""
+def cell_function(mesh: Any, values: Any, degree: int = 0) -> Any:
+    """A function with one constant value (or tensor) in each cell, values (n_cell, ...).
+
+    Of a higher degree it has a value at each of the k nodes of a cell, values (n_cell, k, ...).
+    """
     table = np.asarray(values, dtype=float)
-    element = element_of(cell_name(mesh), 0, table.shape[1:], mesh.geometry.dim, dg=True)
+    shape = table.shape[2 if degree else 1 :]
+    element = element_of(cell_name(mesh), degree, shape, mesh.geometry.dim, dg=True)
     found = dolfinx.fem.Function(function_space(mesh, element))
-    rows = cell_dofs(found.function_space)[:, 0]
+    rows = cell_dofs(found.function_space).ravel()
     array = found.x.array.reshape(rows.size, -1)
     array[rows] = table.reshape(rows.size, -1)
     return found

@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from ...solver.errors import InputError
+from ...solver.math.arrays import Array
 from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
 from ...solver.package.shell.cells import vtk_cells
@@ -16,9 +17,15 @@ from ..exchange.reduce import reduce_body
 from ..exchange.spec import SI, Reduction
 from ..provenance import body_provenance
 from .analysis import accurate_model, findings
-from .model import Mumps
-from .recovery import surface
+from .model import MOST_FACTORISED
+from .recovery import face_stresses
 from .second_order import second_order_forces
+
+NOT_COUNTED = {
+    "code": "modes-not-counted",
+    "message": f"a solid of more than {MOST_FACTORISED} unknowns is not factorised, so that its "
+    "vibrations are not counted: one may be missing; compare with a coarser mesh",
+}
 
 
 def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
@@ -50,26 +57,28 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
     }
     try:
         bending = partial(second_order_forces, model) if table.get("second_order") else None
-        package = reduce_body(model.body, reduction, solver=Mumps, second_order=bending)
+        package = reduce_body(model.body, reduction, solver=model.solver, second_order=bending)
     except InputError as error:
         raise SpecError(str(error)) from error
     n = len(model.body.nodes)
-    outside = surface(
-        model, table["solid"]["materials"], np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
-    )
-    connectivity, offsets, types = vtk_cells(outside.corners)
+    connectivity, offsets, types = vtk_cells(model.mesh.corners)
+    cases: dict[str, Array] = {}
     told = package.provenance["source"]
     if "analysis" in table:
-        told = findings(model, package, table["analysis"], table["solid"])
+        told, cases = findings(model, package, table["analysis"])
+    shapes = np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
+    stresses = face_stresses(model, table["solid"]["materials"], shapes, cases)
     seconds = {"solid": assembled - start, "modes": time.perf_counter() - assembled}
-    provenance = body_provenance(spec, {"body": 3 * n}, seconds, package.provenance["warnings"])
+    not_counted = [] if model.counts else [NOT_COUNTED]
+    provenance = body_provenance(
+        spec, {"body": 3 * n}, seconds, [*package.provenance["warnings"], *not_counted]
+    )
     return dataclasses.replace(
         package,
         connectivity=connectivity,
         offsets=offsets,
         cell_types=types,
-        laminates=outside.laminates,
-        cell_resultants=outside.cells,
+        face_stresses=stresses,
         provenance={**provenance, "solid": told},
     )
 

@@ -28,6 +28,7 @@ _CORNERS = {
         [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
     ),
 }
+CORNERS = {cell: len(corners) for cell, corners in _CORNERS.items()}
 # VTK's quadratic tetrahedron, and its hexahedron of 20 nodes, from gmsh's order.
 VTK = {
     "tetrahedron": (24, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
@@ -44,6 +45,15 @@ def reference_nodes(cell: str) -> Array:
         found += [corners[list(f)].mean(axis=0)[None] for f in _FACES[cell]]
         found.append(corners.mean(axis=0)[None])
     return np.concatenate(found)
+
+
+def linear_weights(cell: str) -> Array:
+    """Value of the linear function of each corner at each node, (k, corners)."""
+    x, corners = reference_nodes(cell), _CORNERS[cell]
+    if cell == "tetrahedron":
+        return np.column_stack([1.0 - x.sum(axis=1), x])
+    sides = np.where(corners[None] > 0, x[:, None], 1.0 - x[:, None])
+    return np.asarray(sides.prod(axis=2))
 
 
 @lru_cache

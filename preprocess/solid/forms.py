@@ -7,27 +7,47 @@ from typing import Any
 
 import ufl
 
-# Four points in a tetrahedron, as in other codes; 27 in a hexahedron. The mass is exact where
-# edges are straight.
+# Polynomial degrees that are integrated exactly for displacements of degree 2: with four points in
+# a tetrahedron, as in other codes, and 27 in a hexahedron; one degree more of u adds two. The mass
+# is exact where edges are straight.
 STIFFNESS_DEGREE = {"tetrahedron": 2, "hexahedron": 4}
 MASS_DEGREE = 5
 
 
+class Elasticity:
+    """Stresses of strains: C (6, 6) in the axes `axes` (3, 3), whose columns are 1, 2 and 3.
+
+    C and axes are UFL coefficients; without axes C is in the axes of the body.
+    """
+
+    def __init__(self, C: Any, cell: str, axes: Any = None, degree: int = 2) -> None:
+        self.C, self.axes = C, axes
+        rule = STIFFNESS_DEGREE[cell] + 2 * (degree - 2)
+        self._dx = ufl.dx(metadata={"quadrature_degree": rule})
+
+    def work(self, one: Any, other: Any) -> Any:
+        """Work of the stresses of one strain (3, 3) on another."""
+        return ufl.inner(self.C * self._column(one), self._column(other)) * self._dx
+
+    def stiffness(self, space: Any) -> Any:
+        """Work of the stresses of u on the strains of v."""
+        u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
+        return self.work(strain(u), strain(v))
+
+    def _column(self, e: Any) -> Any:
+        if self.axes is not None:
+            e = self.axes.T * e * self.axes
+        return ufl.as_vector([e[0, 0], e[1, 1], e[2, 2], 2 * e[1, 2], 2 * e[0, 2], 2 * e[0, 1]])
+
+
 def strain(u: Any) -> Any:
-    """Linear strains of a displacement, a column of six."""
-    return column(ufl.sym(ufl.grad(u)))
+    """Linear strains of a displacement, (3, 3)."""
+    return ufl.sym(ufl.grad(u))
 
 
-def column(e: Any) -> Any:
-    """A symmetric tensor of strain as a column of six."""
-    return ufl.as_vector([e[0, 0], e[1, 1], e[2, 2], 2 * e[1, 2], 2 * e[0, 2], 2 * e[0, 1]])
-
-
-def stiffness(space: Any, C: Any, cell: str) -> Any:
-    """Work of the stresses C eps(u) on the strains of v."""
-    u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    dx = ufl.dx(metadata={"quadrature_degree": STIFFNESS_DEGREE[cell]})
-    return ufl.inner(C * strain(u), strain(v)) * dx
+def pressure(space: Any, over: Any) -> Any:
+    """Work of a unit pressure on the undeformed faces of a measure, inwards."""
+    return -ufl.dot(ufl.FacetNormal(space.mesh), ufl.TestFunction(space)) * over
 
 
 def mass(space: Any, rho: Any, degree: int = MASS_DEGREE) -> Any:

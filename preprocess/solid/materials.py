@@ -1,35 +1,68 @@
-"""Stiffness and density of the cells of a solid, in body axes."""
+"""Stiffness and density of the cells of a solid, and the axes of its materials."""
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
-from ..known_keys import check_keys
-from ..materials import MaterialError, material_from_dict, rotated
+from ..fenicsx import PlainMesh
+from ..materials import material_from_dict, rotated
+from .curve import Curve
 from .errors import SolidError
 from .mesh import SolidMesh
+from .places import unit
 
 ALL = "all"
-KEYS = ("material", "axis", "normal", "axis_about")
+NEAR = 1e-6  # part of a vector normal to another, relative to it
+Axes = Callable[[Array], Array]  # of points (..., 3), (..., 3, 3): columns 1, 2, 3
 
 
-class CellMaterials(NamedTuple):
-    """Elasticity of c cells, and the table of the material of each region."""
+@dataclass(frozen=True)
+class CellMaterials:
+    """Elasticity of c cells.
 
-    C: Array  # (c, 6, 6) [Pa]
-    rho: Array  # (c,) [kg/m3]
-    names: tuple[str, ...]  # material of each region
+    Attributes
+    ----------
+    C_M : (c, 6, 6) in the axes of the material [Pa]
+    rho : (c,) [kg/m3]
+    names : material of each region
+    region : (c,) of each cell
+    axes_of : axes of the orthotropic material of a region by its number
+    is_curved : the axes of a region change within its cells
+    """
+
+    C_M: Array
+    rho: Array
+    names: tuple[str, ...]
+    region: IntArray
+    axes_of: dict[int, Axes]
+    is_curved: bool
+
+    def axes(self, points: Array, cells: IntArray) -> Array:
+        """Axes A_BM (..., 3, 3) of the material at points (c, ..., 3) in some cells (c,)."""
+        out = np.tile(np.eye(3), (*points.shape[:-1], 1, 1))
+        for number, axes in self.axes_of.items():
+            own = self.region[cells] == number
+            out[own] = axes(points[own])
+        return out
+
+    def C_B(self, plain: PlainMesh) -> Array:
+        """Stiffness (c, 6, 6) in the axes of the body, of axes that do not change within cells."""
+        if not self.axes_of:
+            return self.C_M
+        centres = plain.points[plain.cells].mean(axis=1)
+        return rotated(self.C_M, self.axes(centres, np.arange(len(centres))))
 
 
 def cell_materials(
     mesh: SolidMesh, regions: Mapping[str, Any], materials: Mapping[str, Any], where: str
 ) -> CellMaterials:
-    """Materials of all cells; those of orthotropic regions have the axes at the cell's centre.
+    """Materials of all cells.
 
-    Raises SolidError for regions without a material, unknown names, axes that are missing.
+    Raises SolidError for volumes without a region, regions without a volume, parallel axes.
     """
     plain = mesh.plain
     unknown = [name for name in regions if name not in (*plain.regions, ALL)]
@@ -37,6 +70,8 @@ def cell_materials(
         hint = nearest(unknown[0], plain.regions)
         raise SolidError(f"{where}.regions.{unknown[0]}: the solid has no such volume{hint}")
     C, rho, names = np.empty((len(plain.cells), 6, 6)), np.empty(len(plain.cells)), []
+    axes: dict[int, Axes] = {}
+    is_curved = False
     for number, name in enumerate(plain.regions):
         region = regions.get(name, regions.get(ALL))
         if region is None:
@@ -45,62 +80,52 @@ def cell_materials(
                 "a table for each, or for all"
             )
         key = f"{where}.regions.{name if name in regions else ALL}"
-        check_keys(region, KEYS, key, SolidError)
-        material = region.get("material")
-        if material not in materials:
-            raise SolidError(
-                f"{key}.material = {material!r}: no such material"
-                f"{nearest(str(material), materials)}"
-            )
-        table = materials[material]
-        try:
-            found = material_from_dict(table, f"{where}.materials.{material}")
-        except MaterialError as error:
-            raise SolidError(str(error)) from error
+        table = materials[region["material"]]
+        found = material_from_dict(table, f"{where}.materials.{region['material']}")
         own = np.flatnonzero(plain.region == number)
         rho[own] = found.rho
         C[own] = found.stiffness_M
         if table["kind"] == "orthotropic":
-            C[own] = rotated(found.stiffness_M, _axes(mesh, region, own, key))
-        names.append(material)
-    return CellMaterials(C, rho, tuple(names))
+            axes[number] = _axes(mesh, region, key)
+            is_curved |= "axis" not in region
+        names.append(region["material"])
+    return CellMaterials(C, rho, tuple(names), plain.region, axes, is_curved)
 
 
-def _axes(mesh: SolidMesh, region: Mapping[str, Any], own: IntArray, key: str) -> Array:
-    """Axes of the material in cells, (c, 3, 3): columns 1, 2, 3."""
+def _axes(mesh: SolidMesh, region: Mapping[str, Any], key: str) -> Axes:
+    """Axes of the material of a region."""
     if "axis_about" in region:
-        if "axis" in region or "normal" in region:
-            raise SolidError(f"{key}: expected axis_about alone, or axis and normal")
         about = region["axis_about"]
-        along = _vector(about.get("direction"), f"{key}.axis_about.direction")
-        point = np.array(about.get("point", [0.0, 0.0, 0.0]))
-        arm = mesh.plain.points[mesh.plain.cells[own]].mean(axis=1) - point
-        radial = arm - (arm @ along)[:, None] * along
-        length = np.linalg.norm(radial, axis=1, keepdims=True)
-        if not (length > 0.0).all():
-            raise SolidError(f"{key}.axis_about: a cell lies on the axis; expected a hole there")
-        normal = radial / length
-        first = np.cross(along, normal)
-    else:
-        for name in ("axis", "normal"):
-            if name not in region:
-                raise SolidError(
-                    f"{key}.{name}: missing, needed for the directions of an orthotropic material: "
-                    "expected axis = [x, y, z] (1) and normal = [x, y, z] (3), or axis_about = "
-                    "{point = [..], direction = [..]} (1 around, 3 outwards)"
-                )
-        first = _vector(region["axis"], f"{key}.axis")
-        normal = _vector(region["normal"], f"{key}.normal")
-        normal = normal - (normal @ first) * first
-        if not np.linalg.norm(normal) > 1e-6:
-            raise SolidError(f"{key}.normal: parallel to axis; expected another direction")
-        first = np.tile(first, (len(own), 1))
-        normal = np.tile(normal / np.linalg.norm(normal), (len(own), 1))
-    return np.stack([first, np.cross(normal, first), normal], axis=2)
+        along, point = unit(about["direction"]), np.array(about["point"])
+
+        def around(x: Array) -> Array:
+            normal = _normal_part(x - point, along, f"{key}.axis_about: a cell lies on the axis")
+            return _triad(np.cross(along, normal), normal)
+
+        return around
+    normal = unit(region["normal"])
+    parallel = f"{key}.normal: parallel to axis 1"
+    if "axis" in region:
+        first = unit(region["axis"])
+        triad = _triad(first, _normal_part(normal, first, parallel))
+        return lambda x: np.broadcast_to(triad, (*x.shape, 3))
+    curve = Curve.of(region["axis_along"], mesh.curves, f"{key}.axis_along")
+
+    def along_curve(x: Array) -> Array:
+        first = curve.tangents(x)
+        return _triad(first, _normal_part(normal, first, parallel))
+
+    return along_curve
 
 
-def _vector(value: Any, where: str) -> Array:
-    found = np.array(value if isinstance(value, list) else [], dtype=float)
-    if found.shape != (3,) or not np.linalg.norm(found) > 0.0:
-        raise SolidError(f"{where} = {value!r}: expected a vector [x, y, z] longer than 0")
-    return np.asarray(found / np.linalg.norm(found))
+def _triad(first: Array, normal: Array) -> Array:
+    return np.stack([first, np.cross(normal, first), normal], axis=-1)
+
+
+def _normal_part(vector: Array, along: Array, problem: str) -> Array:
+    """The unit vector of what of a vector is normal to another."""
+    part = vector - (vector * along).sum(axis=-1, keepdims=True) * along
+    length = np.linalg.norm(part, axis=-1, keepdims=True)
+    if not (length > NEAR * np.linalg.norm(vector, axis=-1, keepdims=True)).all():
+        raise SolidError(f"{problem}; expected another direction or place")
+    return np.asarray(part / length)

@@ -10,16 +10,17 @@ import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.specification import CAD, CAD_WITH_UNIT
+from ...solver.package.specification import CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..fenicsx.meshing.gmsh_solid import CadPart, solid_from_file
 from ..python_script import is_refused
-from .cells import boundary, derivatives, faces, reference_nodes
+from .cells import CORNERS, boundary, derivatives, reference_nodes
 from .errors import SolidError
 
-KINDS = (*CAD, ".geo", ".msh")
-FACE_NODE = 20  # first node of a hexahedron in the middle of a face
+# Size over that of the smallest cells. Quadratic cells turn inside out at much smaller radii: then
+# smaller ones are tried.
+SMALLEST = (8.0, 16.0, 32.0)
 THINNEST = 1e-6  # least extent of a solid relative to the largest
 
 
@@ -35,6 +36,7 @@ class SolidMesh:
     owner : (f,) its cell
     local : (f,) its number in the cell
     groups : rows of faces by physical surface
+    curves : ends (s, 2, 3) of the lines of each physical curve [m]
     exact : for each region what OpenCASCADE computes, empty without a CAD file
     """
 
@@ -43,20 +45,13 @@ class SolidMesh:
     owner: IntArray
     local: IntArray
     groups: dict[str, IntArray]
+    curves: dict[str, Array]
     exact: tuple[CadPart, ...]
 
     @property
     def corners(self) -> IntArray:
         """Corners of each face, (f, 3 or 4)."""
         return self.faces[:, : self.faces.shape[1] // 2]
-
-    def face_nodes(self, rows: IntArray) -> IntArray:
-        """All nodes of some outer faces, also those in the middle of the faces of hexahedra."""
-        found = self.faces[rows].ravel()
-        if self.plain.cell == "hexahedron":
-            middle = self.plain.cells[self.owner[rows], FACE_NODE + self.local[rows]]
-            found = np.concatenate([found, middle])
-        return np.unique(found)
 
 
 def solid_mesh(table: Mapping[str, Any], where: str, size: float | None = None) -> SolidMesh:
@@ -75,8 +70,6 @@ def solid_mesh(table: Mapping[str, Any], where: str, size: float | None = None) 
     path = Path(table["file"])
     if is_refused(path):
         raise SolidError(f"{where}.file = {str(path)!r}: expected no script with --no-scripts")
-    if path.suffix.lower() not in KINDS:
-        raise SolidError(f"{where}.file = {str(path)!r}: expected one of {', '.join(KINDS)}")
     unit = table.get("unit")
     if unit is None and path.suffix.lower() not in CAD_WITH_UNIT:
         raise SolidError(
@@ -98,43 +91,43 @@ def _made(
     file: str, changed: int, size: float | None, unit: float | None, parameters: tuple[Any, ...]
 ) -> SolidMesh:
     del changed  # part of the cache key
-    found = solid_from_file(Path(file), size, unit, dict(parameters))
-    plain = found.plain
+    for smallest in SMALLEST:
+        found = solid_from_file(Path(file), size, unit, dict(parameters), smallest)
+        plain = found.plain
+        wrong = _turned(plain)
+        if not len(wrong) or not found.exact:
+            break
     extent = np.ptp(plain.points, axis=0)
     if not extent.min() > THINNEST * extent.max():
         shown = " x ".join(f"{value:.4g}" for value in extent)
         raise SolidError(f"{file}: {shown} m; expected a solid that is thicker than 0")
-    _check_volumes(plain, file)
+    if len(wrong):
+        centres = plain.points[plain.cells[wrong]].mean(axis=1)
+        places = (str(np.round(x, 6).tolist()) for x in centres)
+        raise SolidError(
+            f"{file}: {len(wrong)} of {len(plain.cells)} cells are turned inside out, near "
+            f"{few(places)} m; expected smaller cells there, or a part without these features"
+        )
     nodes, owner, local = boundary(plain.cells, plain.cell)
     width = nodes.shape[1] // 2
     known = {tuple(sorted(row)): i for i, row in enumerate(nodes[:, :width].tolist())}
     groups = {}
     for name, corners in found.groups.items():
-        rows = [known.get(tuple(sorted(row)), -1) for row in corners.tolist()]
-        if min(rows) < 0:
-            rows = [row for row in rows if row >= 0]  # faces between two solids
-        if rows:
+        found_rows = (known.get(tuple(sorted(row))) for row in corners.tolist())
+        if rows := [row for row in found_rows if row is not None]:  # no face between two solids
             groups[name] = np.array(rows)
-    return SolidMesh(plain, nodes, owner, local, groups, found.exact)
+    return SolidMesh(plain, nodes, owner, local, groups, found.curves, found.exact)
 
 
-def _check_volumes(plain: PlainMesh, file: str) -> None:
-    """Raise SolidError for cells that are turned inside out at a corner or at the centre."""
+def _turned(plain: PlainMesh) -> IntArray:
+    """Cells that are turned inside out at a corner or at the centre."""
     nodes = reference_nodes(plain.cell)
-    at = [*nodes[: len(faces(plain.cell))], nodes.mean(axis=0)]
     x = plain.points[plain.cells]
     least = np.full(len(x), np.inf)
-    size = np.linalg.norm(np.ptp(x, axis=1), axis=1) ** 3
-    for place in at:
+    for place in [*nodes[: CORNERS[plain.cell]], nodes.mean(axis=0)]:
         J = np.einsum("ak,ckx->cax", derivatives(plain.cell, place), x)
-        least = np.minimum(least, np.linalg.det(J) / size)
-    wrong = np.flatnonzero(~(least > 0.0))
-    if len(wrong):
-        places = (str(np.round(x[row].mean(axis=0), 6).tolist()) for row in wrong)
-        raise SolidError(
-            f"{file}: {len(wrong)} of {len(x)} cells are turned inside out, near {few(places)} m; "
-            "expected smaller cells there, or a part without these features"
-        )
+        least = np.minimum(least, np.linalg.det(J))
+    return np.flatnonzero(~(least > 0.0))
 
 
 def edge_length(mesh: SolidMesh) -> float:

@@ -1,21 +1,25 @@
 """Matrices of a free solid, assembled by DOLFINx, as a body that any reduction takes."""
 
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from .. import fenicsx
+from ..exchange.direct import Solver
 from ..exchange.free_body import FreeBody
 from ..exchange.layups import Cells
+from ..exchange.links import Constrained
 from ..fenicsx.solids import SolidSpace
 from .cells import VTK
-from .forms import mass, stiffness
+from .forms import MASS_DEGREE, Elasticity, mass, pressure
 from .materials import CellMaterials, cell_materials
 from .mesh import SolidMesh, solid_mesh
 from .places import interface_faces
+from .solvers import Iterative, Mumps
+
+MOST_FACTORISED = 400_000  # unknowns; the factors of more need tens of gigabytes
 
 
 class SolidModel:
@@ -54,30 +58,67 @@ class SolidModel:
         """Displacements of the nodes."""
         return SolidSpace(self.mesh.plain)
 
+    def elasticity(self, space: SolidSpace, degree: int = 2) -> Elasticity:
+        """Stresses of strains; material axes that change within cells are coefficients, too."""
+        C, axes, cell = self.materials.C_M, None, self.mesh.plain.cell
+        if self.materials.is_curved:
+            axes = space.of_nodes(self.materials.axes)
+        else:
+            C = self.materials.C_B(self.mesh.plain)
+        return Elasticity(space.of_cells(C), cell, axes, degree)
+
     @cached_property
     def body(self) -> FreeBody:
         """Stiffness and mass of the free body; its groups are the nodes of the interfaces."""
-        plain, space = self.mesh.plain, self.space
-        K = space.matrix(stiffness(space.space, space.of_cells(self.materials.C), plain.cell))
-        M = space.matrix(mass(space.space, space.of_cells(self.materials.rho)))
-        n = len(plain.points)
+        plain = self.mesh.plain
         kind, order = VTK[plain.cell]
         cells = plain.cells[:, order]
+        table = Cells(
+            cells.ravel(), cells.shape[1] * np.arange(len(cells) + 1), np.full(len(cells), kind)
+        )
+        notes = {"cells": len(cells), "cell": plain.cell, "regions": list(plain.regions)}
+        return self._body(self.space, table, notes)
+
+    @property
+    def counts(self) -> bool:
+        """Its vibrations are counted, which needs factors."""
+        return 3 * len(self.mesh.plain.points) <= MOST_FACTORISED
+
+    @property
+    def solver(self) -> Callable[[Constrained], Solver]:
+        """Makes the solver of the reduced unknowns: by factors, or with less memory."""
+        return Mumps if self.counts else partial(Iterative, self.mesh.plain)
+
+    def unit_pressure(self, name: str) -> Array:
+        """Nodal forces (3 n,) of a pressure of 1 Pa on the faces of an interface."""
+        owner, corners = (rows[self.faces[name]] for rows in (self.mesh.owner, self.mesh.corners))
+        over = self.space.over_faces(owner, corners)
+        return self.space.vectors(pressure(self.space.space, over))()
+
+    def richer(self) -> FreeBody:
+        """The same mesh with displacements of degree 3: for errors of the frequencies."""
+        empty = np.zeros(0, dtype=np.int64)
+        none = Cells(empty, np.zeros(1, dtype=np.int64), empty)
+        return self._body(SolidSpace(self.mesh.plain, 3), none, {}, 3)
+
+    def _body(
+        self, space: SolidSpace, cells: Cells, notes: dict[str, Any], degree: int = 2
+    ) -> FreeBody:
+        n, rho = len(space.points), space.of_cells(self.materials.rho)
         return FreeBody(
             where=self.where,
-            nodes=plain.points,
+            nodes=space.points,
             node_ids=np.arange(1, n + 1),
-            cells=Cells(
-                cells.ravel(),
-                cells.shape[1] * np.arange(len(cells) + 1),
-                np.full(len(cells), kind),
-            ),
-            K=0.5 * (K + K.T),
-            M=0.5 * (M + M.T),
+            cells=cells,
+            K=space.matrix(self.elasticity(space, degree).stiffness(space.space)),
+            M=space.matrix(mass(space.space, rho, MASS_DEGREE + 2 * (degree - 2))),
             dof_node=np.repeat(np.arange(n), 3),
             dof_direction=np.tile(np.arange(3), n),
-            groups={name: self.mesh.face_nodes(rows) for name, rows in self.faces.items()},
-            notes={"cells": len(cells), "cell": plain.cell, "regions": list(plain.regions)},
+            groups={
+                name: space.on_faces(self.mesh.owner[rows], self.mesh.corners[rows])
+                for name, rows in self.faces.items()
+            },
+            notes=notes,
         )
 
     @property
@@ -88,32 +129,3 @@ class SolidModel:
             name: {"set": name, "weights": "area", **{k: v for k, v in t.items() if k in kept}}
             for name, t in self.interfaces.items()
         }
-
-
-class Mumps:
-    """Direct solver of a reduction by MUMPS and SLEPc, see exchange/direct.py."""
-
-    def __init__(self, places: Array) -> None:
-        del places  # MUMPS orders by the pattern of the matrix
-        self._last: tuple[Any, Any] | None = None
-
-    def add_subset(self, kept: IntArray) -> None:
-        """Systems in fewer unknowns will come."""
-
-    def solve(self, A: Any, B: Array) -> Array:
-        """Solve A X = B; factors of the same A are used again."""
-        if self._last is None or self._last[0] is not A:
-            self._last = A, fenicsx.cholesky(A, solid=True)
-        return np.asarray(self._last[1].solve(B))
-
-    def negative_pivots(self, A: Any) -> int:
-        """Number of negative eigenvalues of A. Raises ArithmeticError if A is singular."""
-        try:
-            return fenicsx.negative_pivots(A, solid=True)
-        except fenicsx.InertiaError as error:
-            raise ArithmeticError(str(error)) from error
-
-    def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
-        """Lowest values (count,) and vectors of K x = value M x."""
-        self._last = None
-        return fenicsx.eigenpairs(K, M, count, solid=True)

@@ -18,11 +18,6 @@ def interface_faces(mesh: SolidMesh, table: Mapping[str, Any], where: str) -> In
 
     Raises SolidError if there are none, naming bores or planes that are there.
     """
-    given = [key for key in ("bore", "plane", "at") if key in table]
-    if len(given) != 1:
-        raise SolidError(
-            f"{where}: expected one of bore, plane, at; found {', '.join(given) or 'none'}"
-        )
     if "at" in table:
         if table["at"] not in mesh.groups:
             hint = nearest(table["at"], mesh.groups)
@@ -34,7 +29,7 @@ def interface_faces(mesh: SolidMesh, table: Mapping[str, Any], where: str) -> In
     if "bore" in table:
         return _bore(mesh, table["bore"], f"{where}.bore")
     plane = table["plane"]
-    point, normal = np.array(plane["point"]), _unit(plane["normal"], f"{where}.plane.normal")
+    point, normal = np.array(plane["point"]), unit(plane["normal"])
 
     def distance(x: Array) -> Array:
         return (x - point) @ normal
@@ -51,7 +46,7 @@ def interface_faces(mesh: SolidMesh, table: Mapping[str, Any], where: str) -> In
 
 
 def _bore(mesh: SolidMesh, bore: Mapping[str, Any], where: str) -> IntArray:
-    point, axis = np.array(bore["point"]), _unit(bore["direction"], f"{where}.direction")
+    point, axis = np.array(bore["point"]), unit(bore["direction"])
     radius = bore["radius"]
 
     def from_axis(x: Array) -> Array:
@@ -93,8 +88,6 @@ def _on(mesh: SolidMesh, distance: Callable[[Array], Array]) -> IntArray:
     return np.flatnonzero(np.abs(distance(x)).max(axis=1) <= NEAR * size)
 
 
-def _unit(vector: list[float], where: str) -> Array:
-    length = float(np.linalg.norm(vector))
-    if not length > 0.0:
-        raise SolidError(f"{where} = {vector}: expected a vector longer than 0")
-    return np.array(vector) / length
+def unit(vector: list[float]) -> Array:
+    """The unit vector along a vector longer than 0."""
+    return np.array(vector) / np.linalg.norm(vector)

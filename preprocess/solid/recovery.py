@@ -1,43 +1,27 @@
-"""Stress at the surface of a solid in its modes.
+"""Stresses at the surface of a solid, in the axes of its materials."""
 
-A free surface carries no traction, so its three stresses in the plane of the surface are all. They
-are stored as the forces of a thin skin of one ply: strength, its history, the report and ParaView
-treat the surface of a solid as they treat a shell. The skin has neither stiffness nor mass.
-"""
-
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.schema import CellResultants, LaminateData
+from ...solver.math.arrays import Array
+from ...solver.package.body.schema import FaceStresses
 from ...solver.package.section.recovery_data import rounded
-from ..laminate import laminate_from_dict, laminate_stiffness
-from ..materials import bond, material_from_dict
+from ..materials import bond
 from .cells import derivatives, face_centre
 from .model import SolidModel
 
-SKIN = 1e-3  # thickness of the skin [m]
-STEEP = 0.9  # cosine between normal and x above which e1 follows y
-
-
-class Surface(NamedTuple):
-    """Outer faces of a solid as flat cells, and what a package has for their stresses."""
-
-    corners: IntArray  # (f, 3 or 4)
-    laminates: tuple[LaminateData, ...]
-    cells: CellResultants | None
-
 
 def face_stress(model: SolidModel, u: Array) -> Array:
-    """Stress 11 22 33 23 13 12 in body axes at the middle of all outer faces, (f, 6, m) [Pa].
+    """Stress 11 22 33 23 13 12 in material axes at the middle of all outer faces, (f, 6, m) [Pa].
 
     Parameters
     ----------
     u : (n, 3, m) displacements of the nodes [m]
     """
     mesh = model.mesh
-    plain = mesh.plain
+    plain, A_BM = mesh.plain, face_axes(model)
     out = np.empty((len(mesh.faces), 6, u.shape[2]))
     for number in np.unique(mesh.local):
         own = np.flatnonzero(mesh.local == number)
@@ -52,46 +36,33 @@ def face_stress(model: SolidModel, u: Array) -> Array:
             + [gradient[:, a, b] + gradient[:, b, a] for a, b in ((1, 2), (0, 2), (0, 1))],
             axis=1,
         )
-        out[own] = np.einsum("cij,cjm->cim", model.materials.C[mesh.owner[own]], e)
+        C_M, T = model.materials.C_M[mesh.owner[own]], bond(A_BM[own])
+        out[own] = C_M @ T.transpose(0, 2, 1) @ e
     return out
 
 
 def face_axes(model: SolidModel) -> Array:
-    """Axes of the outer faces, (f, 3, 3): e3 outwards, e1 along x or y of the body."""
-    x = model.mesh.plain.points[model.mesh.corners]
-    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    first = np.where(np.abs(normal[:, :1]) < STEEP, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = first - np.einsum("fi,fi->f", first, normal)[:, None] * normal
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normal, first), normal], axis=2)
+    """Axes A_BM (f, 3, 3) of the material at the middle of all outer faces."""
+    mesh = model.mesh
+    return model.materials.axes(mesh.plain.points[mesh.faces].mean(axis=1), mesh.owner)
 
 
-def surface(model: SolidModel, materials: dict[str, Any], u: Array) -> Surface:
-    """Cells and stresses of the surface in modes u (n, 3, m).
+def face_stresses(
+    model: SolidModel, materials: Mapping[str, Any], u: Array, cases: Mapping[str, Array]
+) -> FaceStresses:
+    """Stresses of all outer faces in modes u (n, 3, m), and in load cases of displacements (n, 3).
 
-    Faces of orthotropic regions have no recovery: their strengths belong to material axes that
-    need not lie in the surface.
+    `materials` are the tables of a description by name.
     """
-    mesh, names = model.mesh, model.materials.names
-    used = [name for name in dict.fromkeys(names) if materials[name]["kind"] == "isotropic"]
-    number = np.array([used.index(name) if name in used else -1 for name in names])
-    of_face = number[mesh.plain.region[mesh.owner]]
-    own = np.flatnonzero(of_face >= 0)
-    if not len(own):
-        return Surface(mesh.corners, (), None)
-    axes = face_axes(model)[own]
-    stress = np.einsum("fij,fjm->fim", bond(axes.transpose(0, 2, 1)), face_stress(model, u)[own])
-    resultants = np.zeros((len(own), 8, u.shape[2]))
-    resultants[:, :3] = SKIN * stress[:, [0, 1, 5]]
-    laminates = []
-    for name in used:
-        spec = laminate_from_dict(
-            {"plies": [{"material": name, "angle_deg": 0.0, "thickness": SKIN}]},
-            {name: material_from_dict(materials[name], name)},
-            name,
-        )
-        stiffness = laminate_stiffness(spec.laminate, spec.shear)
-        laminates.append(spec.data(f"surface {name}", stiffness, materials))
-    found = CellResultants(own, of_face[own], axes, rounded(resultants))
-    return Surface(mesh.corners, tuple(laminates), found)
+    mesh, names = model.mesh, sorted(set(model.materials.names))
+    of_region = np.array([names.index(name) for name in model.materials.names])
+    held = face_stress(model, np.stack([*cases.values()], axis=2)) if cases else None
+    return FaceStresses(
+        cell=np.arange(len(mesh.faces)),
+        material=of_region[mesh.plain.region[mesh.owner]],
+        A_BM=face_axes(model),
+        stress_M=rounded(face_stress(model, u)),
+        materials={name: dict(materials[name]) for name in names},
+        cases=tuple(cases),
+        case_stress_M=None if held is None else rounded(np.moveaxis(held, 2, 0)),
+    )

@@ -5,7 +5,7 @@ import ufl
 
 from ...solver.math.arrays import Array
 from ..modes.second_order import pairs
-from .forms import STIFFNESS_DEGREE, column, strain
+from .forms import strain
 from .model import SolidModel
 
 
@@ -17,11 +17,9 @@ def second_order_forces(model: SolidModel, U: Array) -> Array:
     U : (3 n, m) displacements of the nodes in the modes
     """
     space = model.space
-    C, v = space.of_cells(model.materials.C), ufl.TestFunction(space.space)
-    one, other = space.field(), space.field()
-    product = ufl.grad(one).T * ufl.grad(other)
-    dx = ufl.dx(metadata={"quadrature_degree": STIFFNESS_DEGREE[model.mesh.plain.cell]})
-    vector = space.vectors(ufl.inner(C * strain(v), column(ufl.sym(product))) * dx)
+    v, one, other = ufl.TestFunction(space.space), space.field(), space.field()
+    product = ufl.sym(ufl.grad(one).T * ufl.grad(other))
+    vector = space.vectors(model.elasticity(space).work(strain(v), product))
     found = np.empty((len(U), len(pairs(U.shape[1])[0])))
     for k, (i, j) in enumerate(zip(*pairs(U.shape[1]), strict=True)):
         space.fill(one, U[:, i].reshape(-1, 3))

@@ -200,7 +200,10 @@ LARGEST_RATIO = 1e6  # in place of infinity, which spoils the colour scale of a 
 # Name of each array: unit, meaning.
 POINT_DATA = {"displacement": ("m", "elastic displacement, in the axes of the body")}
 CELL_DATA = {
-    "strain_energy": ("J/m, J/m2", "for unit length of a beam, for unit area of a shell"),
+    "strain_energy": (
+        "J/m, J/m2, J/m3",
+        "for unit length of a beam, area of a shell, volume of a solid at its surface",
+    ),
     "strength_ratio": (
         "-",
         "lowest strength ratio R of the plies, at most 1e6; NaN without strengths",

@@ -16,7 +16,7 @@ AT_ONCE = 2_000_000  # numbers in memory at a time
 
 
 def site_energy(sites: Sites, q: Array) -> Array:
-    """Strain energy for unit length or area, (k, s) [J/m, J/m2], at modal coordinates q (k, m)."""
+    """Strain energy for unit length, area or volume, (k, s) [J/m, J/m2, J/m3], at q (k, m)."""
     F = np.einsum("sjm,km->ksj", sites.resultants_E, q, optimize=True)
     C = sites.compliance[sites.kind]
     return np.asarray(0.5 * np.einsum("ksi,sij,ksj->ks", F, C, F, optimize=True))

@@ -7,6 +7,11 @@ import numpy as np
 
 from ..errors import InputError
 from ..package.body.io import read_package
+from ..package.body.schema import ModalPackage
+from ..package.section.recovery_data import strengths
+from ..package.shell.cells import cell_table, centres
+from ..strength.criteria.von_mises import equivalent_stress
+from .shell.findings import ply_extremes
 
 # Results of a solid on the screen.
 
@@ -89,7 +94,10 @@ def _case(case: dict[str, Any]) -> list[str]:
         f"({_place(case['mises_at'])}) m",
     ]
     if "strength_ratio" in case:
-        lines.append(f"{'Strength':16}ratio R = {case['strength_ratio']:.4g}")
+        lines.append(
+            f"{'Strength':16}ratio R = {case['strength_ratio']:.4g}, {case['criterion']}: "
+            f"{case['mode']} of {case['material']}, near ({_place(case['strength_at'])}) m"
+        )
     for name, six in case["reactions"].items():
         lines.append(f"{'Reaction ' + name:16}{_row(six[:3])} N, {_row(six[3:])} N m")
     return lines
@@ -99,9 +107,40 @@ def _place(values: list[float]) -> str:
     return ", ".join(f"{value:.4g}" for value in values)
 
 
+def with_stresses(package: ModalPackage, cases: dict[str, Any]) -> dict[str, Any]:
+    """Return load cases with their largest von Mises stress and lowest strength ratio."""
+    faces, found = package.face_stresses, dict(cases)
+    if faces is None or faces.case_stress_M is None:
+        return found
+    cells = cell_table(package.connectivity, package.offsets, faces.cell)
+    places, known = centres(package.nodes_B, cells), strengths(faces)
+    for name, stress in zip(faces.cases, faces.case_stress_M, strict=True):
+        mises = equivalent_stress(stress)
+        row = int(np.argmax(mises))
+        found[name] = cases[name] | {"mises": float(mises[row]), "mises_at": places[row].tolist()}
+        reserves = []
+        for number, material in enumerate(sorted(faces.materials)):
+            own = np.flatnonzero(faces.material == number)
+            if len(own):
+                six = np.eye(6)[None, None]
+                (extreme,) = ply_extremes([material], [0.0], six, stress[own], own, known)
+                reserves += [(reserve, material) for reserve in extreme.reserves]
+        if reserves:
+            least, material = min(reserves, key=lambda entry: entry[0].ratio)
+            found[name] |= {
+                "strength_ratio": least.ratio,
+                "criterion": least.criterion,
+                "mode": least.mode,
+                "material": material,
+                "strength_at": places[least.cell].tolist(),
+            }
+    return found
+
+
 def solid_table(file: Path) -> dict[str, Any]:
     """Return the numbers of a solid from its package. Raises InputError for another package."""
-    provenance = read_package(file).provenance
+    package = read_package(file)
+    provenance = package.provenance
     found = provenance.get("solid")
     if not isinstance(found, dict) or "free_hz" not in found:
         raise InputError(
@@ -111,6 +150,7 @@ def solid_table(file: Path) -> dict[str, Any]:
     return {
         "name": file.stem,
         **found,
+        **({"cases": with_stresses(package, found["cases"])} if "cases" in found else {}),
         "seconds": sum(provenance["seconds"].values()),
         "warnings": list(provenance["warnings"]),
     }

@@ -81,6 +81,7 @@ BODY_CODES = _of_files(
     ("measured-modal-mass", 0.1),
     ("measured-shapes-coupled", 0.1),
     "interface-without-rotation",
+    ("modes-not-counted", 400_000.0),
 )
 SHELL_CODES = _of_files(
     ("sliver", 0.05),

@@ -32,11 +32,12 @@ class Surface:
 
 @dataclass(frozen=True)
 class Sites:
-    """Stations of a beam (j = 6 resultants) or cells of a shell (j = 8); `s` of them.
+    """Stations of a beam (j = 6 resultants), cells of a shell (j = 8), faces of a solid (j = 6).
 
-    F = resultants_E[s] @ q; the strain energy for unit length or area is 1/2 F' C F with C =
-    compliance[kind[s]]. `c` counts sections or laminates. The stress of a point in the axes of its
-    ply is stress_M[i] @ F; there are only points that govern at a site and time of this run.
+    There are `s` of them. F = resultants_E[s] @ q are resultants, of a solid the stresses [Pa] in
+    the axes of the material. The strain energy for unit length, area or volume is 1/2 F' C F with
+    C = compliance[kind[s]]. `c` counts sections or laminates. The stress of a point in the axes of
+    its ply is stress_M[i] @ F; there are only points that govern at a site and time of this run.
     """
 
     place_B: Annotated[Array, Data("s, 3", "m", "B")]  # rest position
@@ -49,6 +50,7 @@ class Sites:
     point_kind: Annotated[IntArray, Data("i")]  # row of compliance to which the point belongs
     point_ply: Annotated[IntArray, Data("i")]  # row of plies
     plies: tuple[dict[str, Any], ...] = ()  # region, index, material, angle_deg, strength
+    dimension: int = 1  # 1, 2, 3: strain energy for unit length, area or volume
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ def view_record(view: BodyView) -> Record:
     found |= field_values(view) | field_values(view.surface, SURFACE)
     if view.sites is not None:
         found["sites/plies"] = json.dumps(plain(view.sites.plies))
+        found["sites/dimension"] = view.sites.dimension
     return found
 
 
@@ -54,7 +55,9 @@ def _view(record: Record) -> BodyView | None:
     sites = None
     if "sites/kind" in record:
         plies = tuple(json.loads(record["sites/plies"]))
-        sites = build(Sites, record, SITES, plies=plies)
+        shell = np.shape(record["sites/resultants_E"])[1] == 8  # of a file without the dimension
+        dimension = int(record.get("sites/dimension", 2 if shell else 1))
+        sites = build(Sites, record, SITES, plies=plies, dimension=dimension)
     surface = build(Surface, record, SURFACE)
     return build(
         BodyView,

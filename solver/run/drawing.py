@@ -32,7 +32,7 @@ from ..results.surfaces import (
 from ..results.view import BodyView, Link, Side, Sites, Surface
 from ..strength.beam_bodies import unit_stress_M
 from ..strength.governing import Points, governing_points
-from ..strength.shell_bodies import cell_centres
+from ..strength.shell_bodies import cell_centres, stressed_cells
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -174,8 +174,9 @@ def _surface(package: ModalPackage) -> Surface:
     nodes, n = package.nodes_B, len(package.nodes_B)
     if not np.isin(package.cell_types, LINES).all():
         site = np.full(len(package.cell_types), -1)
-        if package.cell_resultants is not None:
-            site[package.cell_resultants.cell] = np.arange(len(package.cell_resultants.cell))
+        cells, _ = stressed_cells(package)
+        if cells is not None:
+            site[cells.cell] = np.arange(len(cells.cell))
         return faces(package.connectivity, package.offsets, package.cell_types, site)
     line = np.column_stack([np.arange(n - 1), np.arange(1, n)]).ravel()
     if not np.array_equal(package.connectivity, line):
@@ -234,16 +235,16 @@ def _stations(package: ModalPackage, q: Array) -> Sites | None:
 
 
 def _cells(package: ModalPackage, q: Array) -> Sites | None:
-    cells = package.cell_resultants
+    cells, laminates = stressed_cells(package)
     if cells is None or not package.n_mode or not len(cells.cell):
         return None
     parts, told, compliance = [], [], []
-    for laminate in package.laminates:
+    for laminate in laminates:
         known = strengths(laminate)
-        levels = laminate.stress_M.shape[1]
+        _, levels, _, r = laminate.stress_M.shape
         of_ply = {k: known[p.material] for k, p in enumerate(laminate.plies) if p.material in known}
         ply = np.repeat(np.arange(len(laminate.plies)), levels)
-        parts.append(Points(laminate.stress_M.reshape(-1, 6, 8), ply, of_ply))
+        parts.append(Points(laminate.stress_M.reshape(-1, 6, r), ply, of_ply))
         told.append(
             [
                 {"region": laminate.name, "index": k, "material": p.material}
@@ -251,12 +252,13 @@ def _cells(package: ModalPackage, q: Array) -> Sites | None:
                 for k, p in enumerate(laminate.plies)
             ]
         )
-        C = np.zeros((8, 8))
+        C = np.zeros((r, r))
         C[:6, :6], C[6:, 6:] = np.linalg.inv(laminate.ABD), np.linalg.inv(laminate.Ds)
         compliance.append(C)
     place = cell_centres(package, cells)
     R, kind = cells.resultants_E, cells.laminate
-    return _sites(place, R, kind, np.array(compliance), parts, told, q)
+    sites = _sites(place, R, kind, np.array(compliance), parts, told, q)
+    return replace(sites, dimension=2 if package.face_stresses is None else 3)
 
 
 def _sites(

@@ -9,11 +9,11 @@ from ..dynamics.analysis.recording import Recording
 from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
-from ..package.body.schema import CellResultants
+from ..package.body.schema import CellResultants, LaminateData
 from ..package.section.schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
 from ..strength.envelope import Place, envelope
-from ..strength.shell_bodies import cell_centres, ply_searches
+from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells
 from .sections import resultants_at
 
 if TYPE_CHECKING:
@@ -32,8 +32,9 @@ def strength_values(
         that of the case.
     """
     criteria = () if signal.criterion is None else (signal.criterion,)
-    if package.cell_resultants is not None:
-        places = _of_shell(key, package, package.cell_resultants, signal, criteria)
+    cells, laminates = stressed_cells(package)
+    if cells is not None:
+        places = _of_shell(key, package, cells, laminates, signal, criteria)
     else:
         places = _of_beam(key, package, signal, criteria)
     if not places:
@@ -97,11 +98,11 @@ def _of_shell(
     key: str,
     package: ModalPackage,
     cells: CellResultants,
+    laminates: tuple[LaminateData, ...],
     signal: "StrengthSignal",
     criteria: tuple[str, ...],
 ) -> list[Place]:
     _check_point(key, signal, 3)
-    laminates = package.laminates
     regions = [laminate.name for laminate in laminates]
     numbers = [
         k
@@ -150,7 +151,7 @@ def _check_ply(
 def _check_point(key: str, signal: "StrengthSignal", expected: int) -> None:
     """Refuse points that do not fit the kind of body; check.py does not know packages."""
     if signal.point is not None and len(signal.point) != expected:
-        what = "x2, x3 of a beam" if expected == 2 else "x, y, z of a shell"
+        what = "x2, x3 of a beam" if expected == 2 else "x, y, z of a shell or solid"
         raise InputError(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
     if signal.x is not None and expected == 3:
-        raise InputError(f"{key}.x = {signal.x:g}: expected for beams only, the body is a shell")
+        raise InputError(f"{key}.x = {signal.x:g}: expected for beams only, the body is none")

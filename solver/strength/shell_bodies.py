@@ -1,9 +1,10 @@
-"""Ply stresses and strength ratios of a shell body from its modal coordinates.
+"""Stresses and strength ratios of a shell or solid body from its modal coordinates.
 
 The package has the resultants of every mode in each cell and, for each laminate, the stress of
 its plies per unit resultant at bottom, middle and top of each. The remarks in beam_bodies.py on
 modes and stresses hold here too. Resultants are means of their cells, so the highest stress
-of a coarse mesh is too low if it changes within a cell.
+of a coarse mesh is too low if it changes within a cell. The outer faces of a solid are cells, too:
+their six stresses take the place of the resultants, and each material that of a ply.
 
 Exposures are bounded for every cell and block of times (see search.py) and evaluated in descending
 order of the bounds, until no bound is above the exposure found. The result is therefore exact.
@@ -17,10 +18,11 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..package.body.schema import CellResultants, LaminateData, ModalPackage
+from ..package.common.materials import material_from_dict
 from ..package.section.recovery_data import strengths
 from ..package.section.schema import Ply
 from ..package.shell.cells import cell_table, centres
-from ..package.shell.schema import LEVELS
+from ..package.shell.schema import LEVELS, ShellPly
 from . import criteria_of
 from .found import BodyStrength, Failure, ranked
 from .search import BLOCK, ROUND_OFF, PeakSearch
@@ -45,22 +47,50 @@ def shell_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | 
 
 
 def shell_search(package: ModalPackage) -> "ShellSearch | None":
-    """Return the search of a shell; None without resultants or without strengths."""
-    cells = package.cell_resultants
+    """Return the search of a shell or solid; None without stresses or without strengths."""
+    cells, laminates = stressed_cells(package)
     if cells is None or not package.n_mode or not len(cells.cell):
         return None
-    search = ShellSearch(package, cells)
+    search = ShellSearch(package, cells, laminates)
     return search if search.exposure else None
+
+
+def stressed_cells(
+    package: ModalPackage,
+) -> tuple[CellResultants | None, tuple[LaminateData, ...]]:
+    """Resultants and laminates of a shell's cells; of a solid the stresses of its outer faces.
+
+    Those six are then the resultants (f, 6, m) [Pa] of a ply `surface MATERIAL`, whose stress they
+    are, and its ABD is the stiffness (6, 6) [Pa] of the material.
+    """
+    faces = package.face_stresses
+    if faces is None:
+        return package.cell_resultants, package.laminates
+    cells = CellResultants(faces.cell, faces.material, faces.A_BM, faces.stress_M)
+    none = np.zeros((0, 0))
+    return cells, tuple(
+        LaminateData(
+            f"surface {name}",
+            (ShellPly(name, 0.0, 0.0, 0.0),),
+            material_from_dict(table, name).stiffness_M,
+            none,
+            np.eye(6)[None, None],
+            {name: dict(table)},
+        )
+        for name, table in sorted(faces.materials.items())
+    )
 
 
 class ShellSearch:
     """The lowest strength ratio of every ply of a shell, over blocks of times."""
 
-    def __init__(self, package: ModalPackage, cells: CellResultants) -> None:
+    def __init__(
+        self, package: ModalPackage, cells: CellResultants, laminates: tuple[LaminateData, ...]
+    ) -> None:
         self._cells = cells
         self._searches = [
             _Search(row, laminate, *found)
-            for row, laminate in enumerate(package.laminates)
+            for row, laminate in enumerate(laminates)
             for found in ply_searches(laminate, range(len(laminate.plies)))
         ]
         self._centre_B = cell_centres(package, cells)
@@ -101,7 +131,7 @@ class ShellSearch:
         search = peak.search
         stress_M = search.peaks.stress_M[peak.point] @ peak.F
         verdict = search.peaks.criterion.assess(stress_M, search.peaks.strength)
-        _, level = search.points[peak.point]
+        level = f", at its {LEVELS[search.points[peak.point, 1]]}" if len(search.points) > 1 else ""
         place = self._centre_B[peak.row]
         return Failure(
             criterion=search.peaks.criterion.name,
@@ -113,7 +143,7 @@ class ShellSearch:
             ply=search.ply,
             time=peak.time,
             stress_M=stress_M,
-            place=f"y = {place[1]:.4g} m, z = {place[2]:.4g} m, at its {LEVELS[level]}",
+            place=f"y = {place[1]:.4g} m, z = {place[2]:.4g} m{level}",
         )
 
 
@@ -133,7 +163,7 @@ class _Peak:
     search: "_Search"
     row: int  # of the package's cells with resultants
     point: int
-    F: Array  # (8,)
+    F: Array  # (8,) or (6,)
     time: float
 
 
@@ -155,12 +185,12 @@ class _Search:
 
     def bound(self, parts: Array) -> Array:
         """Upper bound of the exposure of cells in blocks of times, (e, b), from parts (e, b,
-        16)."""
+        2 r)."""
         out = np.empty(parts.shape[:2])
         step = max(1, AT_ONCE // (parts.shape[1] * len(self.points)))
         for first in range(0, len(out), step):
             some = parts[first : first + step]
-            flat = some.reshape(-1, 16) @ self.peaks.bounds.T
+            flat = some.reshape(-1, some.shape[2]) @ self.peaks.bounds.T
             out[first : first + step] = flat.max(axis=1).reshape(some.shape[:2])
         return out * (1.0 + ROUND_OFF)
 
@@ -169,7 +199,7 @@ class _Search:
     ) -> tuple[float, _Place | None]:
         """Highest exposure above `floor` of some cells, and its position among these cells.
 
-        `R` (e, 8, m) are their resultants per unit mode, `bound` (e, b) as above.
+        `R` (e, r, m) are their resultants per unit mode, `bound` (e, b) as above.
         """
         best, place = floor, None
         left = np.flatnonzero(bound.ravel() > best)
@@ -201,22 +231,24 @@ def ply_searches(
         strength = known.get(laminate.plies[number].material)
         if strength is None:
             continue
-        points = np.array([(number, level) for level in range(len(LEVELS))], dtype=np.int64)
+        levels = range(laminate.stress_M.shape[1])
+        points = np.array([(number, level) for level in levels], dtype=np.int64)
         for criterion in criteria_of(strength):
             if not criteria or criterion.name in criteria:
                 yield points, PeakSearch(laminate.stress_M[number], criterion, strength)
 
 
 def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:
-    """Largest positive and negative value of each resultant in blocks of times, (e, b, 16), and the
-    first time of each block."""
+    """Largest positive and negative value of each resultant in blocks of times, (e, b, 2 r), and
+    the first time of each block."""
     starts = np.arange(0, len(q), BLOCK)
-    out = np.empty((len(cells.cell), len(starts), 16))
-    step = max(1, AT_ONCE // (8 * len(q)))
+    r = cells.resultants_E.shape[1]
+    out = np.empty((len(cells.cell), len(starts), 2 * r))
+    step = max(1, AT_ONCE // (r * len(q)))
     for first in range(0, len(out), step):
         some = slice(first, first + step)
         F = cells.resultants_E[some] @ q.T
-        for part, sign in ((slice(0, 8), 1.0), (slice(8, 16), -1.0)):
+        for part, sign in ((slice(0, r), 1.0), (slice(r, 2 * r), -1.0)):
             out[some, :, part] = np.maximum.reduceat(sign * F, starts, axis=2).swapaxes(1, 2)
     return np.maximum(out, 0.0), starts
 

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from samples.package_samples import cantilever, same
-from samples.panel_sample import panel
+from samples.panel_sample import panel, with_face_stresses
 
 from plymotion.solver.package import (
     ModalPackage,
@@ -41,6 +41,7 @@ def documented() -> dict[str, tuple[str, ...]]:
 SIZES = {
     "arm": {"n": 17, "c": 16, "c+1": 17, "i": 32, "m": 4, "s": 17, "l": 24},
     "panel": {"n": 34, "c": 32, "c+1": 33, "i": 96, "m": 3, "e": 32},
+    "solid": {"n": 34, "c": 32, "c+1": 33, "i": 96, "m": 3, "f": 32, "g": 1},
 }
 
 
@@ -54,6 +55,12 @@ def file(tmp_path: Path) -> Path:
 def shell_file(tmp_path: Path) -> Path:
     write_package(tmp_path / "panel.vtkhdf", panel())
     return tmp_path / "panel.vtkhdf"
+
+
+@pytest.fixture
+def solid_file(tmp_path: Path) -> Path:
+    write_package(tmp_path / "solid.vtkhdf", with_face_stresses())
+    return tmp_path / "solid.vtkhdf"
 
 
 def written(file: Path) -> dict[str, h5py.Dataset]:
@@ -71,13 +78,13 @@ def written(file: Path) -> dict[str, h5py.Dataset]:
 
 
 def test_every_dataset_is_documented_and_every_documented_one_is_written(
-    file: Path, shell_file: Path
+    file: Path, shell_file: Path, solid_file: Path
 ) -> None:
-    assert set(documented()) == {*written(file), *written(shell_file)}
+    assert set(documented()) == {*written(file), *written(shell_file), *written(solid_file)}
     assert len(documented()) > 25
 
 
-@pytest.mark.parametrize("name", ["file", "shell_file"])
+@pytest.mark.parametrize("name", ["file", "shell_file", "solid_file"])
 def test_documented_shape_type_unit_frame_and_meaning_are_those_of_the_file(
     name: str, request: pytest.FixtureRequest
 ) -> None:

@@ -25,10 +25,13 @@ from samples.solid_samples import (
 )
 
 from plymotion.preprocess.fenicsx import gmsh_session
+from plymotion.preprocess.materials import rotated
+from plymotion.preprocess.solid.analysis import free_hertz
 from plymotion.preprocess.solid.errors import SolidError
 from plymotion.preprocess.solid.model import SolidModel
 
 RTOL = 1e-4  # of mass, centre over the radius of gyration, inertia over its largest entry
+NORMAL = {"normal": [0.0, 0.0, 1.0]}
 ABOUT_Z = {"axis_about": {"point": [0.0, 0.0, 0.0], "direction": [0.0, 0.0, 1.0]}}
 
 
@@ -130,10 +133,31 @@ def test_axes_of_a_wound_tube_follow_the_cylinder(tmp_path: Path) -> None:
     angle = np.arctan2(arm[:, 1], arm[:, 0])
     c, s = -np.sin(angle), np.cos(angle)  # direction around
     strain = np.stack([c * c, s * s, 0 * c, 0 * c, 0 * c, 2 * c * s], axis=1)
-    around = np.einsum("ci,cij,cj->c", strain, model.materials.C, strain)
+    C_B = rotated(model.materials.C_M, model.materials.axes(arm, np.arange(len(arm))))
+    around = np.einsum("ci,cij,cj->c", strain, C_B, strain)
     fixed = model_of(file, 0.01, WOUND, region={"axis": [1.0, 0.0, 0.0], "normal": [0.0, 0.0, 1.0]})
-    np.testing.assert_allclose(around, fixed.materials.C[:, 0, 0], rtol=1e-12)
-    np.testing.assert_allclose(model.materials.C[:, 2, 2], fixed.materials.C[:, 1, 1], rtol=1e-12)
+    np.testing.assert_allclose(around, fixed.materials.C_B(fixed.mesh.plain)[:, 0, 0], rtol=1e-12)
+    np.testing.assert_allclose(C_B[:, 2, 2], fixed.materials.C_M[:, 1, 1], rtol=1e-12)
+
+
+def test_axes_along_a_curve_are_its_tangents(tmp_path: Path) -> None:
+    """A polygon of 180 sides in the wall of a tube turns the fibres as the cylinder does."""
+    file = tmp_path / "part.step"
+    step_file(file, tube)
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    ring = 0.0225 * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    along = {"axis_along": {"points": ring.tolist()}, "normal": [0.0, 0.0, -1.0]}
+    one, other = (model_of(file, 0.012, WOUND, region=region) for region in (along, ABOUT_Z))
+    centres = other.mesh.plain.points[other.mesh.plain.cells].mean(axis=1)
+    axes = [m.materials.axes(centres, np.arange(len(centres)))[:, :, 0] for m in (one, other)]
+    # nearest points of a side stay behind those of the circle: a tenth of half its angle
+    np.testing.assert_allclose(axes[0], axes[1], rtol=0, atol=0.1 * np.pi / 180.0)
+    hertz = [free_hertz(m.body, 4) for m in (one, other)]
+    np.testing.assert_allclose(hertz[0], hertz[1], rtol=1e-4)
+    with pytest.raises(
+        SolidError, match=r"axis_along.at = \"rim\": the mesh has no physical curve"
+    ):
+        model_of(file, 0.012, WOUND, region={"axis_along": {"at": "rim"}, **NORMAL})
 
 
 BORE = {"radius": 0.006, "point": [0.085, 0.02, 0.0], "direction": [0.0, 0.0, 2.0]}

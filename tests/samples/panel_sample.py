@@ -7,7 +7,7 @@ from samples.package_samples import cantilever
 from samples.recovery_samples import STEEL, STEEL_STRENGTH
 
 from plymotion.solver.package import Interface, ModalPackage, from_stations
-from plymotion.solver.package.body.schema import CellResultants, LaminateData
+from plymotion.solver.package.body.schema import CellResultants, FaceStresses, LaminateData
 from plymotion.solver.package.shell.schema import ShellPly
 
 WIDTH, THICKNESS = 0.08, 0.01
@@ -105,3 +105,21 @@ def panel(n: int = 17, m: int = 3, length: float = 1.5) -> ModalPackage:
         ),
         mode_labels=tuple(f"along z {i + 1}" for i in range(m)),
     )
+
+
+def with_face_stresses() -> ModalPackage:
+    """The same nodes and modes with the stresses at the top of the strip, as a solid has them."""
+    shell = panel()
+    cells, laminate = shell.cell_resultants, shell.laminates[0]
+    assert cells is not None
+    stress = laminate.stress_M[0, 2] @ cells.resultants_E
+    faces = FaceStresses(
+        cells.cell,
+        cells.laminate,
+        cells.A_BE,
+        stress,
+        laminate.materials,
+        ("lift",),
+        stress[..., 0][None],
+    )
+    return dataclasses.replace(shell, laminates=(), cell_resultants=None, face_stresses=faces)

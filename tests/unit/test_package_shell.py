@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from peers.ply_stresses import shell_ply_stress, shell_resultants
 from samples.package_samples import same
-from samples.panel_sample import THICKNESS, WIDTH, E, panel
+from samples.panel_sample import THICKNESS, WIDTH, E, panel, with_face_stresses
 from samples.recovery_samples import STEEL_STRENGTH
 
 from plymotion.solver.errors import PackageError
@@ -154,3 +154,17 @@ def test_strength_is_the_worst_of_all_cells_plies_and_instants() -> None:
     text = failure_text("panel", governing)
     assert "at its bottom" in text or "at its top" in text
     assert 0.0 < centre[1] < WIDTH
+
+
+def test_faces_of_a_solid_are_judged_by_their_stresses() -> None:
+    package = with_face_stresses()
+    t = np.linspace(0.0, 1.0, 60)
+    q = 0.02 * np.sin(np.outer(t, [7.0, 31.0, 45.0]) + np.array([0.1, 0.7, 2.0]))
+    found = shell_strength(package, t, q)
+    assert found is not None
+    assert package.face_stresses is not None
+    worst = np.abs(np.einsum("fm,tm->ft", package.face_stresses.stress_M[:, 0], q)).max()
+    expected = STEEL_STRENGTH["yield_stress"] / worst
+    assert found.governing.ratio == pytest.approx(expected, rel=1e-12)
+    assert found.governing.ply.region == "surface steel"
+    assert "at its" not in failure_text("part", found.governing)

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import meshio
+import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
@@ -89,6 +91,31 @@ def test_what_is_wrong_is_said_with_file_and_key(
         solid_table(described(**change), file)
     assert str(error.value).startswith(f"{file}: ")
     assert words in str(error.value)
+
+
+def test_a_med_mesh_keeps_its_groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MED counts the nodes of solid cells the other way round; gmsh then has volumes above 0."""
+    monkeypatch.chdir(tmp_path)
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], dtype=float)
+    cells, faces = np.array([[0, 2, 1, 3], [1, 2, 3, 4]]), np.array([[0, 1, 2], [0, 1, 3]])
+    tags = [np.array([-1, -2]), np.array([-3, 0])]
+    mesh = meshio.Mesh(
+        points, [("tetra", cells), ("triangle", faces)], cell_data={"cell_tags": tags}
+    )
+    mesh.cell_tags = {-1: ["body"], -2: ["head"], -3: ["foot"]}
+    meshio.write("part.med", mesh)
+    table = described(mesh={"file": "part.med", "unit": "mm"})
+    _, solid = solid_table(table, tmp_path / "part.toml")
+    found = meshio.read(solid["mesh"]["file"])
+    assert set(found.field_data) == {"body", "head", "foot"}
+    x = found.points[np.concatenate([b.data for b in found.cells if b.type == "tetra"])]
+    assert (np.linalg.det(x[:, 1:] - x[:, :1]) > 0.0).all()
+    (triangles,) = (b.data for b in found.cells if b.type == "triangle")
+    assert triangles.tolist() == [[0, 1, 2]]
+    mesh.cell_tags = {-1: ["body"], -3: ["foot"]}
+    meshio.write("part.med", mesh)
+    with pytest.raises(InputError, match=r"solid cell 2 is in 0 sets \(none\)"):
+        solid_table(table, tmp_path / "part.toml")
 
 
 def test_the_manual_is_that_of_the_models(repository: Path) -> None:

@@ -51,10 +51,10 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     points = _in_plane(every[used], where) if gdim == 2 else every[used]
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
-    curves = _curves(tags, every, gdim)
+    named_curves = curves(tags, every, gdim)
     named = _named_nodes(tags, used)
     return PlainMesh(
-        points, cells, shape, degree, np.concatenate(rows), tuple(groups), curves, named
+        points, cells, shape, degree, np.concatenate(rows), tuple(groups), named_curves, named
     )
 
 
@@ -95,17 +95,24 @@ def _check_kinds(where: str) -> None:
 
 
 def _surface_groups(where: str) -> dict[str, list[int]]:
-    """Physical surfaces by name (or by number if unnamed), and their entities."""
-    groups: dict[str, list[int]] = {}
-    for _, tag in gmsh.model.getPhysicalGroups(2):
-        name = gmsh.model.getPhysicalName(2, tag) or str(tag)
-        groups[name] = [int(entity) for entity in gmsh.model.getEntitiesForPhysicalGroup(2, tag)]
+    """Physical surfaces and their entities; raises MeshError if there are none."""
+    groups = physical(2)
     if not groups:
         raise MeshError(
             f"{where}: no physical surface, expected one for each region, such as "
             'Physical Surface("section") = {1}; (and no Mesh.SaveAll when saving)'
         )
     return groups
+
+
+def physical(dimension: int) -> dict[str, list[int]]:
+    """Physical groups by name, or by number if unnamed, and their entities."""
+    return {
+        gmsh.model.getPhysicalName(dimension, tag) or str(tag): [
+            int(entity) for entity in gmsh.model.getEntitiesForPhysicalGroup(dimension, tag)
+        ]
+        for _, tag in gmsh.model.getPhysicalGroups(dimension)
+    }
 
 
 def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
@@ -159,15 +166,10 @@ def _nodes() -> tuple[IntArray, Array]:
     return np.asarray(tags, dtype=np.int64)[order], np.reshape(coordinates, (-1, 3))[order]
 
 
-def _curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
+def curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
     """Line elements of every physical curve by name."""
-    curves = {}
-    for _, tag in gmsh.model.getPhysicalGroups(1):
-        entities = gmsh.model.getEntitiesForPhysicalGroup(1, tag)
-        lines = _lines(entities, tags, points, gdim)
-        if lines.size:
-            curves[gmsh.model.getPhysicalName(1, tag) or str(tag)] = lines
-    return curves
+    lines = {n: _lines(entities, tags, points, gdim) for n, entities in physical(1).items()}
+    return {name: ends for name, ends in lines.items() if ends.size}
 
 
 def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) -> Array:
@@ -194,9 +196,7 @@ def _named_nodes(tags: IntArray, used: IntArray) -> NamedNodes:
     row = np.full(len(tags), -1)
     row[used] = np.arange(len(used))
     curves, points = {}, {}
-    for _, tag in gmsh.model.getPhysicalGroups(1):
-        entities = gmsh.model.getEntitiesForPhysicalGroup(1, tag)
-        name = gmsh.model.getPhysicalName(1, tag) or str(tag)
+    for name, entities in physical(1).items():
         curves[name] = row[np.searchsorted(tags, _line_tags(entities))]
     for _, tag in gmsh.model.getPhysicalGroups(0):
         name = gmsh.model.getPhysicalName(0, tag) or str(tag)

@@ -15,14 +15,14 @@ from ..errors import MeshError
 from ..plain import PlainMesh
 from ..stack import gmsh
 from .gmsh_alone import define, read
-from .gmsh_model import check_finite
+from .gmsh_model import check_finite, curves, physical
 from .gmsh_script import check_count, gmsh_session, opened
 
 STEP, IGES = CAD_WITH_UNIT[:2], CAD_WITH_UNIT[2:]
 GAP = 1e-5  # between faces of an IGES file that are one surface [m]
-MOST_UNKNOWNS = 600_000  # of a solid: factors of more take tens of gigabytes
+ONE_SOLID = "; several solids in one file need STEP"
+MOST_UNKNOWNS = 1_500_000  # of a solid: the matrices of more take tens of gigabytes
 PER_TURN = 10  # cells around a full circle
-SMALLEST = 8.0  # size over that of the smallest cells, of small radii
 TETRAHEDRON = np.sqrt(2.0) / 12.0  # volume of a regular one with edges 1
 TRIANGLE = np.sqrt(3.0) / 4.0
 PER_CELL, PER_FACE = 1.4, 1.0  # nodes of degree 2 for one tetrahedron, for one triangle outside
@@ -44,16 +44,22 @@ class CadPart:
 class GmshSolid:
     """Cells of degree 2 in gmsh's order; `groups`: corners (k, 3 or 4) of named faces, as rows.
 
+    `curves` has the ends (s, 2, 3) of the lines of physical curves [m].
     `exact` has a part for each region of a CAD file, and is empty otherwise.
     """
 
     plain: PlainMesh
     groups: dict[str, IntArray]
+    curves: dict[str, Array]
     exact: tuple[CadPart, ...]
 
 
 def solid_from_file(
-    path: Path, size: float | None, metres: float | None, parameters: Mapping[str, Any]
+    path: Path,
+    size: float | None,
+    metres: float | None,
+    parameters: Mapping[str, Any],
+    smallest: float,
 ) -> GmshSolid:
     """Mesh a CAD file or a script, or read a mesh.
 
@@ -62,6 +68,7 @@ def solid_from_file(
     size : of the cells [m], of a CAD file; None: a twentieth of the diagonal
     metres : unit of length of the file [m]; None: that in a STEP or IGES file
     parameters : of a script
+    smallest : size over that of the smallest cells, of small radii of a CAD file
 
     Raises
     ------
@@ -72,7 +79,7 @@ def solid_from_file(
         exact: tuple[CadPart, ...] = ()
         if path.suffix.lower() in CAD:
             exact = _cad_parts(path)
-            _set_sizes(path, size)
+            _set_sizes(path, size, smallest)
         if not len(gmsh.model.mesh.getElementTypes(3)):
             _generate(path, f"mesh.size = {size:g}" if size else "mesh.size")
         return _read(path, 1.0 if exact else metres or 1.0, exact)
@@ -164,7 +171,7 @@ def _cad_parts(path: Path) -> tuple[CadPart, ...]:
     return tuple(found)
 
 
-def _set_sizes(path: Path, size: float | None) -> None:
+def _set_sizes(path: Path, size: float | None, smallest: float) -> None:
     """Sizes of cells; raise MeshError for too many, before anything is meshed."""
     box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
     extent = box[1] - box[0]
@@ -176,7 +183,7 @@ def _set_sizes(path: Path, size: float | None) -> None:
     _check_unknowns(volume, area, size, f"{path}: mesh.size = {size:g} m")
     for name, value in (
         ("MeshSizeMax", size),
-        ("MeshSizeMin", size / SMALLEST),
+        ("MeshSizeMin", size / smallest),
         ("MeshSizeFromCurvature", PER_TURN),
         ("MeshSizeExtendFromBoundary", 0),  # or fillets would make all cells small
     ):
@@ -204,7 +211,7 @@ def _generate(path: Path, key: str) -> None:
     except Exception as error:  # gmsh raises bare Exception
         raise MeshError(
             f"{path}: gmsh cannot mesh its volume: {error}; expected faces that do not intersect, "
-            "and walls thicker than 0"
+            f"and walls thicker than 0{ONE_SOLID if path.suffix.lower() in IGES else ''}"
         ) from error
     if not len(gmsh.model.mesh.getElementTypes(3)):
         raise MeshError(f"{path}: gmsh made no solid cells; expected a closed volume")
@@ -268,15 +275,14 @@ def _read(path: Path, metres: float, exact: tuple[CadPart, ...]) -> GmshSolid:
         region=np.repeat(np.arange(len(groups)), [sum(map(len, own)) for own in tables]),
         regions=tuple(groups),
     )
-    return GmshSolid(plain, _face_groups(used), exact)
+    ends = curves(known, metres * np.reshape(coordinates, (-1, 3))[order], 3)
+    lines = {name: line[:, :2] for name, line in ends.items()}
+    return GmshSolid(plain, _face_groups(used), lines, exact)
 
 
 def _volume_groups(path: Path) -> dict[str, list[int]]:
     """Volumes by physical group; without groups, by their names in the CAD file, or numbers."""
-    groups: dict[str, list[int]] = {}
-    for _, tag in gmsh.model.getPhysicalGroups(3):
-        name = gmsh.model.getPhysicalName(3, tag) or str(tag)
-        groups[name] = [int(t) for t in gmsh.model.getEntitiesForPhysicalGroup(3, tag)]
+    groups = physical(3)
     volumes = [tag for _, tag in gmsh.model.getEntities(3)]
     if not groups:
         for tag in volumes:
@@ -296,14 +302,14 @@ def _volume_groups(path: Path) -> dict[str, list[int]]:
 def _face_groups(used: IntArray) -> dict[str, IntArray]:
     """Corners of the faces of every physical surface, rows of the used nodes."""
     found: dict[str, IntArray] = {}
-    for _, tag in gmsh.model.getPhysicalGroups(2):
+    for name, entities in physical(2).items():
         tables = []
-        for entity in gmsh.model.getEntitiesForPhysicalGroup(2, tag):
+        for entity in entities:
             kinds, _, nodes = gmsh.model.mesh.getElements(2, entity)
             for kind, table in zip(kinds, nodes, strict=True):
                 width = gmsh.model.mesh.getElementProperties(kind)[3]
                 corners = np.reshape(table, (-1, width))[:, : FACES[int(kind)]].astype(np.int64)
                 tables.append(np.searchsorted(used, corners).clip(max=len(used) - 1))
         if tables:
-            found[gmsh.model.getPhysicalName(2, tag) or str(tag)] = np.concatenate(tables)
+            found[name] = np.concatenate(tables)
     return found

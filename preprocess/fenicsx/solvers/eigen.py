@@ -62,19 +62,19 @@ def eigenpairs(
         K, M, team = whole(K, team), whole(M, team), ALONE
         X = _dense(K, M, n_mode, target)
         try:
-            return _checked(K, M, X, team)
+            return checked(K, M, X, team)
         except EigenError:
-            return _checked(K, M, _sharpened(K, M, X), team)
+            return checked(K, M, _sharpened(K, M, X), team)
     # SLEPc can solve once more for every vector, which removes errors that a singular M amplifies
     purify = n_finite < n_dof
     X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify, solid)
     try:
-        return _checked(K, M, X, team)
+        return checked(K, M, X, team)
     except EigenError:
         if purify:
             raise
     X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, True, solid)
-    return _checked(K, M, X, team)
+    return checked(K, M, X, team)
 
 
 def _krylov_schur(
@@ -212,7 +212,7 @@ def _sharpened(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> Array:
     return np.column_stack(found)
 
 
-def _checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array, team: Team) -> tuple[Array, Array]:
+def checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array, team: Team) -> tuple[Array, Array]:
     """Ritz pairs of the span of X, ascending, after a check of their residuals."""
     X = X / np.sqrt(np.einsum("ni,ni->i", X, team.total(M @ X)))
     values, Y = scipy.linalg.eigh(X.T @ team.total(K @ X), X.T @ team.total(M @ X))

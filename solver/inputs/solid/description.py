@@ -18,8 +18,8 @@ class SolidMesh(Table):
     """`[mesh]`: a CAD file that is meshed with quadratic tetrahedra, or a mesh."""
 
     file: FilePath = entry(
-        "path, relative to this file: STEP, IGES or BREP; a .geo script; gmsh's .msh of "
-        "tetrahedra or hexahedra"
+        "path, relative to this file: STEP, IGES or BREP; a .geo script; a mesh of tetrahedra or "
+        "hexahedra: gmsh's .msh, MED, or another that meshio reads"
     )
     size: float | None = optional(
         "of the cells of a CAD file, smaller at small radii; absent: a twentieth of the diagonal",
@@ -45,6 +45,22 @@ class AxisAbout(Around):
     """`axis_about`: material axis 1 around an axis, right-handed, 2 along it, 3 outwards."""
 
 
+class AxisAlong(Table):
+    """`axis_along`: material axis 1 along a curve; 3 is `normal`, as far as it is normal to 1.
+
+    1 is the tangent at the nearest point of the curve.
+    """
+
+    points: list[Vector] | None = optional("corners of the curve", "m", min_length=2)
+    at: str | None = optional("physical curve of a script or mesh")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.points is None) == (self.at is None):
+            raise ValueError("expected one of points, at")
+        return self
+
+
 class SolidRegion(Table):
     """`[regions.NAME]`: material of a volume: a physical volume, or a solid of a CAD file.
 
@@ -53,8 +69,11 @@ class SolidRegion(Table):
 
     material: Name = entry("name of a material")
     axis: Axis | None = optional("axis 1 of an orthotropic material", "-")
-    normal: Axis | None = optional("axis 3, as far as it is normal to axis 1", "-")
+    normal: Axis | None = optional(
+        "axis 3, as far as it is normal to axis 1, with `axis` or `axis_along`", "-"
+    )
     axis_about: AxisAbout | None = optional("axes that follow a cylinder")
+    axis_along: AxisAlong | None = optional("axis 1 follows a curve")
 
 
 class Bore(Table):
@@ -106,14 +125,18 @@ class SolidLoad(Table):
     at: Name | None = optional("name of an interface")
     force: Vector | None = optional("at its reference point", "N")
     moment: Vector | None = optional("about its reference point", "N m")
+    pressure: float | None = optional(
+        "on its faces, inwards; it keeps the direction of the undeformed faces", "Pa"
+    )
     gravity: Vector | None = optional("weight of the solid, without `at`", "m/s2")
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
-        if (self.at is None) != (self.gravity is not None) or (
-            self.at is not None and self.force is None and self.moment is None
-        ):
-            raise ValueError("expected `at` with `force` or `moment`, or `gravity` alone")
+        at_faces = any(x is not None for x in (self.force, self.moment, self.pressure))
+        if (self.at is None) == at_faces or at_faces == (self.gravity is not None):
+            raise ValueError(
+                "expected `at` with `force`, `moment` or `pressure`, or `gravity` alone"
+            )
         return self
 
 
@@ -122,7 +145,7 @@ class SolidFrequencies(Table):
 
     count: int = entry("how many", default=6, ge=1, le=200)
     error: bool = entry(
-        "estimate their errors by a mesh of two thirds of the cell size", default=True
+        "estimate their errors by displacements of degree 3 on the same mesh", default=True
     )
 
 

@@ -11,7 +11,10 @@ from ..common.gmsh_file import content_sha256, is_gmsh_mesh, mesh_source
 from ..common.material import check_materials, plain
 from ..common.table import plain_table
 from .description import LENGTHS, SolidDescription
+from .foreign import gmsh_mesh
 
+AXES = ("axis", "axis_along", "axis_about", "normal")
+DIRECTED = (["axis", "normal"], ["axis_along", "normal"], ["axis_about"])
 # Metals by their usual constants; strengths differ from alloy to alloy and are not among them.
 METALS = {
     "aluminium": (70e9, 0.33, 2700.0),
@@ -112,10 +115,10 @@ def _material(file: Path, text: str | None) -> dict[str, Any]:
 def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
     table = description.mesh
     file, key = mesh_source(table.file, folder)
-    if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
-        raise InputError(f"{key}: expected {', '.join(CAD)}, .geo or .msh")
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
         raise InputError(f"{key}: not a mesh of gmsh")
+    if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
+        file = gmsh_mesh(file, f"{key}: expected {', '.join(CAD)}, .geo, .msh or another mesh")
     own_unit = file.suffix.lower() in CAD_WITH_UNIT
     if own_unit and table.unit is not None:
         raise InputError(f'mesh.unit = "{table.unit}": expected none: {table.file} has its own')
@@ -142,11 +145,12 @@ def _references(description: SolidDescription) -> list[str]:
         key = f"regions.{name}.material"
         found += unknown(key, region.material, "material", description.materials)
         material = description.materials.get(region.material)
-        axes = region.axis is not None and region.normal is not None
-        if material and material.kind == "orthotropic" and not axes and region.axis_about is None:
+        given = [key for key in AXES if getattr(region, key) is not None]
+        if material and material.kind == "orthotropic" and given not in DIRECTED:
             found.append(
                 f"regions.{name}.axis: missing, needed for the directions of an orthotropic "
-                "material: expected axis and normal, or axis_about"
+                "material: expected axis and normal, axis_along and normal, or axis_about alone; "
+                f"found {' and '.join(given) or 'none'}"
             )
     places = [("supports", name) for name in description.supports]
     places += [

@@ -21,7 +21,7 @@ from ..common.array_checks import (
 )
 from ..common.dataset import all_values
 from ..common.remark import Remark, Reporter
-from ..section.recovery_data import check_plies, check_recovery
+from ..section.recovery_data import check_materials, check_plies, check_recovery
 from .invariants import body_size, critical_damping, modal_mass_sizes, second_order_sizes
 from .schema import MASS_FORMS, MODE_KINDS, REFERENCE_CONDITIONS, ModalPackage
 from .second_order import modal_mass_at
@@ -103,6 +103,11 @@ def _stresses(package: ModalPackage, error: Reporter) -> None:
         rows_of("cell_resultants/cell", cells.cell, len(package.cell_types), error)
         rows_of("cell_resultants/laminate", cells.laminate, len(package.laminates), error)
         rotations("cell_resultants/A_BE", cells.A_BE, error)
+    if (faces := package.face_stresses) is not None:
+        rows_of("face_stresses/cell", faces.cell, len(package.cell_types), error)
+        rows_of("face_stresses/material", faces.material, len(faces.materials), error)
+        rotations("face_stresses/A_BM", faces.A_BM, error)
+        check_materials(faces, "face_stresses/", error)
 
 
 def _provenance(found: Any, error: Reporter) -> None:

@@ -6,10 +6,10 @@ on the cell. Resultants of a cell, for unit width: N11 N22 N12 [N/m], M11 M22 M1
 
 Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s` stations of the
 resultants; `k` nodes of an interface; in a section `k` plies and `p` points of its recovery; in a
-laminate `k` plies; `e` cells of a shell with resultants; `l` unit loads. Modal coordinates are
-dimensionless, so that a mode shape is in metres and radians, and modal mass, damping and stiffness
-are in kg m2, N m s and N m. The mapper of common/dataset.py writes, reads, checks and documents the
-fields.
+laminate `k` plies; `e` cells of a shell with resultants; `l` unit loads; `f` faces of a solid,
+`g` load cases. Modal coordinates are dimensionless, so that a mode shape is in metres and radians,
+and modal mass, damping and stiffness are in kg m2, N m s and N m. The mapper of common/dataset.py
+writes, reads, checks and documents the fields.
 """
 
 from dataclasses import dataclass, field
@@ -178,6 +178,27 @@ class CellResultants:
 
 
 @dataclass(frozen=True)
+class FaceStresses:
+    """Stresses at the middle of outer faces of a solid: stress_M[j] @ q are those of `cell[j]`.
+
+    Components 11, 22, 33, 23, 13, 12 in the axes of the material, which are those of the body if it
+    is isotropic. `case_stress_M` has the stresses of load cases of the held solid.
+    """
+
+    cell: Annotated[IntArray, Data("f", text="faces, as rows of cell_types")]
+    material: Annotated[IntArray, Data("f", text="material, by its index in the sorted names")]
+    A_BM: Annotated[Array, Data("f, 3, 3", "-", "M to B", "rotation, axes of the material to B")]
+    stress_M: Annotated[Array, Data("f, 6, m", "Pa", "M", "11 22 33 23 13 12, per unit mode")]
+    materials: Annotated[
+        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+    ]
+    cases: Annotated[tuple[str, ...], Data("g", text="names of load cases", optional=True)] = ()
+    case_stress_M: Annotated[
+        Array | None, Data("g, f, 6", "Pa", "M", "11 22 33 23 13 12 in each load case")
+    ] = None
+
+
+@dataclass(frozen=True)
 class ModalPackage:
     """One flexible body, reduced to its modes."""
 
@@ -236,6 +257,7 @@ class ModalPackage:
     recovery: Annotated[BodyRecovery | None, Part("recovery", packed=True)] = None
     laminates: Annotated[tuple[LaminateData, ...], Named("laminates", packed=True)] = ()
     cell_resultants: Annotated[CellResultants | None, Part("cell_resultants", packed=True)] = None
+    face_stresses: Annotated[FaceStresses | None, Part("face_stresses", packed=True)] = None
     mode_labels: Annotated[
         tuple[str, ...],
         Data("m", text="a name for each mode, for people", path="modes/labels", optional=True),

@@ -63,6 +63,11 @@ def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
             hint = did_you_mean(ply.material, tuple(owner.materials))
             text = f"row {row}: {ply.material!r} is not a material of the {kind}{hint}"
             error(f"{where}plies/material", text)
+    check_materials(owner, where, error)
+
+
+def check_materials(owner: OfMaterials, where: str, error: Reporter) -> None:
+    """Report unusable strengths; `where` starts the path."""
     try:
         strengths(owner)
     except MaterialError as cause:

@@ -258,7 +258,7 @@ def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, Any]:
     fields = {"energy": (site_energy, unit)}
     if len(sites.stress_M):
         fields["exposure"] = (site_exposure, np.concatenate([unit, -unit]))
-    found: dict[str, Any] = {"area": sites.resultants_E.shape[1] == 8}
+    found: dict[str, Any] = {"dimension": sites.dimension}
     for name, (field, alone) in fields.items():
         values = np.nan_to_num(field(sites, q))
         top = float(values.max(initial=0.0)) or 1.0

@@ -3,16 +3,16 @@
 const FIELDS = {
   body: { number: 0 },
   displacement: { number: 1, label: 'elastic displacement', units: ['m'], largest: (body) => body.displacement },
-  energy: { number: 2, label: 'strain energy', units: ['J/m', 'J/m² (shells)'], largest: (body) => body.energy },
+  energy: { number: 2, label: 'strain energy', units: ['J/m', 'J/m² (shells)', 'J/m³ (solids)'], largest: (body) => body.energy },
   exposure: { number: 3, label: 'exposure 1/R of the worst ply', units: ['(failure at 1)'], largest: (body) => body.exposure },
 };
 
-// Energies of beams are for unit length, those of shells for unit area: each has its own range.
-const ofArea = (name, body) => (name === 'energy' && body.sites && body.sites.area ? 1 : 0);
+// Energies of beams, shells, solids are for unit length, area, volume: each has its own range.
+const rangeOf = (name, body) => (name === 'energy' && body.sites ? body.sites.dimension - 1 : 0);
 
 function fieldRanges(name, scene) {
   if (name === 'body') return [1, 1];
-  return [0, 1].map((area) => Math.max(0, ...scene.bodies.filter((body) => ofArea(name, body) === area).map(FIELDS[name].largest)));
+  return [0, 1, 2].map((row) => Math.max(0, ...scene.bodies.filter((body) => rangeOf(name, body) === row).map(FIELDS[name].largest)));
 }
 
 function fieldLegend({ name, ranges }) {

@@ -29,7 +29,7 @@ function glRenderer(canvas) {
     gl.uniform1f(move.at.u_scale, shown.scale);
     gl.uniform1i(move.at.u_modes, body.modes);
     gl.uniform1i(move.at.u_field, shown.field > 1 && !body.sites ? 0 : shown.field);
-    gl.uniform1f(move.at.u_range, shown.ranges[ofArea(shown.name, body)] || 1);
+    gl.uniform1f(move.at.u_range, shown.ranges[rangeOf(shown.name, body)] || 1);
     useTexture(gl, move, 'u_q', 0, gpu.q);
     useTexture(gl, move, 'u_shapes', 1, gpu.shapes);
     useTexture(gl, move, 'u_sites', 3, gpu.sites);

@@ -52,12 +52,12 @@ def ply_extremes(
     Parameters
     ----------
     materials, angles_deg : of the k plies
-    operators : (k, 3, 6, 8) stress in ply axes per unit resultant at bottom, middle, top
-    resultants : (c, 8) N [N/m], M [N], T [N/m] of the cells in laminate axes
+    operators : (k, l, 6, r) stress in ply axes per unit resultant, at LEVELS in a shell
+    resultants : (c, r) of the cells in laminate axes, in a shell N [N/m], M [N], T [N/m]
     cells : (c,) number of each cell, at least one
     strengths : of those materials that have some
     """
-    found = []
+    found, levels = [], operators.shape[1]
     for ply, (material, angle) in enumerate(zip(materials, angles_deg, strict=True)):
         stress = np.einsum("lij,cj->cli", operators[ply], resultants, optimize=True)
         flat = stress.reshape(-1, 6)
@@ -73,8 +73,8 @@ def ply_extremes(
                         float(verdict.ratio[worst]),
                         criterion.name,
                         verdict.modes[int(verdict.mode[worst])],
-                        int(cells[worst // len(LEVELS)]),
-                        LEVELS[worst % len(LEVELS)],
+                        int(cells[worst // levels]),
+                        LEVELS[worst % levels],
                     )
                 )
         found.append(
@@ -83,7 +83,7 @@ def ply_extremes(
                 material,
                 float(angle),
                 flat[largest, np.arange(6)],
-                np.asarray(cells[largest // len(LEVELS)]),
+                np.asarray(cells[largest // levels]),
                 tuple(reserves),
             )
         )
