@@ -253,7 +253,11 @@ def test_load_cases_are_in_equilibrium_and_bend_as_a_beam(bar_file: Path) -> Non
     assert loaded.u[tip, 2].mean() == pytest.approx(bend, rel=1e-2)
     for force in (1.7e308, 1e200):  # infinite displacements; stresses whose squares are
         with pytest.raises(SolidError, match=r"loads.pull: .* expected smaller loads"):
-            held.case({"tip": {"at": "tip", "force": [0.0, 0.0, force]}}, "loads.pull")
+            held.case(
+                {"tip": {"at": "tip", "force": [0.0, 0.0, force]}},
+                model.unit_pressure,
+                "loads.pull",
+            )
 
 
 @pytest.mark.provokes("modes-not-counted")
