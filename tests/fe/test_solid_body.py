@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from samples.body_specs import beam_body
 from samples.section_specs import rectangle_spec
-from samples.solid_samples import ALUMINIUM, WOUND, bar, bracket, model_of, step_file, thin_rib, tube
+from samples.solid_samples import (
+    ALUMINIUM,
+    WOUND,
+    bar,
+    bracket,
+    model_of,
+    step_file,
+    thin_rib,
+    tube,
+)
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.body import build_body
