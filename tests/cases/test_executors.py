@@ -154,7 +154,7 @@ def test_workers_end_with_their_parent(tmp_path, number):
     """However that ends, and whatever they are at."""
     code = (
         "import sys\n"
-        "from executor_samples import Numbers, sleeps\n"
+        "from harness.executor_samples import Numbers, sleeps\n"
         "from plymotion.solver.workers.executors import distribute\n"
         "from plymotion.solver.workers.executors import Local\n"
         "if __name__ == '__main__':\n"

@@ -108,7 +108,7 @@ def test_every_dataset_says_unit_frame_and_meaning(file: Path) -> None:
 def test_two_hdf5_versions_read_each_other(file: Path, tmp_path: Path) -> None:
     script = (
         "import sys; sys.path.insert(0, sys.argv[3])\n"
-        "from package_samples import cantilever, same\n"
+        "from samples.package_samples import cantilever, same\n"
         "from plymotion.solver.package import read_package, write_package\n"
         "package = read_package(sys.argv[1])\n"
         "write_package(sys.argv[2], package)\n"

@@ -198,7 +198,7 @@ def test_a_view_that_shows_another_mesh_is_an_error(file: Path) -> None:
 def test_two_hdf5_versions_read_each_other(file: Path, tmp_path: Path) -> None:
     script = (
         "import sys; sys.path.insert(0, sys.argv[3])\n"
-        "from package_samples import same\n"
+        "from samples.package_samples import same\n"
         "from plymotion.solver.package.section.io import read_section, write_section\n"
         "section = read_section(sys.argv[1])\n"
         "write_section(sys.argv[2], section)\n"
