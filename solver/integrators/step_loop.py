@@ -208,15 +208,17 @@ class StepLoop(StrideMemory):
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             if self._armed:
                 return self._up_to_event(most, times, rows, filled, keep=keep)
-            return self._take(most, times, rows, filled)
+            return self._take(most, times, rows, filled, keep=keep)
 
-    def _take(self, most: int, times: Array, rows: Array, filled: int) -> int:
+    def _take(
+        self, most: int, times: Array, rows: Array, filled: int, *, keep: bool = False
+    ) -> int:
         """Take up to `most` steps, none over a force that varies unseen; as `stride`.
 
-        The ends of the steps are in `_ends`.
+        The ends of the steps are in `_ends`; `keep`: `_begun` is the mark of the present state.
         """
         while True:
-            begun = None if self.hidden is None else self._mark()
+            begun = self._begun if keep or self.hidden is None else self._mark()
             code, reached = self._call(most, times, rows, filled, self._ends)
             self._take_over(code)
             unseen = None if self.hidden is None else self.hidden(*self._ends_since(begun))
@@ -228,6 +230,8 @@ class StepLoop(StrideMemory):
             sharp = np.zeros(len(self._kinks), dtype=bool)
             sharp[known] = options.sharp
             self._options = options._replace(kinks=self._kinks, sharp=sharp)
+            if keep:  # the steps are taken again from here, with the stops
+                self._begun = self._mark()
 
     def _up_to_event(
         self, most: int, times: Array, rows: Array, filled: int, *, keep: bool = False
@@ -238,7 +242,7 @@ class StepLoop(StrideMemory):
         most, begun = min(most, LOCATED), self._mark()
         found, last = -1, np.inf
         for passes_left in range(MOST_PASSES - 1, -1, -1):
-            reached = self._take(most, times, rows, filled)
+            reached = self._take(most, times, rows, filled, keep=keep)
             t, y = self._ends_since(begun)
             if found >= 0 and len(t) > 1:
                 gap, rate = beyond(self._model, self.t, self.y)[found]

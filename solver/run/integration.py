@@ -1,6 +1,7 @@
 """Integration of a prepared mechanism, and of the other runs that its signals read."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -94,7 +95,7 @@ def _unseen(count: int) -> Finding:
         "later ones do not, and narrow forces may be stepped over: give `max_step`, or a smaller "
         "rtol"
     )
-    return BREAKS_UNSEARCHED.finding(text, value=count)
+    return replace(BREAKS_UNSEARCHED.finding(text, value=count), limit=float(count))
 
 
 def complete(prepared: Prepared) -> FinishedRun:

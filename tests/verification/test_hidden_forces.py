@@ -10,6 +10,11 @@ import numpy as np
 import pytest
 from samples.coordinate_samples import carriage, force, run, wheel
 
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.integrators.generic import Integrator
+from plymotion.solver.run.preparation import prepare
+
 INTEGRATORS = ("radau", "rk8", "gear", "generalized-alpha")
 RTOL = 1e-5  # the default
 
@@ -73,6 +78,40 @@ def test_a_narrow_cam_on_a_shaft(tmp_path):
     expected = sqrt(9.0 + 2.0 / 0.5 * (0.5 * angle - potential))
     assert found["w"][-1] == pytest.approx(expected, rel=20 * RTOL)
     assert summary["cost"]["steps"] < 1500
+
+
+@pytest.mark.parametrize("integrator", ["radau", "rk8"])
+def test_steps_are_taken_again_as_they_were(tmp_path, integrator):
+    """Monitors stand after any step of a stride: stops at unseen forces belong to it."""
+    text, _ = FORCES["peak"]
+    run(tmp_path, carriage(text, speed=1.0), 4.0, 0.5, solver(integrator))
+    ready = prepare(load_case(tmp_path / "case.toml").runs["base"], {})
+    made = make_integrator(ready.model, ready.y0, ready.mechanism.solver, ready.treatment)
+    stopped = False
+    while made.status == "running":
+        before = made.most_hidden
+        made.stride(np.zeros(0), np.zeros((0, made.n)), 0, keep=True)
+        steps = made.steps_taken()
+        stopped |= made.most_hidden < before
+        for i in range(len(steps)):
+            np.testing.assert_array_equal(steps.at(i).y, steps.y[i + 1])
+        made.take_up()
+    assert stopped
+    assert made.status == "finished"
+
+
+@pytest.mark.provokes("breaks-not-searched")
+def test_an_end_of_the_look_is_told(tmp_path, monkeypatch):
+    """The second force is stepped over; `max_step`, as the message says, sees both."""
+    monkeypatch.setattr(Integrator, "most_hidden", 1)
+    text = carriage(by("50 * (x > 1 and x < 1.01) + 50 * (x > 3 and x < 3.01)"), speed=1.0)
+    _, found, summary = run(tmp_path, text, 4.0, 0.5, solver("radau"))
+    assert found["v"][-1] == pytest.approx(sqrt(2.0), abs=20 * RTOL)
+    (told,) = [w for w in summary["warnings"] if w["code"] == "breaks-not-searched"]
+    assert told["value"] == told["limit"] == 1
+    _, found, summary = run(tmp_path, text, 4.0, 0.5, solver("radau", "max_step = 0.004"))
+    assert found["v"][-1] == pytest.approx(sqrt(3.0), abs=20 * RTOL)
+    assert not summary["warnings"]
 
 
 def test_linear_forces_are_not_looked_at(tmp_path):
