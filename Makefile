@@ -371,6 +371,10 @@ $(EXUDYN): pyproject.toml $(LIGHT)
 structure: $(LIGHT) ## Measure lines, files and imports; write the table of docs/architecture.md
 	$(PY) tools/structure.py docs/architecture.md
 
+.PHONY: release-check
+release-check: $(LIGHT) ## What a version lacks before it is tagged (docs/release.md)
+	$(PY) tools/release_check.py
+
 SITE := build/docs-site
 .PHONY: docs-site
 docs-site: $(LIGHT) ## The documentation site: build/docs-site/index.html
