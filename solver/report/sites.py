@@ -12,7 +12,7 @@ from ..package.common.strengths import PlyStrength, YieldStrength
 from ..results.view import Sites
 from ..strength import criteria_of
 
-AT_ONCE = 2_000_000  # numbers in memory at a time
+SITES_AT_ONCE = 2_000_000  # numbers in memory at a time
 
 
 def site_energy(sites: Sites, q: Array) -> Array:
@@ -33,7 +33,7 @@ def site_exposure(sites: Sites, q: Array) -> Array:
         points = np.flatnonzero(sites.point_kind == kind)
         if not len(points):
             continue
-        some = max(1, AT_ONCE // (6 * len(points) * max(len(q), 1)))
+        some = max(1, SITES_AT_ONCE // (6 * len(points) * max(len(q), 1)))
         for first in range(0, len(own), some):
             rows = own[first : first + some]
             F = np.einsum("sjm,km->ksj", sites.resultants_E[rows], q, optimize=True)
