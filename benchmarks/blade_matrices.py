@@ -21,11 +21,7 @@ import yaml
 
 import plymotion as pm
 from plymotion.solver.package.body.io import read_package
-from plymotion.solver.report.section.conventions import (
-    BLADE_AXES_LEADING_EDGE,
-    convert,
-    transform,
-)
+from plymotion.solver.report.section.codes import BLADE_AXES_LEADING_EDGE, convert, transform
 
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 

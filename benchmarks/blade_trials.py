@@ -23,7 +23,7 @@ from plymotion.solver.extras.blade.shape import Layer
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.tables import Along
 from plymotion.solver.extras.blade.windio import Blade, read_blade
-from plymotion.solver.report.section.results import read_results
+from plymotion.solver.report.section.codes import read_results
 
 Change = Callable[[Blade], Blade]
 R = np.linspace(0.0, 1.0, 401)

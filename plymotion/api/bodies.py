@@ -16,7 +16,7 @@ from ..solver.math.arrays import Array
 from ..solver.package import ModalPackage, Remark, read_package
 from ..solver.package import validate as findings_of
 from ..solver.package.shell.schema import ShellFile
-from ..solver.report.shell.show_json import read_shown, shell_json
+from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
 from ..solver.studies.cases import turn
 from ..solver.workers.described import Entry, made_file

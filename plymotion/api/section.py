@@ -11,7 +11,7 @@ from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import data_sha256
 from ..solver.package.section.io import read_section
 from ..solver.package.section.schema import RESULTANTS, SectionFile
-from ..solver.report.section.results import SectionResults, read_results
+from ..solver.report.section.codes import SectionResults, read_results
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
 from .frames import pandas

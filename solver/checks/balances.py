@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from ..integrators.generic import advice
-from ..results.codes import CONSTRAINT_DRIFT, ENERGY_DRIFT, FEEDBACK, LOCKED, MOMENTUM
-from ..results.finding import Finding
+from ..results.codes import CONSTRAINT_DRIFT, ENERGY_DRIFT, FEEDBACK, LOCKED, MOMENTUM, Finding
 from .finished import FinishedRun
 
 

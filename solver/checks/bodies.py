@@ -18,8 +18,7 @@ from ..package.common.plausible import (
     section_doubts,
     shell_doubts,
 )
-from ..results.codes import CODES, MATERIAL_UNITS, PLY_FAILURE, SIZE_UNITS
-from ..results.finding import Finding
+from ..results.codes import CODES, MATERIAL_UNITS, PLY_FAILURE, SIZE_UNITS, Finding
 from ..strength.beam_bodies import beam_search
 from ..strength.found import BodyStrength, failure_text
 from ..strength.shell_bodies import shell_search

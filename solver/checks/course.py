@@ -23,8 +23,8 @@ from ..results.codes import (
     SPIN,
     STALLED,
     VIBRATION_DAMPED,
+    Finding,
 )
-from ..results.finding import Finding
 from .finished import FinishedRun
 
 _ENDS = {"failed": RUN_FAILED, "interrupted": RUN_INTERRUPTED}

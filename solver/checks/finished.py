@@ -17,7 +17,7 @@ from ..math.arrays import Array, IntArray
 from ..math.rows import spans
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
-from ..results.finding import Finding
+from ..results.codes import Finding
 from ..results.schema import ENERGIES, ROUNDING
 from .monitors.step_sizes import StepSizes
 

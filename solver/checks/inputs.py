@@ -16,8 +16,7 @@ from ..math import curves, laws
 from ..math.arrays import Array
 from ..math.rows import column
 from ..mechanism.consistent.initial import undeformed
-from ..results.codes import LOADED_START, TABLE_OVERSHOOTS
-from ..results.finding import Finding
+from ..results.codes import LOADED_START, TABLE_OVERSHOOTS, Finding
 from .finished import FinishedRun
 
 if TYPE_CHECKING:

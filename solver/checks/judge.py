@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from ..results.finding import Finding
+from ..results.codes import Finding
 from ..strength.found import BodyStrength
 from . import balances, bodies, course, inputs, modes, stiffening
 from .finished import FinishedRun

@@ -14,8 +14,7 @@ from ..dynamics.evaluation.dense_equations import assemble
 from ..inputs.case.tables.loaded import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
-from ..results.codes import CUT_EARLY, ROTATION
-from ..results.finding import Finding
+from ..results.codes import CUT_EARLY, ROTATION, Finding
 from .finished import FinishedRun
 from .statics import missing_findings
 

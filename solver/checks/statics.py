@@ -25,8 +25,7 @@ from ..math.arrays import Array
 from ..math.rotations import skew
 from ..package import ModalPackage
 from ..package.body.invariants import body_size
-from ..results.codes import FEW_MODES
-from ..results.finding import Finding
+from ..results.codes import FEW_MODES, Finding
 from .finished import FinishedRun
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each

@@ -16,8 +16,7 @@ from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..mechanism import build
-from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION
-from ..results.finding import Finding
+from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION, Finding
 from .finished import FinishedRun
 from .monitors.buckling import buckling_text
 from .monitors.geometric_stiffness import Loading, geometric_stiffness

@@ -18,11 +18,10 @@ from ..package.common.identity import write_file_checksum
 from ..package.common.temporary import temporary_sibling
 from ..package.shell.cells import TRIANGLE
 from ..results import BodyGeometry, RunResult, read_result
+from ..results.file import frames
+from ..results.schema import BodyView
 from ..results.summary import plain
-from ..results.view import BodyView
-from ..results.writer import frames
-from .embed.scene import frame_rows, one_sign
-from .sites import site_energy, site_exposure
+from .scene import frame_rows, one_sign, site_energy, site_exposure
 from .style import COLOURS
 
 # The bodies of a result with the surfaces that files of the animation show.

@@ -8,8 +8,8 @@ import numpy as np
 from ..errors import InputError
 from ..math.arrays import Array
 from ..results import BodyGeometry, RunResult, Signal
+from ..results.file import frames
 from ..results.summary import spectrum
-from ..results.writer import frames
 from .story import Comparison, Story
 from .style import DASHES, GREY, INK, PALE, WARNING, Canvas, colour, mark_stop, unit_text
 

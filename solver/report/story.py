@@ -43,7 +43,7 @@ def _is_figure(figure: dict[str, Any]) -> bool:
 
 # Data of a run for the report: summary, result and title.
 
-MOST_SIGNALS = 700  # of a run: NUMBERS / FEWEST of embed/histories.py
+MOST_SIGNALS = 700  # of a run: NUMBERS / FEWEST of inline.py
 
 
 @dataclass(frozen=True)

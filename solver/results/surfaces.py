@@ -10,8 +10,7 @@ from ..math.arrays import Array, IntArray
 from ..math.rotations import rotation_matrices, shortest_rotations
 from ..math.rows import ComputedRows, computed
 from .outline import Outline
-from .schema import BodyGeometry
-from .view import Surface
+from .schema import BodyGeometry, Surface
 
 # Positions of drawn points from the coordinates of their body.
 

@@ -17,6 +17,7 @@ from ..package import ModalPackage
 from ..package.section.recovery_data import strengths
 from ..results import BodyGeometry
 from ..results.outline import Outline, section_outline
+from ..results.schema import BodyView, Link, Side, Sites, Surface
 from ..results.surfaces import (
     LINES,
     Ball,
@@ -29,9 +30,8 @@ from ..results.surfaces import (
     uniform_box,
     with_spheres,
 )
-from ..results.view import BodyView, Link, Side, Sites, Surface
 from ..strength.beam_bodies import unit_stress_M
-from ..strength.governing import Points, governing_points
+from ..strength.search import Points, governing_points
 from ..strength.shell_bodies import cell_centres, stressed_cells
 
 if TYPE_CHECKING:

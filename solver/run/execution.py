@@ -18,7 +18,7 @@ from ..integrators.generic import Steps, StopRequest, Watch
 from ..interrupts import held
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
-from ..results.finding import Finding
+from ..results.codes import Finding
 from .inputs_digest import inputs_sha256, still
 from .integration import histories_of, integrated
 from .outcome import RunSpec, collect, disk_note, nearest_folder

@@ -13,8 +13,7 @@ from ..integrators.choice import make_integrator
 from ..integrators.generic import Watch, integrate
 from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
-from ..results.codes import BREAKS_UNSEARCHED
-from ..results.finding import Finding
+from ..results.codes import BREAKS_UNSEARCHED, Finding
 from ..signals import Histories, recorded
 from .outcome import RunSpec
 from .preparation import Prepared, prepare

@@ -27,8 +27,7 @@ from ..mechanism.starting.moved import moved_findings
 from ..mechanism.starting.relative_equilibrium import given_spin
 from ..mechanism.starting.start import starting_state
 from ..package import ModalPackage
-from ..results.codes import SINGULAR
-from ..results.finding import Finding
+from ..results.codes import SINGULAR, Finding
 from ..signals import Histories, Sensor, Turns, sensors
 
 if TYPE_CHECKING:

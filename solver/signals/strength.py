@@ -12,7 +12,7 @@ from ..package import ModalPackage
 from ..package.body.schema import CellResultants, LaminateData
 from ..package.section.schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
-from ..strength.envelope import Place, envelope
+from ..strength.search import Place, envelope
 from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells
 from .sections import resultants_at
 

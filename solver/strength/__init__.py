@@ -1,7 +1,6 @@
 """Failure criteria of plies and metals, and the lowest strength ratio of a body."""
 
-from .criteria.contract import Criterion
-from .criteria.ray import Verdict
+from .criteria.contract import Criterion, Verdict
 from .criteria.table import CRITERIA, criteria_of
 
 __all__ = ["CRITERIA", "Criterion", "Verdict", "criteria_of"]

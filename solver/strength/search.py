@@ -12,15 +12,20 @@ For the points that are left, the two resultants that matter most are written in
 `FAN` directions of their plane instead: the bound is then at most a few per cent too high. Times of
 one direction and of like size form a block. The criterion is evaluated in descending order of the
 bounds, until no bound is above the highest exposure found. The result is therefore exact.
+
+The envelope (highest exposure at every instant) uses the same bounds: at each instant, the point of
+the highest bound is evaluated first, then every point whose bound is above what was found.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from . import Criterion
+from ..package.common.strengths import PlyStrength, YieldStrength
+from . import Criterion, criteria_of
 
 BLOCK = 16  # times per block
 FAN = 16  # directions in the plane of the two largest resultants
@@ -175,3 +180,113 @@ class PeakSearch:
             points, instants = np.repeat(points, along), times.ravel()
         stress = np.einsum("kij,jk->ki", self.stress_M[points], F[:, instants])
         best.take(self.criterion.assess(stress, self.strength).exposure, points, instants)
+
+
+FEW = 16  # points that are evaluated without bounds
+AT_ONCE = 1_000_000  # numbers in memory at a time
+LEADS = 8  # points that are evaluated at all instants
+
+
+Place = tuple[Array, PeakSearch]  # resultants (6, m) of a station or (8, m) of a cell; its points
+
+
+def envelope(places: Sequence[Place], q: Array) -> Array:
+    """Highest exposure 1 / R of all points (t,) [-].
+
+    Parameters
+    ----------
+    places : resultants per unit mode with the points to which they apply
+    q : (t, m) modal coordinates
+    """
+    top = np.zeros(len(q))
+    for resultants_E, search in _most_loaded_first(places, q):
+        step = max(1, AT_ONCE // (6 * min(len(search.bounds), 1000)))
+        for first in range(0, len(q), step):
+            some = slice(first, first + step)
+            raise_to_peaks(search, resultants_E @ q[some].T, top[some])
+    return top
+
+
+def raise_to_peaks(search: PeakSearch, F: Array, top: Array) -> None:
+    """Raise top (t,), in place, to the highest exposure under resultants F (6 or 8, t)."""
+    parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)
+    live = np.flatnonzero(search.bounds.max(axis=0) @ parts > top)
+    if not live.size:
+        return
+    if len(search.bounds) <= FEW:
+        for point in range(len(search.bounds)):
+            found = _exposures(search, F, np.full(live.size, point), live)
+            top[live] = np.maximum(top[live], found)
+        return
+    upper = search.bounds @ parts[:, live]  # (p, instants)
+    lead = np.argmax(upper, axis=0)
+    number, times = np.unique(lead, return_counts=True)
+    for point in number[np.argsort(-times, kind="stable")[:LEADS]]:
+        found = _exposures(search, F, np.full(live.size, point), live)
+        top[live] = np.maximum(top[live], found)
+    top[live] = np.maximum(top[live], _exposures(search, F, lead, live))
+    points, instants = np.nonzero(upper > top[live])
+    for first in range(0, points.size, AT_ONCE // 36):
+        some = slice(first, first + AT_ONCE // 36)
+        at = live[instants[some]]
+        np.maximum.at(top, at, _exposures(search, F, points[some], at))
+
+
+def _exposures(search: PeakSearch, F: Array, points: IntArray, instants: IntArray) -> Array:
+    stress = np.einsum("kij,jk->ki", search.stress_M[points], F[:, instants])
+    return search.criterion.assess(stress, search.strength).exposure
+
+
+def _most_loaded_first(places: Sequence[Place], q: Array) -> list[Place]:
+    largest = np.abs(q).max(axis=0, initial=0.0)
+    severity = [
+        search.bounds.max(axis=0).reshape(2, -1).max(axis=0) @ (np.abs(F) @ largest)
+        for F, search in places
+    ]
+    return [places[k] for k in np.argsort(-np.array(severity), kind="stable")]
+
+
+# The few points of a section that govern its strength in a run, from a sample of its resultants.
+# A picture that evaluates the strength ratio at every time needs no others.
+
+SAMPLES = 240  # resultants that the points are chosen from
+KEPT = 24  # points that are all kept
+STRESSES_AT_ONCE = 2**14  # stresses, so that what the criteria compute stays in the cache
+
+
+class Points(NamedTuple):
+    """Points of one section or laminate: stresses per unit resultant, ply, strength of it."""
+
+    stress_M: Array  # (p, 6, j)
+    ply: IntArray  # (p,)
+    strengths: dict[int, PlyStrength | YieldStrength]  # by ply
+
+
+def governing_points(points: Points, resultants_E: Array, q: Array) -> IntArray:
+    """Rows of the points that have the highest exposure of any criterion at some site and time.
+
+    Parameters
+    ----------
+    resultants_E : (s, j, m) per unit mode, of the sites that have these points
+    q : (t, m) modal coordinates
+    """
+    own = np.flatnonzero(np.isin(points.ply, list(points.strengths)))
+    count = len(q) * len(resultants_E)
+    if len(own) <= KEPT or not count:
+        return own
+    chosen = np.unique(np.linspace(0, count - 1, SAMPLES).round().astype(int))
+    time, site = np.divmod(chosen, len(resultants_E))
+    sample = np.einsum("njm,nm->nj", resultants_E[site], q[time])
+    sample = sample[np.abs(sample).max(axis=1) > 0.0]
+    kept = [own[:1]]
+    for strength in dict.fromkeys(points.strengths.values()):
+        plies = [ply for ply, each in points.strengths.items() if each == strength]
+        rows = own[np.isin(points.ply[own], plies)]
+        unit = np.moveaxis(points.stress_M[rows], 2, 0).reshape(sample.shape[1], -1)
+        step = max(1, STRESSES_AT_ONCE // len(rows))
+        for first in range(0, len(sample), step):
+            stress = (sample[first : first + step] @ unit).reshape(-1, len(rows), 6)
+            for criterion in criteria_of(strength):
+                exposure = criterion.assess(stress, strength).exposure
+                kept.append(rows[np.argmax(exposure, axis=1)])
+    return np.unique(np.concatenate(kept))

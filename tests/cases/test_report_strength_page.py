@@ -17,9 +17,9 @@ from plymotion.solver.package import read_package
 from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength
 from plymotion.solver.package.section.recovery_data import strengths
 from plymotion.solver.report import make_report
-from plymotion.solver.report.sites import site_exposure
+from plymotion.solver.report.scene import site_exposure
 from plymotion.solver.results import RunResult, read_result, write_result, write_summary
-from plymotion.solver.results.view import BodyView, Sites, Surface
+from plymotion.solver.results.schema import BodyView, Sites, Surface
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
 

@@ -123,13 +123,13 @@ def test_codes_of_the_source_are_those_of_the_list(facts: dict[str, Facts]) -> N
 
 
 def test_findings_are_made_from_the_list(facts: dict[str, Facts]) -> None:
-    """Only results/finding.py makes findings, but for codes of foreign packages."""
+    """Only results/codes.py makes findings, but for codes of foreign packages."""
     makers = [path for path, fact in facts.items() if fact.makes and path.startswith("solver/")]
-    assert makers == ["solver/checks/bodies.py", "solver/results/finding.py"]
+    assert makers == ["solver/checks/bodies.py", "solver/results/codes.py"]
 
 
 def test_there_is_one_class_finding(facts: dict[str, Facts]) -> None:
-    assert [path for path, fact in facts.items() if fact.defines] == ["solver/results/finding.py"]
+    assert [path for path, fact in facts.items() if fact.defines] == ["solver/results/codes.py"]
 
 
 def test_each_code_of_a_run_is_used(facts: dict[str, Facts]) -> None:

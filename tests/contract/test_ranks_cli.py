@@ -10,7 +10,7 @@ from shutil import which
 import numpy as np
 import pytest
 
-from plymotion.solver.report.section.results import read_results
+from plymotion.solver.report.section.codes import read_results
 from plymotion.solver.workers import launch
 
 SECTION = """format = 1

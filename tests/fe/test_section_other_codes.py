@@ -12,7 +12,7 @@ from plymotion.solver.inputs.section.codes.other_codes import (
     is_of_another_code,
     spec_of_another_code,
 )
-from plymotion.solver.report.section.writers import write_vabs
+from plymotion.solver.report.section.codes import write_vabs
 
 ORDER = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")
 CARBON = dict(zip(ORDER, (142e9, 9.8e9, 9.1e9, 6.0e9, 5.5e9, 4.8e9, 0.3, 0.32, 0.42), strict=True))

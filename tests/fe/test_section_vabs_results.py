@@ -13,7 +13,7 @@ import pytest
 
 from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.solver.inputs.section.codes.other_codes import spec_of_another_code
-from plymotion.solver.report.section.conventions import transform
+from plymotion.solver.report.section.codes import transform
 
 FOLDER = Path(__file__).resolve().parents[1] / "reference/sections/vabs"
 RESULTS = tomllib.loads((FOLDER / "results.toml").read_text(encoding="utf-8"))

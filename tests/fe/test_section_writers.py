@@ -10,8 +10,9 @@ from samples.section_cases import section
 from plymotion.preprocess.section import analyse
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.codes.other_codes import spec_of_another_code
-from plymotion.solver.report.section.conventions import convert, transform
-from plymotion.solver.report.section.writers import (
+from plymotion.solver.report.section.codes import (
+    convert,
+    transform,
     turning_cells,
     write_beamdyn,
     write_becas,

@@ -8,8 +8,8 @@ from samples.shell_specs import plate
 
 from plymotion.preprocess.shell.analyses import modes as shell_modes
 from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.solver.report.shell.findings import shell_json
 from plymotion.solver.report.shell.show import shell_text
-from plymotion.solver.report.shell.show_json import shell_json
 
 pytestmark = pytest.mark.one_end
 CLAMPED = {"left": {"at": "left", "fixed": "all"}}

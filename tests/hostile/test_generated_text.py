@@ -21,8 +21,8 @@ from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.extras.blade.stations import TEXT
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.common.toml_text import toml_text, toml_value
-from plymotion.solver.report.section.summary import Row, write_summary
-from plymotion.solver.report.section.writers import write_beamdyn, write_hawc2
+from plymotion.solver.report.section.codes import write_beamdyn, write_hawc2
+from plymotion.solver.report.section.show import Row, write_summary
 from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
 from plymotion.solver.studies.fidelity.choice.plan_file import write_plan
 

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.results import BodyGeometry, RunResult, Signal
+from plymotion.solver.results.schema import BodyView, Link, Side
 from plymotion.solver.results.surfaces import all_positions, rigid_surface
-from plymotion.solver.results.view import BodyView, Link, Side
 
 GRAVITY = 9.81
 

@@ -22,7 +22,7 @@ from plymotion.solver.extras.blade.shape import contour, edge_angle
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.math.curves import lengths_along
-from plymotion.solver.report.section.results import read_results
+from plymotion.solver.report.section.codes import read_results
 
 PLACES = [0.1, 0.3, 0.55, 0.8, 1.0]
 PLANE = {"anchor_curve": "reference_axis", "anchors_nd_grid": [0.0, 1.0], "rotation": 0.0}

@@ -5,8 +5,8 @@ import pickle
 
 import numpy as np
 
+from plymotion.solver.results.schema import BodyView, Surface
 from plymotion.solver.results.surfaces import rigid_surface
-from plymotion.solver.results.view import BodyView, Surface
 
 
 def test_a_surface_is_made_once_and_goes_to_other_processes() -> None:

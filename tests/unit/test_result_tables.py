@@ -14,8 +14,8 @@ from plymotion.solver.results import (
     read_result,
     write_result,
 )
+from plymotion.solver.results.schema import BodyView
 from plymotion.solver.results.surfaces import all_positions, node_positions
-from plymotion.solver.results.view import BodyView
 
 
 def same(one: object, two: object) -> bool:

@@ -13,9 +13,14 @@ from plymotion.solver.commands.bodies.section import read_list
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.study import changed
 from plymotion.solver.package.common.shares import by_mesh, mesh_key, shard, share
-from plymotion.solver.report.section.results import SectionResults
-from plymotion.solver.report.section.show import section_json, section_text
-from plymotion.solver.report.section.summary import Row, summary_text, write_summary
+from plymotion.solver.report.section.codes import SectionResults
+from plymotion.solver.report.section.show import (
+    Row,
+    section_json,
+    section_text,
+    summary_text,
+    write_summary,
+)
 from plymotion.solver.workers.described import Entry, entries_of
 from plymotion.solver.workers.launch import Work
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.report.section.conventions import (
+from plymotion.solver.report.section.codes import (
     BLADE_AXES_LEADING_EDGE,
     BLADE_AXES_TRAILING_EDGE,
     CODES,

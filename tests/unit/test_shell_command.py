@@ -12,9 +12,8 @@ from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.report.shell.figures import feature_edges, magnification, view_axes
-from plymotion.solver.report.shell.findings import case_findings, stacking
+from plymotion.solver.report.shell.findings import case_findings, shell_json, stacking
 from plymotion.solver.report.shell.show import normal_lines, shell_text
-from plymotion.solver.report.shell.show_json import shell_json
 
 
 def test_screen_names_what_matters() -> None:

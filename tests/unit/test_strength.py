@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from plymotion.solver.package.common.materials import MaterialError, bond
 from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength, read_strength
 from plymotion.solver.strength import CRITERIA, Criterion, criteria_of
+from plymotion.solver.strength.criteria.contract import exposure
 from plymotion.solver.strength.criteria.hashin import hashin
 from plymotion.solver.strength.criteria.max_stress import max_stress
-from plymotion.solver.strength.criteria.ray import exposure
 from plymotion.solver.strength.criteria.tsai_hill import tsai_hill
 from plymotion.solver.strength.criteria.tsai_wu import tsai_wu
 from plymotion.solver.strength.criteria.von_mises import von_mises

@@ -11,8 +11,7 @@ from ...dynamics.model.model import Model
 from ...integrators.generic import Steps, StopRequest
 from ...integrators.generic.base import Dense
 from ...math.arrays import Array, IntArray
-from ...results.codes import BUCKLING, BUCKLING_LOAD
-from ...results.finding import Finding
+from ...results.codes import BUCKLING, BUCKLING_LOAD, Finding
 from .geometric_stiffness import Loading, geometric_stiffness
 from .spin import SpinMonitor
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...math.arrays import Array
-from ...results.codes import ENERGY_JUMP
-from ...results.finding import Finding
+from ...results.codes import ENERGY_JUMP, Finding
 from ...results.schema import ROUNDING
 
 

@@ -20,8 +20,7 @@ from ...errors import few
 from ...integrators.generic import Steps, StopRequest
 from ...integrators.generic.steps import MOST_NOTED
 from ...math.arrays import Array
-from ...results.codes import BRANCH, SINGULAR, SINGULAR_PASSED
-from ...results.finding import Finding
+from ...results.codes import BRANCH, SINGULAR, SINGULAR_PASSED, Finding
 from .constraint_rank import NEAR, ConstraintRank, Rank
 from .energy import EnergyMonitor
 from .observation import new_observation, note, observe

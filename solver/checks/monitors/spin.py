@@ -10,8 +10,7 @@ from ...dynamics.model.model import GROUND, Model
 from ...integrators.generic import Steps, StopRequest
 from ...integrators.generic.base import Dense
 from ...math.arrays import Array
-from ...results.codes import SPIN
-from ...results.finding import Finding
+from ...results.codes import SPIN, Finding
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,17 @@ from ...package.common.materials import MaterialError
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import share
 from ...package.section.io import read_section
-from ...report.section.results import read_results
-from ...report.section.show import judged_peaks, load_text, section_json, section_text
-from ...report.section.summary import Row, summary_json, summary_text, write_summary
-from ...report.section.writers import write_for
+from ...report.section.codes import read_results, write_for
+from ...report.section.show import (
+    Row,
+    judged_peaks,
+    load_text,
+    section_json,
+    section_text,
+    summary_json,
+    summary_text,
+    write_summary,
+)
 from ...workers.described import Entry, Made, Request, entries_of
 from ..arguments import FOLDERS
 from .described import (

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...inputs.shell.expand import load_shell
 from ...package.shell.schema import ShellFile
+from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.show import shell_text
-from ...report.shell.show_json import read_shown, shell_json
 from ...workers.described import Made, entries_of
 from .described import (
     drawn,

@@ -23,9 +23,14 @@ from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_value
 from ...package.section.io import read_section
 from ...package.section.stress import trapeze_strains
-from ...report.section.conventions import BLADE_AXES_LEADING_EDGE, transform
-from ...report.section.results import SectionResults, read_results
-from ...report.section.writers import write_beamdyn, write_hawc2
+from ...report.section.codes import (
+    BLADE_AXES_LEADING_EDGE,
+    SectionResults,
+    read_results,
+    transform,
+    write_beamdyn,
+    write_hawc2,
+)
 from ...workers.packages import build_packages, specs_of
 from .layers import StationMesh
 from .windio import Blade

@@ -15,7 +15,7 @@ from ...errors import InputError, nearest
 from ...inputs.common.text_file import read_yaml
 from ...math.arrays import Array
 from ...package.common.plausible import material_doubts
-from ...report.section.results import SectionResults
+from ...report.section.codes import SectionResults
 from .materials import Materials
 from .shape import Layer, Shape, check_layers, contour, doubts, read_shape
 from .tables import HANDLES, RULES, STRAIGHT, WHOLE, Along, Anchors, Table, Tables

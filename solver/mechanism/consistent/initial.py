@@ -21,8 +21,7 @@ from ...dynamics.model.coordinates import moved
 from ...dynamics.model.model import Model
 from ...errors import InputError, few
 from ...math.arrays import Array
-from ...results.codes import REDUNDANT, SINGULAR_START
-from ...results.finding import Finding
+from ...results.codes import REDUNDANT, SINGULAR_START, Finding
 from .locked import described_gaps, require_movable, rows_of
 
 _POSITION_TOLERANCE = 1e-12

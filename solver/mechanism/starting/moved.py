@@ -10,8 +10,7 @@ from ...dynamics.model.model import Model
 from ...errors import few
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, rotation_matrix
-from ...results.codes import START_MOVED
-from ...results.finding import Finding
+from ...results.codes import START_MOVED, Finding
 from ..consistent.initial import Start, closed_by_frames
 from ..consistent.locked import rows_of
 

@@ -7,7 +7,14 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 from ...package.shell.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate, ShellMeshData
-from .findings import CaseFindings, PlyExtreme, case_findings, stacking
+from .findings import (
+    CaseFindings,
+    PlyExtreme,
+    case_findings,
+    not_estimated,
+    stacking,
+    title_of,
+)
 
 # Where the normals e3 of the regions of a shell point, in words: plies start at the other side.
 
@@ -63,12 +70,6 @@ def shell_text(shell: ShellFile) -> str:
     lines += ["", *_modes(shell), *_buckling(shell), *_verification(shell), *_effort(shell)]
     lines += [f"warning [{w['code']}] {w['message']}" for w in shell.warnings]
     return "\n".join(lines)
-
-
-def title_of(shell: ShellFile) -> str:
-    """The title in the description; empty if there is none."""
-    spec = shell.provenance.get("spec", {})
-    return str(spec.get("title", "")) if isinstance(spec, dict) else ""
 
 
 def laminate_lines(laminate: ShellLaminate) -> list[str]:
@@ -230,12 +231,6 @@ def _modes(shell: ShellFile) -> list[str]:
     elif reason := not_estimated(shell):
         lines.append(f"{'Mesh error':16}not estimated: {reason}")
     return lines
-
-
-def not_estimated(shell: ShellFile) -> str | None:
-    """Why the errors of the frequencies are not estimated; None if they are."""
-    reason = shell.provenance.get("frequency_errors")
-    return str(reason) if reason else None
 
 
 def _mesh_error(values: Array, error: Array, name: str, unit: str = "") -> list[str]:

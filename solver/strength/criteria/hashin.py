@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from ...math.arrays import Array
 from ...package.common.strengths import PlyStrength
-from .contract import Criterion
-from .ray import Verdict, exposure, governing
+from .contract import Criterion, Verdict, exposure, governing
 
 # Shear along the fibre alone has equal terms for fibre and matrix; it is assigned to the matrix.
 MODES = ("matrix tension", "matrix compression", "fibre tension", "fibre compression")

@@ -4,8 +4,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.strengths import PlyStrength
-from .contract import Criterion
-from .ray import Verdict
+from .contract import Criterion, Verdict
 
 NORMAL = ("11", "22", "33")
 SHEAR = ("23", "13", "12")

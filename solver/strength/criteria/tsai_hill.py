@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from ...math.arrays import Array
 from ...package.common.strengths import PlyStrength
-from .contract import Criterion
-from .ray import Verdict
+from .contract import Criterion, Verdict
 
 MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.strengths import PlyStrength
-from .contract import Criterion
-from .ray import Verdict, exposure
+from .contract import Criterion, Verdict, exposure
 
 MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")
 

@@ -4,8 +4,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.strengths import YieldStrength
-from .contract import Criterion
-from .ray import Verdict
+from .contract import Criterion, Verdict
 
 MODES = ("yield",)
 

@@ -1,7 +1,7 @@
-"""Write a result: one VTKHDF file with an animation for ParaView and all result arrays."""
+"""result.vtkhdf: one file with an animation for ParaView and all result arrays."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,17 +9,34 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
+from ..errors import nearest
 from ..math.arrays import Array, IntArray
 from ..math.rows import ComputedRows, LongRows
-from ..package.common.container import MAX_ATTRIBUTE, new_file, set_text
+from ..package.common.container import (
+    MAX_ATTRIBUTE,
+    get_text,
+    kind_of_file,
+    new_file,
+    open_file,
+    set_text,
+)
 from ..package.common.dataset import field_values
-from ..package.common.identity import write_file_checksum
+from ..package.common.identity import check_file_checksum, version_of, write_file_checksum
 from .datasets import (
     LARGE,
+    LAYOUT,
     MOST_NAMED,
     PACKED,
     Datasets,
     Record,
+    body_of,
+    link_of,
+    link_record,
+    read_array,
+    read_record,
+    read_table,
+    read_texts,
+    view_record,
     write_record,
     write_table,
     write_texts,
@@ -31,11 +48,11 @@ from .schema import (
     BodyGeometry,
     ResultError,
     RunResult,
+    Signal,
     check_result,
 )
 from .summary import plain
-from .surfaces import MOST_STORED, drawn_by_views
-from .view_file import LAYOUT, link_record, view_record
+from .surfaces import MOST_STORED, drawn_by_views, positions_of_views
 
 Item = TypeVar("Item")
 AT_ONCE = 6_000_000  # bytes of positions in memory, which do not grow with output times
@@ -237,3 +254,107 @@ def write_animation(
 
 def _join(parts: list[IntArray]) -> IntArray:
     return np.concatenate([np.zeros(0, dtype=np.int64), *parts]).astype(np.int64)
+
+
+def read_result(path: str | Path) -> RunResult:
+    """Read result.vtkhdf.
+
+    Raises
+    ------
+    ResultError
+        The file is missing, truncated, newer, incomplete or of another format.
+    """
+    path = Path(path)
+    with open_file(path, ResultError) as file:
+        found = get_text(file, "format")
+        if found != FORMAT:
+            what = repr(found) if found else kind_of_file(file)
+            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
+        major, minor = version_of(path, file, ResultError)
+        if major > TABLES_VERSION[0]:
+            raise ResultError(
+                f"{path}: written by a newer Plymotion: format {major}.{minor}, "
+                f"this reader knows {FORMAT_VERSION[0]}.x and {TABLES_VERSION[0]}.x"
+            )
+        result = _load(path, file)
+        if (major, minor) > (1, 0):  # 1.0 had none
+            check_file_checksum(path, file, ResultError)
+        try:
+            check_result(result)
+        except ResultError as error:
+            raise ResultError(f"{path}: /results/{error}") from None
+    return result
+
+
+def _load(path: Path, file: h5py.File) -> RunResult:
+    group = _get(path, file, "results")
+
+    def array(name: str) -> np.ndarray:
+        return read_array(_get(path, group, name))
+
+    def members(name: str) -> list[h5py.HLObject]:
+        items = list(group[name].values()) if name in group else []
+        return sorted(items, key=lambda item: int(item.attrs.get("index", 0)))
+
+    def series(name: str) -> dict[str, np.ndarray]:
+        return {item.name.rsplit("/", 1)[1]: read_array(item) for item in members(name)}
+
+    def records(name: str) -> Iterator[tuple[str, str, Record]]:
+        """Yield place in the file, name and record of bodies or joints."""
+        if f"{name}_table" in group:
+            where = f"{path}: /results/{name}_table"
+            try:
+                found = read_table(group[f"{name}_table"])
+            except (KeyError, TypeError, ValueError) as error:
+                raise ResultError(f"{where}: damaged table: {error}") from error
+            yield from ((where, *each) for each in zip(*found, strict=True))
+        for item in members(name):
+            yield f"{path}: {item.name}", item.name.rsplit("/", 1)[1], read_record(item)
+
+    def signals() -> tuple[Signal, ...]:
+        if "signals_table" in group:
+            table = group["signals_table"]
+            words = (read_texts(_get(path, table, n)) for n in ("name", "unit", "description"))
+            values = read_array(_get(path, table, "values"))
+            return tuple(Signal(*each) for each in zip(*words, values, strict=True))
+        return tuple(
+            Signal(
+                item.name.rsplit("/", 1)[1],
+                get_text(item, "unit"),
+                get_text(item, "description"),
+                read_array(item),
+            )
+            for item in members("signals")
+        )
+
+    q = array("q")
+    provenance = get_text(file, "provenance")
+    if "provenance" in group:
+        provenance = read_texts(group["provenance"])[0]
+    bodies = tuple(body_of(*each) for each in records("bodies"))
+    if "node_positions_G" not in group and drawn_by_views(bodies):
+        nodes: Any = positions_of_views(q, bodies)
+    else:
+        nodes = array("node_positions_G")
+    return RunResult(
+        case=get_text(file, "case"),
+        run=get_text(file, "run"),
+        t=array("t"),
+        signals=signals(),
+        q=q,
+        v=array("v"),
+        multipliers=array("multipliers"),
+        energies=series("energies"),
+        bodies=bodies,
+        node_positions_G=nodes,
+        violations=series("violations"),
+        node_deflection=array("node_deflection") if "node_deflection" in group else None,
+        links=tuple(link_of(*each) for each in records("joints")),
+        provenance=json.loads(provenance or "{}"),
+    )
+
+
+def _get(path: Path, group: h5py.Group, name: str) -> h5py.HLObject:
+    if name not in group:
+        raise ResultError(f"{path}: {group.name}: no {name!r}{nearest(name, group)}")
+    return group[name]

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array, IntArray
-from ...results import RunResult
-from ...results.summary import plain
-from ..figures import UNITS, WORDS
+from ..math.arrays import Array, IntArray
+from ..results import RunResult
+from ..results.summary import plain
+from .figures import UNITS, WORDS
 
 # All arrays of a page as one text: byte-shuffled, compressed, base64.
 
@@ -130,7 +130,7 @@ def _from_start(name: str, result: RunResult) -> Array:
 
 # Scripts and styles as the page contains them, with the hashes that its policy allows.
 
-ROOM = Path(__file__).parents[1]
+ROOM = Path(__file__).parent
 VENDOR = ROOM / "vendor" / "uplot"
 # In the order in which they are read: a file uses names of earlier files only.
 SCRIPTS = (

@@ -1,1 +1,0 @@
-"""What report.html carries inside: arrays, scripts and styles."""
