@@ -20,8 +20,8 @@ from processes import cost
 from solver_methods import DEFAULT, Method
 from solver_runs import REFERENCE, solve
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.outcome import RunSpec
 from plymotion.solver.studies.sweep.plan import read_plan

@@ -23,8 +23,8 @@ from fidelity_figures import by, totals
 from fidelity_scenes import HELD, SCENES, Table
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.body.selection import vibrations
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.fidelity.base.comparison import difference, scales

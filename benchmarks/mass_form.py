@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 CASE = Path("cases/double-pendulum/case.toml")

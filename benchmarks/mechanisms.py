@@ -19,9 +19,9 @@ from shell_text import replace_between
 from solver_text import machine
 
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.solver import Solver
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.integration import integrated
 from plymotion.solver.run.outcome import RunSpec

@@ -27,7 +27,7 @@ from scale_cases import checked, sweep
 from scale_page import write
 from scale_steps import data_sha256, finished, steps
 
-from plymotion.solver.inputs.case.sources import solver_sha256
+from plymotion.solver.inputs.case.record import solver_sha256
 
 JSON = Path("build/benchmarks/scale.json")
 WORKERS = (1, 2)

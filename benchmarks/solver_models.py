@@ -19,9 +19,8 @@ from solver_problems import Problem, actuated_beam, chain, from_case
 from solver_runs import largest, solve, warm_up
 from tqdm import tqdm
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.output_folder import write_if_changed
-from plymotion.solver.inputs.case.reading.specs import dump
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import dump, write_if_changed
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package.common.plain_data import inputs_sha256
 

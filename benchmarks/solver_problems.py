@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 from solver_methods import PEERS, Method
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.load import merge
-from plymotion.solver.inputs.case.reading.output_folder import write_if_changed
-from plymotion.solver.inputs.case.reading.specs import dump
-from plymotion.solver.inputs.case.tables.record import seal
-from plymotion.solver.inputs.case.tables.resolved import resolved
+from plymotion.solver.inputs.case.load import load_case, merge
+from plymotion.solver.inputs.case.record import seal
+from plymotion.solver.inputs.case.tables.schema import resolved
+from plymotion.solver.inputs.case.write import dump, write_if_changed
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import Interface, ModalPackage, read_package
 from plymotion.solver.results import RunResult

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from plymotion.solver.dynamics.analysis.scales import scales
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.report.style import Canvas, colour, house_style
 from plymotion.solver.run.execution import execute, read_run

@@ -15,8 +15,8 @@ from pathlib import Path
 from .commands.ending import complete, full_output, no_reader
 from .commands.parser import parser, run_command
 from .errors import InputError, PackageError
-from .inputs.case.file import CASE_FILE
-from .inputs.scripts import scripts
+from .inputs.case.record import CASE_FILE
+from .inputs.common.mesh_files import scripts
 from .interrupts import (
     INTERRUPTED,
     ending_words,

@@ -16,8 +16,8 @@ from ..solver.extras.blade.analysis import (
     write_whole,
 )
 from ..solver.extras.blade.stations import Station, frequencies_at_rest
-from ..solver.inputs.case.file import CASE_FILE
-from ..solver.inputs.section.described import described_spec
+from ..solver.inputs.case.record import CASE_FILE
+from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.math.cores import cores
 from ..solver.workers.described import Entry, Made, make_files, write_specs

@@ -10,8 +10,8 @@ import numpy as np
 from ..solver.errors import InputError
 from ..solver.extras.exchange import export_body
 from ..solver.extras.exchange import import_body as import_from
-from ..solver.inputs.shell.expand import load_shell
-from ..solver.inputs.solid.expand import solid_spec
+from ..solver.inputs.shell_specification import load_shell
+from ..solver.inputs.solid_specification import solid_spec
 from ..solver.math.arrays import Array
 from ..solver.package import ModalPackage, Remark, read_package
 from ..solver.package import validate as findings_of

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.errors import InputError, counted
-from ..solver.inputs.case.file import case_file, case_name
-from ..solver.inputs.case.reading.load import Case as CheckedCase
-from ..solver.inputs.case.reading.load import checked_case
-from ..solver.inputs.case.tables.dotted_keys import split_key
-from ..solver.inputs.common import read_toml
+from ..solver.inputs.case.load import Case as CheckedCase
+from ..solver.inputs.case.load import checked_case
+from ..solver.inputs.case.record import case_file, case_name
+from ..solver.inputs.case.tables.schema import split_key
+from ..solver.inputs.common.text_file import read_toml
 from .html import table
 from .keys import Keys, check, kind_of, model_of, raw
 from .plain import plain

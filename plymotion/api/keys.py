@@ -10,11 +10,10 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic_core import PydanticUndefined
 
 from ..solver.errors import InputError, nearest
-from ..solver.inputs.case.tables.columns import FOLDER
+from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import CaseFile, Mechanism
-from ..solver.inputs.common.messages import bare_lines, members, without_annotations
-from ..solver.inputs.common.table import Name
-from ..solver.inputs.section.mesh_table import shape
+from ..solver.inputs.common.table import Name, bare_lines, members, without_annotations
+from ..solver.inputs.section.description import shape
 from .plain import plain
 
 Tables = dict[str, Any]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.errors import InputError
-from ..solver.inputs.case.reading.specs import write_case
+from ..solver.inputs.case.write import write_case
 from ..solver.package.common.temporary import write_text
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run

@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..solver.errors import InputError, few, nearest
-from ..solver.inputs.case.reading.specs import write_case
+from ..solver.inputs.case.write import write_case
 from ..solver.package.common.replaceable import named_by_user
 from ..solver.run.inputs_digest import up_to_date
 from ..solver.studies.cases import turn

@@ -5,8 +5,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..solver.inputs.section.described import described_spec
-from ..solver.inputs.section.expand import BUILD
+from ..solver.inputs.section.specification import BUILD
+from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import data_sha256
 from ..solver.package.section.io import read_section

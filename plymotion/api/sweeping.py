@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..solver.errors import InputError, counted, few, nearest
-from ..solver.inputs.case.reading.specs import write_case
+from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.package.common.temporary import write_text
 from ..solver.studies.cases import turn

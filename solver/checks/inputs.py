@@ -11,7 +11,7 @@ from ..dynamics.analysis.quasi_static import (
     quasi_static_deformations_of_loops,
 )
 from ..dynamics.evaluation.laws import law_values
-from ..inputs.case.expressions.of_time import drives, is_along, is_load, law
+from ..inputs.case.expressions import drives, is_along, is_load, law
 from ..math import curves, laws
 from ..math.arrays import Array
 from ..math.rows import column

@@ -11,7 +11,7 @@ from ..dynamics.analysis.quasi_static import vibrations
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.dense_equations import assemble
-from ..inputs.case.tables.loaded import loaded_places
+from ..inputs.case.record import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
 from ..results.codes import CUT_EARLY, ROTATION, Finding

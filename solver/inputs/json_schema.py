@@ -11,8 +11,8 @@ from pydantic.json_schema import models_json_schema
 
 from .case.tables.schema import CaseFile, Mechanism
 from .section.description import SectionDescription
-from .shell.description import ShellDescription
-from .solid.description import SolidDescription
+from .shell import ShellDescription
+from .solid import SolidDescription
 
 Json = dict[str, Any]  # a JSON schema
 DRAFT = "https://json-schema.org/draft/2020-12/schema"

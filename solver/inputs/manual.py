@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from .case.tables.schema import CaseFile, Mechanism
 from .json_schema import FILES, reached, referred, tables
-from .section.mesh_table import SHAPE_MESHES, FileMesh, MeshTable
+from .section.description import SHAPE_MESHES, FileMesh, MeshTable
 from .section.shapes.library import SHAPES, walls
 
 HEAD = ["| key | type | unit | bounds | default | meaning |", "|---|---|---|---|---|---|"]

@@ -13,7 +13,7 @@ import numpy as np
 from ..checks.course import stall_finding
 from ..checks.finished import FinishedRun
 from ..errors import InputError, PackageError
-from ..inputs.case.tables.record import sealed
+from ..inputs.case.record import sealed
 from ..integrators.generic import Steps, StopRequest, Watch
 from ..interrupts import held
 from ..package import ModalPackage, read_package
@@ -101,7 +101,7 @@ def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
     """Return the mechanism of a run file; one that was edited is checked."""
     found = sealed(table["mechanism"], table.get("checked"))
     if found is None:
-        from ..inputs.case.tables.resolved import resolved  # takes 0.2 s
+        from ..inputs.case.tables.schema import resolved  # takes 0.2 s
 
         found = resolved(table["mechanism"], where)
     return found

@@ -6,8 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ..inputs.case.sources import solver_sha256
-from ..inputs.case.tables.record import package_entries
+from ..inputs.case.record import package_entries, solver_sha256
 from ..package.common.disk_file import has_right_seal
 from ..results import ResultError, read_summary
 

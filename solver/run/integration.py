@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
-from ..inputs.case.tables.combining import needed
+from ..inputs.case.record import needed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Watch, integrate
 from ..integrators.generic.advice import Stall

@@ -66,7 +66,7 @@ class RunSpec:
         InputError
             Values that a run file may not have.
         """
-        from ..inputs.case.tables.resolved import changed_mechanism  # a run does without the models
+        from ..inputs.case.tables.schema import changed_mechanism  # a run does without the models
 
         return replace(self, mechanism=changed_mechanism(self.mechanism, changes))
 

@@ -15,7 +15,7 @@ from ..checks.monitors.together import Monitors
 from ..dynamics.analysis.scales import scales
 from ..dynamics.elements.constraints.treatment import Treatment, treated
 from ..dynamics.model.model import Model
-from ..inputs.case.expressions.of_time import is_smooth
+from ..inputs.case.expressions import is_smooth
 from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array

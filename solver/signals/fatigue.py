@@ -11,7 +11,7 @@ from ..strength.fatigue import StressLife, check_rainflow
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PlyStressSignal
-    from ..inputs.common.material import IsotropicMaterial, OrthotropicMaterial
+    from ..inputs.common.materials import IsotropicMaterial, OrthotropicMaterial
 
     Materials = Mapping[str, IsotropicMaterial | OrthotropicMaterial]
 

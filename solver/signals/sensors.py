@@ -9,7 +9,7 @@ import numpy as np
 from ..dynamics.analysis.recording import Recording
 from ..dynamics.elements.joints.table import COORDINATES
 from ..dynamics.model.model import Model
-from ..inputs.case.tables.combining import needed, with_parts
+from ..inputs.case.record import needed, with_parts
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage

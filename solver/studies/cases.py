@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, few, nearest
-from ..inputs.case.file import case_file, case_name
+from ..inputs.case.record import case_file, case_name
 from ..package.common.replaceable import refuse_link
 
 if TYPE_CHECKING:
-    from ..inputs.case.reading.load import Case
+    from ..inputs.case.load import Case
 
 # Which case, which of its runs and sweeps, which folder: for all commands with a case file.
 

@@ -20,7 +20,7 @@ from ..dynamics.evaluation.laws import law_at
 from ..dynamics.model.coordinates import move_rows, moved, position_rates
 from ..dynamics.model.model import Model, state_size
 from ..dynamics.model.workspace import spare_work
-from ..inputs.case.sources import solver_sha256
+from ..inputs.case.record import solver_sha256
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.newton.pencil import (
     factorise_pencil,

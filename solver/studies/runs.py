@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, PackageError, few
-from ..inputs.case.checks.messages import ERRORS, out_of_range
+from ..inputs.case.messages import ERRORS, out_of_range
 from ..interrupts import (
     INTERRUPTED,
     asked,

@@ -21,8 +21,7 @@ from typing import Any
 import plymotion
 
 from ..errors import InputError
-from ..inputs.common.gmsh_file import content_sha256
-from ..inputs.scripts import are_refused
+from ..inputs.common.mesh_files import are_refused, content_sha256
 from .executors import Executor, Local, Task, distribute
 from .interpreter import LAUNCHER, find_interpreter
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, few
-from ..inputs.case.tables.record import package_entries
+from ..inputs.case.record import package_entries
 from ..math.cores import cores
 from ..package.common.plain_data import canonical
 from ..package.common.replaceable import refuse_link
@@ -17,7 +17,7 @@ from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 
 if TYPE_CHECKING:
-    from ..inputs.case.reading.load import Case
+    from ..inputs.case.load import Case
 
 LOGGER = logging.getLogger(__name__)
 Entry = dict[str, Any]  # file and digests of a package, as a run file has them
@@ -56,7 +56,7 @@ def prepared(case: "Case", folder: Path, name: str, packages: Path | None) -> Pa
 
     Raises InputError as `build_needed`.
     """
-    from ..inputs.case.reading.specs import write_case  # 0.2 s, which `packages` need not wait for
+    from ..inputs.case.write import write_case  # 0.2 s, which `packages` need not wait for
 
     write_case(case, folder, packages)
     if packages is None:

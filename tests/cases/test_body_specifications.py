@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.inputs.case import Case, load_case
+from plymotion.solver.inputs.case.load import Case, load_case
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.table_form import check_form
 from plymotion.solver.package.specification import BeamSpecification, ShellSpecification

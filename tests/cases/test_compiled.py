@@ -8,8 +8,8 @@ from importlib.util import find_spec
 
 import pytest
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 
 # Not `importorskip`: Numba takes long to load, and each worker of pytest reads this file.
 pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")

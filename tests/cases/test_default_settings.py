@@ -10,9 +10,9 @@ from samples.stability_samples import hand
 from samples.two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.solver import Solver
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.generic.advice import INTERVALS, SLOW

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.execution import execute, read_run
 

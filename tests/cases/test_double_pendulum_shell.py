@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from samples.flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import flexible_body
 from plymotion.solver.package import read_package, validate

@@ -3,8 +3,8 @@
 import pytest
 from samples.case_samples import HEAD, rigid
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 SLEEVE, ARM, REST = 0.5, 0.8, 0.2836  # [m] below the hinge, of the arms, of the springs unloaded

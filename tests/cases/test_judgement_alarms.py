@@ -8,8 +8,8 @@ from samples.beam_samples import CLAMPED, reduced
 from samples.case_samples import HEAD, rigid
 from samples.stiffening_samples import rectangle
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import write_package
 from plymotion.solver.run.execution import execute, read_run
 

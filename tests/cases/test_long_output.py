@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.generic import drive as output
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import LongRows, StoredRows

@@ -13,8 +13,8 @@ from samples.recovery_samples import STEEL
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import SectionData, write_package
 from plymotion.solver.run.execution import execute, read_run
 

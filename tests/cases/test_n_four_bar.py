@@ -9,8 +9,8 @@ import pytest
 from samples.case_samples import case_runs, run_case
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 
 
 @pytest.fixture(scope="module")

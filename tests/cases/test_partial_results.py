@@ -11,8 +11,8 @@ import pytest
 from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.common.replaceable import RECORD
 from plymotion.solver.results import read_result
 

@@ -9,8 +9,8 @@ from samples.beam_tables import rod_frequencies
 from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
-from plymotion.solver.inputs.case.tables.columns import FOLDER
+from plymotion.solver.inputs.case.tables.beams import BeamBody
+from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.package import read_package
 
 # Hz at 0, 5 and 10 rad/s of ten segments with floating frames, 80 elements, without second-order

@@ -6,8 +6,8 @@ from dataclasses import replace as _replace
 import numpy as np
 import pytest
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results.codes import BUCKLING, MATTERS, NO_STIFFENING_DATA, SPIN
 from plymotion.solver.run.execution import execute, read_run
 

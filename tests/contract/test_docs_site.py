@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.load import load_case
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\[[^][]*\]\(([^)#\s:]+)(?:#[^)\s]*)?\)")

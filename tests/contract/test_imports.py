@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from samples.case_samples import case_runs
 
-from plymotion.solver.inputs.case.tables.record import seal
-from plymotion.solver.inputs.case.tables.resolved import resolved
+from plymotion.solver.inputs.case.record import seal
+from plymotion.solver.inputs.case.tables.schema import resolved
 
 ROOT = Path(__file__).parents[2]
 FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
@@ -173,7 +173,7 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
     loaded = set(done.stdout.split())
     assert not loaded & {"scipy", "matplotlib", "numba", "tqdm", "meshio", "pyvista"}
     assert "plymotion.solver.report" not in loaded
-    assert "plymotion.solver.inputs.case.reading.load" not in loaded
+    assert "plymotion.solver.inputs.case.load" not in loaded
 
 
 COMMAND_AND_LIST = """
@@ -187,7 +187,7 @@ print(*sys.modules)
 DRAWING = {"matplotlib", "tqdm", "numba", "meshio", "pyvista", "plymotion.solver.report.build"}
 NUMBERS = {"numpy", "h5py", "scipy", "pydantic"}
 BODIES = {"plymotion.solver.package.body.io", "plymotion.solver.package.validation"}
-DESCRIPTION = {"scipy", "plymotion.solver.inputs.case.reading.load", "plymotion.solver.dynamics"}
+DESCRIPTION = {"scipy", "plymotion.solver.inputs.case.load", "plymotion.solver.dynamics"}
 STARTS = [  # a command, what it must not load
     ("--help", DRAWING | NUMBERS),
     ("run --help", DRAWING | NUMBERS),

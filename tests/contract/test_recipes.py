@@ -20,7 +20,7 @@ USED = {"fixed", "revolute", "distance"}
 
 DESCRIBED = """
 from pydantic import ValidationError
-from plymotion.solver.inputs.shell.description import Elements
+from plymotion.solver.inputs.shell import Elements
 
 assert Elements(plate="centroid").plate == "centroid"
 try:

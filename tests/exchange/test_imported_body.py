@@ -7,8 +7,7 @@ from samples.exchange_samples import bar, write_matrices
 
 from plymotion.preprocess.__main__ import main as preprocess
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.load import source_files
+from plymotion.solver.inputs.case.load import load_case, source_files
 from plymotion.solver.package import read_package
 from plymotion.solver.results import read_result
 

@@ -7,8 +7,8 @@ import pytest
 from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.coupled import Stepper
 from plymotion.solver.run.coupled.stepper import Course

@@ -8,7 +8,7 @@ import pytest
 from peers.vabs_peer import orthotropic, stiffness, turned
 
 from plymotion.preprocess.section import analyse
-from plymotion.solver.inputs.section.codes.other_codes import (
+from plymotion.solver.inputs.section.specification import (
     is_of_another_code,
     spec_of_another_code,
 )

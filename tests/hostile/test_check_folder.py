@@ -100,7 +100,7 @@ def test_a_damaged_manifest_is_no_obstacle(tmp_path, damage):
 
 def test_a_check_that_was_killed_is_completed(tmp_path, monkeypatch):
     """Between any two files: the next one writes all, and removes what is no longer wanted."""
-    from plymotion.solver.inputs.case.reading import output_folder
+    from plymotion.solver.inputs.case import write as output_folder
 
     write = output_folder.write_text
     for before_death in range(6):

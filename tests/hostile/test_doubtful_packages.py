@@ -9,8 +9,8 @@ import pytest
 from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.common.container import content_sha256, get_text, set_text
 
 ARM = "tests/packages/double-pendulum/arm.isotropic.vtkhdf"

@@ -18,8 +18,8 @@ from samples.fidelity_packages import CASE, build_bodies
 from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.package.section.io import read_section
 from plymotion.solver.results import read_summary

@@ -13,8 +13,8 @@ import pytest
 from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import ResultError, read_result, relative_balance
 from plymotion.solver.studies.exit_codes import DEFECT
 
@@ -211,7 +211,7 @@ def test_the_last_resort(tmp_path, capsys, monkeypatch, error, command):
     write_case(load_case(_written(tmp_path)), tmp_path / "out")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
-    monkeypatch.setattr("plymotion.solver.inputs.case.reading.load.checked_case", fails)
+    monkeypatch.setattr("plymotion.solver.inputs.case.load.checked_case", fails)
     monkeypatch.setattr("plymotion.solver.run.execution.prepare", fails)
     words = [str(tmp_path / "case.toml")]
     if command == "run":

@@ -3,7 +3,7 @@
 import pytest
 
 from plymotion.solver.__main__ import main, parser
-from plymotion.solver.inputs.scripts import scripts
+from plymotion.solver.inputs.common.mesh_files import scripts
 from plymotion.solver.workers.executors import Local
 from plymotion.solver.workers.launch import start_of
 

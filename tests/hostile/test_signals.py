@@ -15,8 +15,8 @@ from samples.case_samples import HEAD, SOLVER, rigid
 from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import read_result
 from plymotion.solver.studies.sweep.file import read_sweep
 

@@ -7,8 +7,8 @@ import numpy as np
 from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 folder = Path(sys.argv[1])

@@ -7,8 +7,8 @@ from pathlib import Path
 from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 
 folder = Path(sys.argv[1])
 BODY = """

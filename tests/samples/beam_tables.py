@@ -8,14 +8,14 @@ import scipy.optimize
 from samples.beam_samples import coupled_stiffness
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.inputs.case.bodies.beam_lines import line_of
-from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
-from plymotion.solver.inputs.case.tables.beam_table import (
+from plymotion.solver.inputs.case.bodies.beams import line_of
+from plymotion.solver.inputs.case.tables.beams import (
     COLUMNS,
     PLACES,
     TRAPEZE,
     TWIST,
     UPPER,
+    BeamBody,
     Spline,
 )
 from plymotion.solver.math.rotations import skew

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 HEAD = 'format = 1\ntitle = "sample"\n'

@@ -3,7 +3,7 @@
 from samples import case_samples
 from samples.case_samples import rigid, run_text
 
-from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.run.preparation import prepare
 
 RADAU = 'integrator = "radau"\nrtol = 1e-7\natol_position = 1e-9\natol_velocity = 1e-8'

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from samples.case_samples import HEAD, rigid
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.outcome import RunSpec
 

@@ -7,7 +7,7 @@ import numpy as np
 from samples.beam_samples import reduced
 from samples.stiffening_samples import rectangle
 
-from plymotion.solver.inputs.case.bodies.rich import rich_bodies
+from plymotion.solver.inputs.case.bodies.specifications import rich_bodies
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.selection import selected

@@ -7,8 +7,8 @@ from typing import Any
 
 from samples.case_samples import HEAD, SOLVER
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep.member import Packages, Row, compute

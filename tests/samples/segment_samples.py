@@ -10,8 +10,8 @@ from samples.beam_samples import dense
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
-from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
+from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package import ModalPackage, SectionData
 from plymotion.solver.run.outcome import RunSpec

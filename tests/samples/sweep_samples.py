@@ -4,8 +4,8 @@ from pathlib import Path
 
 from samples.case_samples import HEAD, SOLVER, rigid
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.studies.sweep.plan import Plan, read_plan
 
 # A ball pushed by a force c t^3: a huge c is more than any step can follow.

@@ -8,11 +8,10 @@ from samples.beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, colu
 
 from plymotion.preprocess.beam.sections import given_section
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
-from plymotion.solver.inputs.case.checks.check import in_parts
-from plymotion.solver.inputs.case.tables.columns import FOLDER
-from plymotion.solver.inputs.case.tables.resolved import resolved
-from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
+from plymotion.solver.inputs.case.checks import in_parts
+from plymotion.solver.inputs.case.tables.laws import FOLDER
+from plymotion.solver.inputs.case.tables.schema import Mechanism, resolved
 from plymotion.solver.package.common.table_form import SpecError
 
 BODY = {

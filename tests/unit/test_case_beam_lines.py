@@ -9,8 +9,8 @@ from pydantic import ValidationError
 from samples.curved_samples import BAR
 
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
-from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
+from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.common.table_form import SpecError
 

@@ -7,7 +7,7 @@ import pytest
 
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.package import read_package
 
 CASE = """

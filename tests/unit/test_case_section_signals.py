@@ -6,9 +6,9 @@ from peers.ply_stresses import beam_ply_stress
 from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.signals import PlyStressSignal, ResultantSignal
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors

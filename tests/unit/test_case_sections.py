@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.load import source_files
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case, source_files
+from plymotion.solver.inputs.case.write import write_case
 
 
 @pytest.fixture
@@ -54,7 +53,7 @@ def test_a_shape_takes_material_and_angle_from_the_body(case, tmp_path):
 
 
 def test_a_described_section_is_the_specification_of_its_file(case, tmp_path):
-    from plymotion.solver.inputs.section.expand import load_section
+    from plymotion.solver.inputs.section.specification import load_section
 
     spec = section(described(case), tmp_path / "out")
     expected = load_section(tmp_path / "sections/box-layup-2.toml")

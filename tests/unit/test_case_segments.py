@@ -10,11 +10,11 @@ from samples.segment_samples import cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
-from plymotion.solver.inputs.case.checks.check import in_parts
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
+from plymotion.solver.inputs.case.checks import in_parts
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute
 from plymotion.solver.studies.sweep.plan import read_plan
 

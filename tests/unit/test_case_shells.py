@@ -7,9 +7,8 @@ from typing import Any
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.load import source_files
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case, source_files
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.common.plain_data import inputs_sha256
 
 DESCRIPTION = """

@@ -4,7 +4,7 @@ import pytest
 from samples.tube_samples import CASE
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case.reading.load import load_case
+from plymotion.solver.inputs.case.load import load_case
 
 RIGID = """
 [runs.stiff]

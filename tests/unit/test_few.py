@@ -6,8 +6,8 @@ from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
 from plymotion.solver.errors import few, nearest
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 

@@ -3,8 +3,8 @@
 from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.extras.fmu.write import write_contents
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 ARM = """

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.expand import load_section
 from plymotion.solver.inputs.section.foreign import read_foreign
+from plymotion.solver.inputs.section.specification import load_section
 
 ABAQUS = """\
 *NODE

@@ -2,8 +2,8 @@
 
 from samples.fidelity_samples import pendulum
 
-from plymotion.solver.inputs.case.bodies.rich import rich_bodies
-from plymotion.solver.inputs.case.tables.loaded import loaded_places
+from plymotion.solver.inputs.case.bodies.specifications import rich_bodies
+from plymotion.solver.inputs.case.record import loaded_places
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 
 

@@ -16,8 +16,8 @@ from samples.recovery_samples import (
 )
 
 from plymotion.preprocess.beam.line import straight_line
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.report import make_report
 from plymotion.solver.report.figures import draw_exposure

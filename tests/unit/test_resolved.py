@@ -9,12 +9,11 @@ from pydantic import BaseModel
 from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
-from plymotion.solver.inputs.case.tables import record
-from plymotion.solver.inputs.case.tables.record import Record, seal, sealed
-from plymotion.solver.inputs.case.tables.resolved import resolved
-from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.inputs.case import record
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.record import Record, seal, sealed
+from plymotion.solver.inputs.case.tables.schema import Mechanism, resolved
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import read_run
 
 LOAD = """

@@ -11,7 +11,7 @@ from samples.section_texts import BOX, replaced
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.manual import page_keys, with_keys
 from plymotion.solver.inputs.section.description import Laminate
-from plymotion.solver.inputs.section.expand import load_section
+from plymotion.solver.inputs.section.specification import load_section
 
 READY = {
     "airfoil",

@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.codes.becas_input import read_becas
-from plymotion.solver.inputs.section.codes.other_codes import (
-    is_of_another_code,
-    spec_of_another_code,
-)
-from plymotion.solver.inputs.section.codes.per_cell import ABSENT, QUADRILATERAL, TRIANGLE
-from plymotion.solver.inputs.section.codes.vabs_input import read_vabs
+from plymotion.solver.inputs.section.becas import ABSENT, QUADRILATERAL, TRIANGLE, read_becas
+from plymotion.solver.inputs.section.specification import is_of_another_code, spec_of_another_code
+from plymotion.solver.inputs.section.vabs import read_vabs
 
 SOUND = """0 0           ! old format
 1 0 0

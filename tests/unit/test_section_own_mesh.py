@@ -8,7 +8,7 @@ import pytest
 from samples.section_texts import BOX, replaced
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.expand import load_section, source_files
+from plymotion.solver.inputs.section.specification import load_section, source_files
 
 
 @pytest.fixture

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.common import validated
-from plymotion.solver.inputs.section.mesh_table import SHAPE_MESHES
-from plymotion.solver.inputs.section.shapes.contour import contour
+from plymotion.solver.inputs.common.table import validated
+from plymotion.solver.inputs.section.description import SHAPE_MESHES
+from plymotion.solver.inputs.section.shapes.airfoil import contour
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, shape, walls
-from plymotion.solver.inputs.section.shapes.spacing import (
+from plymotion.solver.inputs.section.shapes.parts import (
     along,
     arc,
     cosine,

@@ -10,7 +10,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.manual import with_keys
-from plymotion.solver.inputs.shell.expand import load_shell
+from plymotion.solver.inputs.shell_specification import load_shell
 
 MANUAL = Path(__file__).resolve().parents[2] / "docs" / "shell-description.md"
 PLATE = (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.shell.expand import shell_arrays
+from plymotion.solver.inputs.shell_specification import shell_arrays
 
 DECK = """*NODE
 1, 0., 0., 0.

@@ -8,9 +8,9 @@ import pytest
 from samples.sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
-from plymotion.solver.inputs.case.tables.sweeps import Sweep, Variation
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.tables.schema import Sweep, Variation
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.workers.packages import named_packages, needed_specs
 
 

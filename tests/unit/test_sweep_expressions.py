@@ -8,9 +8,9 @@ import pytest
 from samples.tube_samples import CARBON, CASE, TUBE
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case.reading.load import checked_case, load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
-from plymotion.solver.inputs.common import read_toml
+from plymotion.solver.inputs.case.load import checked_case, load_case
+from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.inputs.common.text_file import read_toml
 
 SWEEP = """
 [sweeps.s]

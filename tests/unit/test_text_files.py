@@ -3,7 +3,7 @@
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.tables.columns import PythonCode, read_columns
+from plymotion.solver.inputs.case.tables.laws import PythonCode, read_columns
 from plymotion.solver.inputs.common.text_file import numbered_lines
 
 

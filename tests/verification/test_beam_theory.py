@@ -7,7 +7,7 @@ import pytest
 from samples.beam_samples import reduced
 from samples.fidelity_samples import pendulum, planned_run
 
-from plymotion.solver.inputs.case.tables.section_schema import DescribedSection
+from plymotion.solver.inputs.case.tables.bodies import DescribedSection
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.studies.fidelity.base.model import with_values
 from plymotion.solver.studies.fidelity.delivery.execution import plan_of

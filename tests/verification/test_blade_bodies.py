@@ -9,7 +9,7 @@ from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.sections import given_section
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.beams import beam_spec
-from plymotion.solver.inputs.case.tables.columns import FOLDER
+from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.body.schema import SectionData
 

@@ -12,8 +12,8 @@ from samples.curved_samples import BAR, meshed
 
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.inputs.case.bodies.beam_lines import line_of
-from plymotion.solver.inputs.case.tables.beam_schema import BeamBody
+from plymotion.solver.inputs.case.bodies.beams import line_of
+from plymotion.solver.inputs.case.tables.beams import BeamBody
 from plymotion.solver.math.rotations import matrix_to_vector, skew, vector_to_matrix
 
 K = np.diag([4e3, 1e3, 1.2e3, 20.0, 30.0, 25.0])

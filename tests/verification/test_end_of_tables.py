@@ -5,8 +5,8 @@ import pytest
 from samples.case_samples import HEAD, SOLVER, rigid, run_text
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 SPEED, MASS, ARM = 3.0, 2.0, 0.5

@@ -10,7 +10,7 @@ from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.report import make_report
 from plymotion.solver.results import read_result
 from plymotion.solver.run.execution import read_run
@@ -125,7 +125,7 @@ def with_fatigue(repository: Path, folder: Path, more: str = "") -> Path:
 
 @counted
 def test_run_sweep_and_report_have_the_miner_sum(repository: Path, tmp_path: Path) -> None:
-    from plymotion.solver.inputs.case.reading.specs import write_case
+    from plymotion.solver.inputs.case.write import write_case
 
     sweep = (
         '\n[sweeps.speed]\nrun = "layup-1"\nsignals = ["root", "tip_y"]\n'
@@ -182,7 +182,7 @@ def test_wrong_data_are_named(repository: Path, tmp_path: Path, text: str, messa
 
 def test_bodies_do_not_depend_on_fatigue(repository: Path, tmp_path: Path) -> None:
     """S-N data are of a run: a package that was built without them still fits."""
-    from plymotion.solver.inputs.case.reading.specs import write_case
+    from plymotion.solver.inputs.case.write import write_case
 
     case = load_case(with_fatigue(repository, tmp_path))
     write_case(case, tmp_path / "build", repository / "tests/packages/double-pendulum")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from samples.fidelity_samples import INTERFACES, pendulum, planned_run, true_signals
 
-from plymotion.solver.inputs.case.tables.body_schema import ShellBody
+from plymotion.solver.inputs.case.tables.bodies import ShellBody
 from plymotion.solver.studies.fidelity.base.comparison import difference, scales
 from plymotion.solver.studies.fidelity.base.model import with_values
 from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan

@@ -5,8 +5,8 @@ import pytest
 from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.dynamics.evaluation.series import balance
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.run.execution import read_run

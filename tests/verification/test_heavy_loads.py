@@ -8,8 +8,8 @@ from samples.case_samples import HEAD, case_runs, rigid
 from samples.mechanism_samples import GRAVITY, GROUND, Rods
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy

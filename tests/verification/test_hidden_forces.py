@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from samples.coordinate_samples import carriage, force, run, wheel
 
-from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import Integrator
 from plymotion.solver.run.preparation import prepare

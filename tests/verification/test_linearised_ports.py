@@ -9,8 +9,8 @@ from samples.modes_samples import write_case_text
 from scipy.io import loadmat
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 PENDULUM = (

@@ -10,8 +10,8 @@ from samples.coordinate_samples import carriage, run
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.tables.columns import LONG, read_columns
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.tables.laws import LONG, read_columns
 from plymotion.solver.math.rows import PREFIX, column, packed
 from plymotion.solver.run.execution import execute, read_run
 

@@ -13,8 +13,8 @@ from plymotion.solver.dynamics.analysis.independence import CERTAIN, begin, new_
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
 from plymotion.solver.dynamics.model.workspace import new_work
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import Steps, integrate
 from plymotion.solver.run.execution import read_run

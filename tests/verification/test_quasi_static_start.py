@@ -9,8 +9,8 @@ from samples.case_samples import HEAD, run_text
 from samples.stiffening_samples import rectangle
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
 from plymotion.solver.run.execution import execute, read_run

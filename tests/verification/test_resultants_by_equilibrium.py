@@ -8,8 +8,8 @@ import pytest
 from samples.segment_samples import MATERIAL, SECTION, cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.inputs.case.bodies.body_specs import BodySpecs
-from plymotion.solver.inputs.case.checks.check import in_parts
+from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
+from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.execution import execute
 

@@ -19,9 +19,9 @@ from samples.recovery_samples import (
 )
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.signals import StrengthSignal
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism import BuiltMechanism, build
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.section.recovery_data import strengths

@@ -5,8 +5,8 @@ import pytest
 from samples.case_samples import HEAD
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 J, W, T_END = np.array([1.0, 2.0, 3.0]), np.array([0.01, 5.0, 0.01]), 20.0

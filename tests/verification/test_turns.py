@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from samples.case_samples import HEAD, rigid
 
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.reading.specs import write_case
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
 SPEED, DAMPING, INERTIA, T_END = 20.0, 0.3, 0.5, 10.0

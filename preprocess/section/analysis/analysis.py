@@ -62,7 +62,8 @@ def analyse(
     Parameters
     ----------
     spec : plain data, see docs/section-description.md for the meaning and
-        solver/inputs/section/expand.py for the form: name, convention, mesh, materials, regions
+        solver/inputs/section/specification.py for the form: name, convention, mesh, materials,
+        regions
     where : file and key of the description for messages, the section's name by default
     estimate : also solve with one degree more to estimate the error of K
     accuracy : refine the mesh until the estimate, scaled by sqrt(K_ii K_jj), is below this

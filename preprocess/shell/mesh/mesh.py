@@ -179,7 +179,7 @@ def _known(rows: IntArray, name: str, where: str) -> IntArray:
 
 
 def _from_arrays(path: Path) -> PlainMesh:
-    """The mesh of another program, as solver/inputs/shell/expand.py wrote it."""
+    """The mesh of another program, as solver/inputs/shell_specification.py wrote it."""
     with np.load(path, allow_pickle=False) as file:
         data = dict(file)
     named = {

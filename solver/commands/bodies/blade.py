@@ -23,7 +23,7 @@ from ...extras.blade.stations import (
     frequencies_at_rest,
     station_text,
 )
-from ...inputs.case.file import CASE_FILE
+from ...inputs.case.record import CASE_FILE
 from ...package.common.temporary import write_text
 from ...studies.exit_codes import DEFECT, report, worst
 from ..body_arguments import add_section

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...extras.exchange import export_body, import_body
-from ...inputs.case import load_case
+from ...inputs.case.load import load_case
 from ...studies.cases import build_folder, chosen_run
 from ...workers.packages import prepared
 

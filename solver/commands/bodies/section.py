@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...inputs.common import read_toml
-from ...inputs.section.described import described_spec
-from ...inputs.section.study import study_variants
+from ...inputs.common.text_file import read_toml
+from ...inputs.section.study import described_spec, study_variants
 from ...package.common.materials import MaterialError
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import share

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...inputs.shell.expand import load_shell
+from ...inputs.shell_specification import load_shell
 from ...package.shell.schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.show import shell_text

@@ -4,7 +4,7 @@ import argparse
 from typing import Any, cast
 
 from ...errors import InputError
-from ...inputs.solid.expand import solid_spec
+from ...inputs.solid_specification import solid_spec
 from ...report.solid import solid_table, solid_text
 from ...workers.described import Made, entries_of
 from .described import each, file_lines, run_described

@@ -3,8 +3,8 @@
 import argparse
 
 from ...errors import InputError, counted
-from ...inputs.case.reading.load import load_case, load_whole_case
-from ...inputs.case.reading.specs import write_case
+from ...inputs.case.load import load_case, load_whole_case
+from ...inputs.case.write import write_case
 from ...inputs.manual import case_page
 
 

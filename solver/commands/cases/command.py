@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...inputs.case.file import case_file
+from ...inputs.case.record import case_file
 from ...interrupts import INTERRUPTED
 from ...math.cores import cores
 from ...math.digests import state_of, state_since
@@ -93,9 +93,8 @@ def run_case(options: argparse.Namespace) -> int:
 def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> int:
     """Do all stages; return the exit code."""
     # Here: these take 0.5 s to import, longer than a command with nothing to do.
-    from ...inputs.case.reading.load import load_case, source_files
-    from ...inputs.case.reading.output_folder import MANIFEST
-    from ...inputs.case.reading.specs import write_case
+    from ...inputs.case.load import load_case, source_files
+    from ...inputs.case.write import MANIFEST, write_case
     from ...workers.packages import named_packages
 
     def say(text: str) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...inputs.case import load_case
-from ...inputs.case.file import case_file
+from ...inputs.case.load import load_case
+from ...inputs.case.record import case_file
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from ...report.fidelity import ladder_file

@@ -5,7 +5,7 @@ import shlex
 from pathlib import Path
 
 from ...errors import InputError, nearest
-from ...inputs.case.file import CASE_FILE
+from ...inputs.case.record import CASE_FILE
 from ...package.common.temporary import write_text
 from ..arguments import program
 from ..case_arguments import STARTERS

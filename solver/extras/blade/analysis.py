@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...inputs.case.file import CASE_FILE
+from ...inputs.case.record import CASE_FILE
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from .layers import StationMesh

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError, printable
-from ...inputs.case import load_case
-from ...inputs.case.file import CASE_FILE
-from ...inputs.case.reading.specs import write_case
-from ...inputs.case.tables.beam_table import COLUMNS, TRAPEZE, UPPER
+from ...inputs.case.load import load_case
+from ...inputs.case.record import CASE_FILE
+from ...inputs.case.tables.beams import COLUMNS, TRAPEZE, UPPER
+from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...math.curves import lengths_along
 from ...package.body.io import read_package

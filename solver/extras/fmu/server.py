@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError, PackageError
-from ...inputs.scripts import scripts
+from ...inputs.common.mesh_files import scripts
 from ...math.arrays import Array
 from ...run.coupled import Stepper
 from ...run.execution import read_run

@@ -21,7 +21,7 @@ import plymotion
 from plymotion import __version__
 
 from ...errors import InputError, printable
-from ...inputs.case.tables.record import package_entries
+from ...inputs.case.record import package_entries
 from ...mechanism.building.python_functions import calling_forces
 from ...package.common.temporary import temporary_sibling
 from ...run.coupled import Stepper

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import model_validator
 
 from ...errors import InputError, nearest
-from ...inputs.common import read_toml, validated
-from ...inputs.common.table import Name, Table, entry, optional
+from ...inputs.common.table import Name, Table, entry, optional, validated
+from ...inputs.common.text_file import read_toml
 from ...math.arrays import Array, IntArray
 
 # Every key of a file of measured modes (docs/modes.md).

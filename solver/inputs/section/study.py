@@ -1,4 +1,4 @@
-"""Changes of keys of section descriptions, and studies that vary them."""
+"""Descriptions of sections with other values at some keys, and studies that vary them."""
 
 import csv
 import itertools
@@ -13,7 +13,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
-from ..common import Table, entry, optional, validated
+from ..common.table import Table, entry, optional, validated
+from ..common.text_file import read_toml
+from .specification import is_of_another_code, section_spec, spec_of_another_code
 
 # Change of keys of a section description.
 
@@ -195,3 +197,31 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def described_spec(
+    file: Path, changes: Mapping[str, Any], name: str, folder: Path
+) -> dict[str, Any]:
+    """Return the specification of a description with changes.
+
+    Parameters
+    ----------
+    changes : other values at dotted keys
+    name : of the section if there are changes
+    folder : where meshes of the description are written
+
+    Raises
+    ------
+    InputError : the description or a change is wrong.
+    """
+    if is_of_another_code(file) and not changes:
+        return spec_of_another_code(file, folder)
+    table = read_toml(file, "section description")
+    if not changes:
+        return section_spec(table, file, folder)
+    try:
+        spec = section_spec(changed(table, changes, file), file, folder)
+    except InputError as error:
+        found = str(error).splitlines()
+        raise InputError("\n".join(f"{name}: {line}" for line in found)) from error
+    return spec | {"name": name}

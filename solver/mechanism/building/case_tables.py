@@ -13,17 +13,20 @@ from ...dynamics.elements.joints.contract import Displacement, DrivenBy
 from ...dynamics.elements.joints.table import COORDINATES, JOINTS
 from ...dynamics.model.model import ANGLE, DISPLACEMENT, DISTANCE, SPIN
 from ...errors import InputError
-from ...inputs.case.expressions.expressions import (
+from ...inputs.case.expressions import (
     AXES,
     REACTIONS,
     CaseScope,
     Read,
     coupled,
+    drives,
     expression,
+    force_terms,
+    is_along,
+    is_load,
+    law,
     of_time_alone,
 )
-from ...inputs.case.expressions.force_terms import force_terms
-from ...inputs.case.expressions.of_time import drives, is_along, is_load, law
 from ...math import laws
 from ...math.arrays import Array
 from ...math.curves import NamedCurve

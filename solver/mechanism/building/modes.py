@@ -9,7 +9,7 @@ from ...package.body.selection import selected
 from ...package.body.transform import rigid
 
 if TYPE_CHECKING:
-    from ...inputs.case.tables.body_schema import Deformed
+    from ...inputs.case.tables.bodies import Deformed
     from ...inputs.case.tables.schema import Mechanism
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ...dynamics.elements.forces.contract import Code
 from ...dynamics.elements.forces.table import COORDINATE_FORCES
 from ...errors import InputError
-from ...inputs.case.expressions.of_time import is_along
+from ...inputs.case.expressions import is_along
 from ...math.arrays import Array
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, PackageError, did_you_mean, printable
-from ...inputs.section.codes.vabs_input import OF_VABS
+from ...inputs.section.vabs import OF_VABS
 from ...math.arrays import Array, IntArray
 from ...package.common.anisotropic import elastic_from_dict
 from ...package.common.container import open_file

@@ -13,7 +13,7 @@ from ...dynamics.elements.joints.table import JOINTS
 from ...dynamics.evaluation.laws import law_values
 from ...dynamics.model.model import Model
 from ...errors import InputError
-from ...inputs.case.expressions.of_time import drives, is_along, is_load, law
+from ...inputs.case.expressions import drives, is_along, is_load, law
 from ...integrators.choice import make_integrator
 from ...integrators.generic import Integrator
 from ...integrators.table import INTEGRATORS

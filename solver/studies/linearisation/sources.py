@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from ...dynamics.elements.forces.contract import OfTime
 from ...dynamics.elements.forces.table import ELEMENTS, LOADS
 from ...dynamics.elements.joints.table import DRIVES, NAMES, position_rows
-from ...inputs.case.expressions.of_time import drives
+from ...inputs.case.expressions import drives
 from ...mechanism import BuiltMechanism
 from .state_space import Source
 

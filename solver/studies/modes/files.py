@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.io import savemat
 
-from ...inputs.case.reading.specs import dump
+from ...inputs.case.write import dump
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import temporary_sibling, write_text
 from ...report.style import Canvas, colour, house_style

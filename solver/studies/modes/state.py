@@ -9,10 +9,9 @@ import numpy as np
 from ...dynamics.evaluation.spinning import Spin
 from ...dynamics.model.model import Model
 from ...errors import InputError, PackageError
-from ...inputs.case import load_case
-from ...inputs.case.file import case_file
-from ...inputs.case.reading.load import Case
-from ...inputs.case.reading.specs import write_case
+from ...inputs.case.load import Case, load_case
+from ...inputs.case.record import case_file
+from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...mechanism import BuiltMechanism, build
 from ...mechanism.consistent.initial import Start, consistent_state

@@ -11,8 +11,8 @@ import numpy as np
 from ...checks.finished import FinishedRun, Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError
-from ...inputs.case.checks.messages import ERRORS, out_of_range
-from ...inputs.case.tables.combining import with_parts
+from ...inputs.case.messages import ERRORS, out_of_range
+from ...inputs.case.record import with_parts
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary

@@ -12,12 +12,9 @@ from plymotion import __version__
 
 from ...errors import InputError, PackageError, nearest
 from ...inputs.case.bodies.segments import in_segments
-from ...inputs.case.sources import solver_sha256
-from ...inputs.case.tables.dotted_keys import put
-from ...inputs.case.tables.resolved import resolved
-from ...inputs.case.tables.schema import Mechanism
-from ...inputs.common.messages import bare_lines
-from ...inputs.common.table import FilePath, Name, Table
+from ...inputs.case.record import solver_sha256
+from ...inputs.case.tables.schema import Mechanism, put, resolved
+from ...inputs.common.table import FilePath, Name, Table, bare_lines
 from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of

@@ -13,7 +13,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from ...errors import InputError
-from ...inputs.case.sources import solver_sha256
+from ...inputs.case.record import solver_sha256
 from ...interrupts import held
 from ...math.compiled import COMPILED
 from ...math.digests import state_of

@@ -1,20 +1,36 @@
-"""Descriptions that a case uses: in a file or in the case, with other values at some keys."""
+"""Sections, shells and solids of a case that a description defines."""
 
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import BaseModel
 
-from ...common import read_toml
+from ....errors import InputError, few, refuse, under
+from ....package.specification import ShellSpecification, SolidSpecification
+from ...common.mesh_files import physical_groups
 from ...common.table import plain_table
+from ...common.text_file import read_toml
 from ...section.description import checked as checked_section
 from ...section.study import changed
-from ...shell.description import checked as checked_shell
+from ...shell import checked as checked_shell
+from ...shell_specification import shell_spec
+from ...solid_specification import solid_table
+from ..tables.beams import BeamBody
+from ..tables.bodies import (
+    AttachmentChoice,
+    ModeChoice,
+    Modes,
+    ShellBody,
+    SolidBody,
+    SpinningChoice,
+    check_places,
+)
 
 if TYPE_CHECKING:
-    from ..tables.body_schema import ShellBody
+    from ..tables.bodies import DescribedSection, ShellBody
     from ..tables.schema import Mechanism
-    from ..tables.section_schema import DescribedSection
+
 
 INLINE = "description"
 
@@ -71,3 +87,117 @@ def described(way: list[str], mechanism: "Mechanism", folder: Path) -> BaseModel
         return checked_section(*section_table(name, owner, mechanism, folder))
     table, file = shell_table(owner, folder)
     return checked_shell({**table, "frequencies": table.get("frequencies", {})}, file)
+
+
+# Keys of a description for its own analysis; the mechanism supports and loads a body.
+OF_SHELLS = ("links", "supports", "loads", "probes", "frequencies")
+OF_SOLIDS = ("supports", "loads", "interfaces")
+
+
+def reduction(body: BeamBody | ShellBody | SolidBody) -> dict[str, Any]:
+    """Return how a body is reduced, as in its specification."""
+    second = {"second_order": True} if getattr(body, "second_order", False) else {}
+    return {
+        "reference": plain_table(body.reference),
+        "modes": [plain_table(mode) for mode in body.modes],
+        "damping_ratio": body.damping_ratio,
+        "interfaces": {k: plain_table(v) for k, v in body.interfaces.items()},
+        **second,
+    }
+
+
+def shell_body_spec(
+    name: str, body: ShellBody, folder: Path
+) -> tuple[ShellSpecification, list[Path]]:
+    """Return the specification of a shell, and the files beside the case file it is made from.
+
+    Parameters
+    ----------
+    folder : of the case file, where relative paths start
+
+    Raises
+    ------
+    InputError
+        What is wrong with the body, one line each.
+    """
+    key = f"bodies.{name}"
+    try:
+        shell = _shell(body, folder)
+    except InputError as error:
+        raise under(f"{key}.shell", error) from error
+    mesh = Path(shell["mesh"]["file"])
+    found = _groups(key, body, mesh) + check_places(key, body)
+    for i, mode in enumerate(body.modes):
+        where = f'{key}.modes[{i}].kind = "{mode.kind}"'
+        if mode.kind == "torsion":
+            found.append(
+                f'{where}: expected "lowest", "bending-xy", "bending-xz" or "axial": a shell that '
+                "twists moves along y and z"
+            )
+        elif isinstance(mode, SpinningChoice):
+            found.append(
+                f'{where}: expected "attachment" or "static-axial": the static shapes of a shell'
+            )
+    refuse(found)
+    own = {"body": name, "kind": "shell", "shell": shell, "mass_form": body.mass_form}
+    spec = cast(ShellSpecification, {**own, **reduction(body)})
+    return spec, [folder / body.shell, mesh]
+
+
+def _shell(body: ShellBody, folder: Path) -> Any:
+    table, file = shell_table(body, folder)
+    table = {key: value for key, value in table.items() if key not in OF_SHELLS}
+    mesh = table.get("mesh")
+    if isinstance(mesh, dict):  # what is wrong with another value is said below
+        mesh = dict(mesh)
+        if body.parameters:
+            mesh["parameters"] = {**mesh.get("parameters", {}), **body.parameters}
+        if body.refine and isinstance(mesh.get("refine", 0), int):
+            mesh["refine"] = mesh.get("refine", 0) + body.refine
+        table["mesh"] = mesh
+    # a description alone must request a result
+    spec = shell_spec({**table, "frequencies": {}}, file)
+    del spec["elements"]["mass_form"]  # the body's
+    parts = ("allow", "mesh", "materials", "laminates", "regions", "elements", "stiffeners")
+    return {key: spec[key] for key in parts if key in spec}
+
+
+def _groups(key: str, body: ShellBody, mesh: Path) -> list[str]:
+    """Groups that a .msh file does not have; only gmsh knows those of a script."""
+    if mesh.suffix != ".msh":
+        return []
+    known = [name for names in physical_groups(mesh) for name in names]
+    return [
+        f'{key}.interfaces.{name}.at = "{interface.at}": {os.path.basename(mesh)} has no physical '
+        f"group of this name, it has {few(known)}"
+        for name, interface in body.interfaces.items()
+        if interface.at not in known
+    ]
+
+
+def solid_body_spec(
+    name: str, body: SolidBody, folder: Path
+) -> tuple[SolidSpecification, list[Path]]:
+    """Return the same of a solid."""
+    key, file = f"bodies.{name}", folder / body.solid
+    try:
+        table = read_toml(file, "solid description")
+        kept = {k: v for k, v in table.items() if k not in OF_SOLIDS}
+        _, solid = solid_table(kept, file, body.size)
+    except InputError as error:
+        raise under(f"{key}.solid", error) from error
+    found = check_places(key, body) + [
+        f'{key}.modes[{i}].kind = "{mode.kind}": expected "lowest" or "attachment": the modes of '
+        "a solid"
+        for i, mode in enumerate(body.modes)
+        if not _of_solids(mode)
+    ]
+    refuse(found)
+    own = {"body": name, "kind": "solid", "solid": solid}
+    spec = cast(SolidSpecification, {**own, **reduction(body)})
+    return spec, [file, Path(solid["mesh"]["file"])]
+
+
+def _of_solids(mode: Modes) -> bool:
+    lowest = isinstance(mode, ModeChoice) and mode.kind == "lowest"
+    return lowest or isinstance(mode, AttachmentChoice)

@@ -12,11 +12,9 @@ import numpy as np
 from ....math.arrays import Array
 from ....math.curves import lengths_along
 from ....math.rotations import matrix_to_vector, vector_to_matrix
-from ..tables.beam_schema import BeamBody
-from ..tables.resolved import resolved
-from ..tables.schema import Mechanism
-from .beam_lines import division, fractions, is_plain, line_of, rounded
-from .beams import with_sections
+from ..tables.beams import BeamBody
+from ..tables.schema import Mechanism, resolved
+from .beams import division, fractions, is_plain, line_of, rounded, with_sections
 
 NEAR = 1e-9  # fractions closer than this are one place
 

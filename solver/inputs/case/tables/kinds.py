@@ -12,8 +12,7 @@ from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
 from ...common.table import Axis, Name, Table, entry, optional
-from .columns import PythonCode
-from .laws import CurveTable, LoadLaw, RotationDrive, TranslationDrive
+from .laws import CurveTable, LoadLaw, PythonCode, RotationDrive, TranslationDrive
 from .signals import JointCoordinate
 
 Kind = TypeVar("Kind", bound=Table)

@@ -2,7 +2,7 @@
 
 from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Plies, Shape, Values
-from .walled import BOTTOM, LEFT, OUTER, RIGHT, SIDES, TOP, WALL, box_walls, half_lines, skin_rows
+from .parts import BOTTOM, LEFT, OUTER, RIGHT, SIDES, TOP, WALL, box_walls, half_lines, skin_rows
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:

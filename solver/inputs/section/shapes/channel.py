@@ -2,8 +2,7 @@
 
 from ....package.specification import SectionMeshTable
 from .contract import Plies, Shape, Values, Wall
-from .spacing import faces, rows, united
-from .walled import BOTTOM, FLANGES, ROWS, TOP, flanged, half_lines
+from .parts import BOTTOM, FLANGES, ROWS, TOP, faces, flanged, half_lines, rows, united
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:

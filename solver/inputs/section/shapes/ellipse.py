@@ -4,7 +4,7 @@ import math
 
 from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Parameter, Plies, Shape, Values, Wall, size
-from .solid import STACK, count
+from .parts import STACK, count
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:

@@ -2,8 +2,7 @@
 
 from ....package.specification import SectionMeshTable
 from .contract import Plies, Shape, Values
-from .spacing import faces, rows
-from .walled import BOTTOM, FLANGES, ROWS, ROWS_WEB, TOP, WEB, flanged, half_lines
+from .parts import BOTTOM, FLANGES, ROWS, ROWS_WEB, TOP, WEB, faces, flanged, half_lines, rows
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:

@@ -2,8 +2,7 @@
 
 from ....package.specification import SectionMeshTable
 from .contract import Plies, Shape, Values, Wall
-from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows, spaced
-from .spacing import faces
+from .parts import COUNTS, RECTANGLE, STACK, counts, faces, solid_rows, spaced
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:

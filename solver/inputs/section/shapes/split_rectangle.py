@@ -5,8 +5,7 @@ import math
 from ....errors import InputError
 from ....package.specification import SectionMeshTable
 from .contract import Parameter, Plies, Shape, Values, Wall
-from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows
-from .spacing import cosine, faces, united
+from .parts import COUNTS, RECTANGLE, STACK, cosine, counts, faces, solid_rows, united
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:

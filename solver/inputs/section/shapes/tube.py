@@ -5,8 +5,7 @@ import math
 from ....errors import InputError
 from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Parameter, Plies, Shape, Values, Wall, size
-from .spacing import arc, faces, rows
-from .walled import wall_thickness
+from .parts import arc, faces, rows, wall_thickness
 
 STEP_DEG = 10.0  # angle of an element
 # Length of an element of an open tube over sqrt(thickness x radius), the length of the bending zone

@@ -3,8 +3,7 @@
 from ....errors import InputError
 from ....package.specification import SectionMeshTable
 from .contract import DENSITY, Parameter, Plies, Shape, Values
-from .spacing import faces, rows
-from .walled import (
+from .parts import (
     BOTTOM,
     LEFT,
     OUTER,
@@ -15,7 +14,9 @@ from .walled import (
     WALL,
     WEB,
     box_walls,
+    faces,
     half_lines,
+    rows,
     skin_rows,
     wall,
     wall_thickness,

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ....dynamics.analysis.scales import extent
-from ....inputs.case.tables.combining import KINDS, parts
+from ....inputs.case.record import KINDS, parts
 from ....math.arrays import Array
 from ....mechanism import BuiltMechanism
 from ....signals import Sensor, sensors

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ....errors import InputError, nearest, printable
-from ....inputs.common import read_toml
+from ....inputs.common.text_file import read_toml
 from ....package.common.temporary import write_text
 from ....package.common.toml_text import toml_value
 from ....run.inputs_digest import plan_sha256, text_sha256

@@ -1,1 +1,0 @@
-"""Checks of a case beyond types and bounds."""

@@ -1,0 +1,243 @@
+"""Read a case file: merge variants, check every run, resolve names."""
+
+from collections.abc import Collection, Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import ValidationError
+
+from ...errors import InputError, nearest, refuse, unknown
+from ..common.table import bare_lines, members, validated, without_annotations
+from ..common.text_file import read_toml
+from ..section.description import shape
+from .bodies.specifications import BodySpec, BodySpecs
+from .checks import check_elsewhere, in_parts
+from .expressions import drives, law
+from .messages import Findings
+from .record import case_name
+from .sweeps import CheckedSweep, check_sweep
+from .tables.laws import FOLDER
+from .tables.schema import CaseFile, Mechanism
+
+Tables = dict[str, Any]
+
+
+def merge(base: Tables, over: Tables, way: tuple[str, ...] = ()) -> None:
+    """Merge tables of `over` into `base` in place; values and lists are replaced.
+
+    A table of a mechanism whose kind changes keeps the keys that both kinds have.
+    """
+    for key, value in over.items():
+        if isinstance(value, dict) and isinstance(base.get(key), dict):
+            if len(way) == 1:
+                _forget(way[0], base[key], value)
+            merge(base[key], value, (*way, key))
+        else:
+            base[key] = deepcopy(value)
+
+
+def _forget(group: str, table: Tables, over: Tables) -> None:
+    """Remove from a table of `group` what the kind that `over` gives it does not have."""
+    known = _keys(group)
+    old, new = _kind(group, table), _kind(group, over)
+    named = isinstance(old, str) and isinstance(new, str)  # a kind may be anything in a bad file
+    if not named or old == new or old not in known or new not in known:
+        return
+    for key in list(table):
+        if known[old].get(key, old) != known[new].get(key, new):
+            del table[key]
+
+
+def _kind(group: str, table: Tables) -> Any:
+    return shape(table) if group == "sections" else table.get("kind")
+
+
+@cache
+def _keys(group: str) -> dict[Any, dict[str, Any]]:
+    """Return the keys of every kind of a group with their types; empty for a group without."""
+    field = Mechanism.model_fields.get(group)
+    arguments = () if field is None else get_args(field.annotation)
+    if len(arguments) != 2:
+        return {}
+    return {
+        kind: {f.alias or name: f.annotation for name, f in model.model_fields.items()}
+        for kind, model in members(without_annotations(arguments[-1])).items()
+    }
+
+
+# Names that the folder of a case has for other things than the results of a run, or of a sweep.
+RESERVED = {
+    "runs": {
+        "bodies": "a folder of this name",
+        "runs": "a folder of this name",
+        "sweeps": "a folder of this name",
+    },
+    "sweeps": {"bodies": "a folder sweeps/bodies"},
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A checked case.
+
+    Attributes
+    ----------
+    name : of its folder; of the file, unless that is case.toml
+    file : where it comes from
+    top : what is beside the mechanism
+    runs : mechanism by run
+    bodies : specifications of the flexible bodies by run and name
+    sweeps : those that were asked for, with all their members
+    """
+
+    name: str
+    file: Path
+    top: CaseFile
+    runs: dict[str, Mechanism]
+    bodies: dict[str, dict[str, BodySpec]]
+    sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
+
+
+def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> Case:
+    """Read and check a case file.
+
+    Parameters
+    ----------
+    coarse : the coarse version of the case
+    sweeps : names of the sweeps whose members are made and checked; None: all. A sweep of 10 000
+        members takes some seconds, which a single run need not wait for.
+
+    Raises
+    ------
+    InputError
+        One line per error: file, key, value, expectation.
+    """
+    return checked_case(read_toml(file, "case file"), file, coarse=coarse, sweeps=sweeps)
+
+
+def load_whole_case(file: Path) -> Case:
+    """Read and check a case file with all sweeps, and its coarse version. Raises InputError."""
+    table = read_toml(file, "case file")
+    cases, found = list[Case](), list[str]()
+    for coarse in (False, True) if table.get("coarse") else (False,):
+        try:
+            cases.append(checked_case(table, file, coarse=coarse))
+        except InputError as error:
+            new = [line for line in str(error).splitlines() if line not in found]
+            found += [f"{line} (in [coarse])" if coarse else line for line in new]
+    refuse(found)
+    return cases[0]
+
+
+def checked_case(
+    table: dict[str, Any],
+    file: Path,
+    *,
+    coarse: bool = False,
+    sweeps: Collection[str] | None = None,
+) -> Case:
+    """Check the content of a case file; see `load_case`.
+
+    Parameters
+    ----------
+    file : its name goes into messages; paths in the case are relative to its folder
+    """
+    table = deepcopy(table)
+    top_keys = set(CaseFile.model_fields)
+    over = table.get("coarse")
+    if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
+        merge(table, {"sweeps": over["sweeps"]})
+    top = validated(CaseFile, {k: v for k, v in table.items() if k in top_keys}, file)
+    base = {k: v for k, v in table.items() if k not in top_keys}
+    for key in base:
+        if key not in Mechanism.model_fields:
+            known = [*CaseFile.model_fields, *Mechanism.model_fields]
+            raise InputError(f"{file}: {key}: unknown key{nearest(key, known)}")
+    findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
+    quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
+
+    def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
+        merged = deepcopy(base)
+        for variant in variants:
+            findings.add(unknown(f"{file}: {key}.variants", variant, "variant", top.variants))
+            merge(merged, top.variants.get(variant, {}))
+        merge(merged, quick)
+        return merged
+
+    specs = BodySpecs(file.parent)
+    runs: dict[str, Mechanism] = {}
+    bodies: dict[str, dict[str, BodySpec]] = {}
+    findings.add(
+        f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
+        for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
+        for name in RESERVED[table].keys() & names.keys()
+    )
+    for name, run in top.runs.items():
+        merged = merged_with(f"runs.{name}", run.variants)
+        try:
+            mechanism = Mechanism.model_validate(merged, context={FOLDER: file.parent})
+        except ValidationError as error:
+            findings.of_run(name, bare_lines(error, Mechanism))
+            continue
+        runs[name], bodies[name], found = in_parts(mechanism, specs)
+        findings.of_run(name, found)
+    if not findings:  # otherwise a run that is wrong would be missing
+        for name, mechanism in runs.items():
+            findings.of_run(name, check_elsewhere(mechanism, runs))
+    findings.add(f"{file}: {line}" for line in _figures(top, runs))
+    checked_sweeps: dict[str, CheckedSweep] = {}
+    for name, sweep in top.sweeps.items():
+        key = f"sweeps.{name}"
+        findings.add(unknown(f"{file}: {key}.run", sweep.run, "run", top.runs))
+        if sweep.run in runs and (sweeps is None or name in sweeps):
+
+            def merged_of(
+                run: str, key: str = key, variants: list[str] = sweep.variants
+            ) -> dict[str, Any] | None:
+                if run not in top.runs:
+                    return None
+                return merged_with(key, [*top.runs[run].variants, *variants])
+
+            checked = check_sweep(f"{file}: {key}", sweep, specs, merged_of)
+            if isinstance(checked, list):
+                findings.of_sweep(key, checked)
+            else:
+                checked_sweeps[name] = checked
+    if findings:
+        raise InputError("\n".join(findings.lines()))
+    return Case(case_name(file), file, top, runs, bodies, checked_sweeps)
+
+
+def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:
+    """Yield what figures name and the case does not have."""
+    for name, figure in top.figures.items():
+        for run in figure.runs:
+            yield from unknown(f"figures.{name}.runs", run, "run", top.runs)
+        for mechanism in runs.values():
+            yield from unknown(f"figures.{name}.signal", figure.signal, "signal", mechanism.signals)
+
+
+def source_files(case: Case) -> list[Path]:
+    """Return the files that runs and sweeps of a case read: descriptions, meshes, tables, code."""
+    swept = [each for sweep in case.sweeps.values() for each in (sweep.own, *sweep.others.values())]
+    mechanisms = [*case.runs.values(), *(members.base for members in swept)]
+    bodies = [*case.bodies.values(), *(body for members in swept for body in members.bodies)]
+    sources = {file for specs in bodies for spec in specs.values() for file in spec.sources}
+    folder = case.file.parent
+    sources |= {file for mechanism in mechanisms for file in _law_sources(mechanism, folder)}
+    return sorted(sources)
+
+
+def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
+    """Return the files beside the case file that its laws of time come from."""
+    laws: list[Any] = []
+    for joint in mechanism.joints.values():
+        laws += drives(joint).values()
+    laws += [law(force) for force in mechanism.forces.values()]
+    tables: list[Any] = [each.table for each in laws if each is not None]
+    tables += mechanism.tables.values()
+    tables += [getattr(force, "code", None) for force in mechanism.forces.values()]
+    return [folder / t.file for t in tables if t is not None and t.file is not None]

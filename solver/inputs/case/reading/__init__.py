@@ -1,1 +1,0 @@
-"""From a case file to what the other stages read."""

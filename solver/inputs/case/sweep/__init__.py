@@ -1,1 +1,0 @@
-"""The members of a sweep, and what the solver reads of them."""

@@ -1,0 +1,361 @@
+"""The members of a sweep: every point of its design as a checked mechanism."""
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from ...errors import InputError, nearest, unknown
+from ...math.arrays import Array
+from ...math.expressions import operations as op
+from ...math.expressions.parse import ExpressionError, Plain, parsed
+from ...math.expressions.program import value_at
+from ...math.expressions.tree import Node
+from ..common.table import bare_lines, validated
+from .bodies.descriptions import described
+from .bodies.specifications import BodySpec, BodySpecs
+from .checks import in_parts
+from .record import needed, with_parts
+from .tables.laws import FOLDER, RESOLVED
+from .tables.schema import Mechanism, Sweep, put
+
+if TYPE_CHECKING:
+    from .tables.schema import Mechanism
+
+
+class Misplaced(Exception):
+    """A dotted key that is not the key of a number; the message names its last existing part."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a sweep varies, found in the mechanism."""
+
+    name: str
+    keys: list[str]
+    unit: str
+
+
+def parameters_of(sweep: Sweep, mechanism: "Mechanism", folder: Path) -> list[Parameter]:
+    """Return the parameters with the keys that depend on them, and their units.
+
+    Parameters
+    ----------
+    folder : of the case file
+
+    Raises
+    ------
+    Misplaced
+        A key that is not that of a number, or given twice; an expression that cannot be used.
+    """
+    read = {
+        key: _reads(key, text, sweep, mechanism.parameters)
+        for key, text in sweep.expressions.items()
+    }
+    owner: dict[str, str] = dict.fromkeys(sweep.expressions, "set")
+    units = {key: unit_at(mechanism, key, folder) for key in sweep.expressions}
+    found = []
+    for name, variation in sweep.vary.items():
+        by_expression = [key for key, names in read.items() if name in names]
+        own = variation.keys or ([] if by_expression else [name])
+        for key in own:
+            if key in owner:
+                raise Misplaced(f"{key}: varied twice, by {owner[key]} and {name}")
+            owner[key] = name
+            units[key] = unit_at(mechanism, key, folder)
+        keys = [*own, *by_expression]
+        unit = variation.unit
+        if unit is None:
+            direct = own or [k for k in keys if sweep.expressions[k].strip(" -+") == name]
+            known = {units[key] for key in direct}
+            unit = known.pop() if len(known) == 1 else ""
+        found.append(Parameter(name, keys, unit))
+    return found
+
+
+def changes_of(
+    sweep: Sweep,
+    parameters: Sequence[Parameter],
+    values: Mapping[str, float],
+    numbers: Mapping[str, float],
+) -> dict[str, float]:
+    """Return what the keys get in one member: whole numbers as such.
+
+    Parameters
+    ----------
+    parameters : of `parameters_of`
+    values : theirs by name
+    numbers : `[parameters]` of the case
+
+    Raises
+    ------
+    Misplaced
+        An expression without a finite value.
+    """
+    found: dict[str, float] = {}
+    for parameter in parameters:
+        for key in parameter.keys:
+            if key not in sweep.expressions:
+                found[key] = values[parameter.name]
+    for key, text in sweep.expressions.items():
+        try:
+            with np.errstate(all="ignore"):
+                value = value_at(parsed(text, Plain({**numbers, **values})))
+        except (ArithmeticError, ExpressionError) as error:
+            raise Misplaced(f'set."{key}" = "{text}": {error}') from error
+        if not math.isfinite(value):
+            raise Misplaced(f'set."{key}" = "{text}": expected a finite value')
+        found[key] = value
+    return {key: int(v) if v == int(v) else v for key, v in found.items()}
+
+
+class _Names(Plain):
+    """Varied parameters as quantities that an expression reads, those of the case as numbers."""
+
+    def __init__(self, sweep: Sweep, parameters: Mapping[str, float]) -> None:
+        super().__init__(parameters)
+        varied = [name for name in sweep.vary if name.isidentifier()]
+        self.names |= {name: Node(op.LOAD, quantity=name) for name in varied}
+
+
+def _reads(key: str, text: str, sweep: Sweep, parameters: Mapping[str, float]) -> set[str]:
+    """Return the names of varied parameters that an expression reads. Raises Misplaced."""
+    scope = _Names(sweep, parameters)
+    try:
+        leaves = list(parsed(text, scope).leaves())
+    except ExpressionError as error:
+        hint = nearest(error.word, scope.names) if error.word else ""
+        raise Misplaced(f'set."{key}" = "{text}": {error}{hint}') from error
+    if any(leaf.code == op.TIME for leaf in leaves):
+        hint = nearest("t", scope.names)
+        raise Misplaced(f'set."{key}" = "{text}": there is no parameter `t`{hint}')
+    names = {str(leaf.quantity) for leaf in leaves}
+    if not names:
+        hint = nearest(text, sweep.vary)
+        raise Misplaced(f'set."{key}" = "{text}": expected a parameter of `vary`{hint}')
+    return names
+
+
+def unit_at(mechanism: "Mechanism", key: str, folder: Path) -> str:
+    """Return the unit of the number at a key, "" for none.
+
+    Raises
+    ------
+    Misplaced
+        A part of the key does not exist, or its value is not a number.
+    """
+    owner, colon, inner = key.partition(":")
+    if not colon:
+        return _unit(mechanism, key, key)
+    way = owner.split(".")
+    try:
+        model = described(way, mechanism, folder) if len(way) == 2 else None
+    except InputError as error:
+        raise Misplaced(f"{key}: {str(error).splitlines()[0]}") from error
+    if model is None:
+        known = [f"sections.{n}" for n, s in mechanism.sections.items() if hasattr(s, "changes")]
+        known += [f"bodies.{n}" for n, b in mechanism.bodies.items() if hasattr(b, "changes")]
+        hint = nearest(owner, known)
+        raise Misplaced(f"{key}: expected a described section or a shell before the colon{hint}")
+    return _unit(model, inner, key)
+
+
+def _unit(model: BaseModel, key: str, shown: str) -> str:
+    """Return the unit at a key below a model; `shown` is the key in messages."""
+    here: Any = model
+    unit, way = "", list[str]()
+    parts = key.split(".")
+    for number, part in enumerate(parts):
+        known: list[str]
+        if isinstance(here, BaseModel):
+            known = list(type(here).model_fields)
+        elif isinstance(here, dict):
+            known = list(here)
+        elif isinstance(here, list):
+            known = [str(i) for i in range(len(here))]
+        elif here is None:
+            raise Misplaced(f"{shown}: {'.'.join(way)} is absent in this run")
+        else:
+            raise Misplaced(f"{shown}: {'.'.join(way)} has no keys")
+        way.append(part)
+        if part not in known and "changes" in known:
+            right = f"{'.'.join(parts[:number])}:{'.'.join(parts[number:])}"
+            raise Misplaced(f'{shown}: a key of the description follows a colon, "{right}"')
+        if part not in known:
+            raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{nearest(part, known)}")
+        if isinstance(here, BaseModel):
+            extra = type(here).model_fields[part].json_schema_extra
+            unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+            here = getattr(here, part)
+        else:
+            if isinstance(here, list) and "," in unit:  # those of its entries, as text
+                unit = ""
+            here = here[int(part)] if isinstance(here, list) else here[part]
+    if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
+        what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
+        raise Misplaced(f"{shown}: expected the key of a number, this is {what}")
+    return unit
+
+
+NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Members:
+    """A run, and what each member of a sweep changes in it."""
+
+    base: Mechanism
+    changes: list[dict[str, float]]  # (k) values at dotted keys
+    bodies: list[dict[str, BodySpec]]  # (k) specifications of their flexible bodies by name
+
+
+@dataclass(frozen=True)
+class CheckedSweep:
+    """A sweep with checked members."""
+
+    table: Sweep
+    parameters: list[Parameter]
+    points: Array  # (k, p)
+    own: Members
+    others: dict[str, Members]  # other runs that combined signals read
+    base_bodies: dict[str, BodySpec]  # specifications of the flexible bodies of the base
+
+    @property
+    def base(self) -> Mechanism:
+        """The run that is varied."""
+        return self.own.base
+
+
+def check_sweep(
+    where: str,
+    sweep: Sweep,
+    specs: BodySpecs,
+    merged_of: Callable[[str], dict[str, Any] | None],
+) -> CheckedSweep | list[str]:
+    """Return the members of a sweep, or one line per finding.
+
+    Parameters
+    ----------
+    where : file and key of the sweep
+    specs : of the case
+    merged_of : mechanism of a run by its name, as the user wrote it, with its variants and those
+        of the sweep; None: there is no such run, which is said elsewhere
+    """
+    merged = merged_of(sweep.run)
+    if merged is None:
+        return []
+    try:
+        base = validated(Mechanism, merged, where, **{FOLDER: specs.folder})
+    except InputError as error:
+        return str(error).splitlines()
+    _, base_bodies, wrong = in_parts(base, specs)
+    found = [f"{where}: {line}" for line in wrong]
+    for key in ("signals", "histories"):
+        for name in getattr(sweep, key):
+            found += unknown(f"{where}.{key}", name, "signal", base.signals)
+    try:
+        parameters = parameters_of(sweep, base, specs.folder)
+    except Misplaced as error:
+        return [*found, f"{where}.vary: {error}"]
+    times = {"solver.t_end", "solver.output_step"}
+    for parameter in parameters:
+        if sweep.histories and times & set(parameter.keys):
+            found.append(
+                f"{where}.histories: expected none where {parameter.name} is varied: "
+                "histories of all members need the same times"
+            )
+    if found:
+        return found
+    points, problems = sweep.points(), _MemberProblems(where)
+    maker = _Maker(sweep, parameters, points, specs)
+    own = maker.members(base, problems)
+    others = dict[str, Members]()
+    kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
+    for run in needed(kept):
+        table = merged_of(run)
+        if table is None:
+            return []  # said of the run
+        try:
+            other = validated(Mechanism, table, where, **{FOLDER: specs.folder})
+        except InputError:
+            return []  # said of the run
+        others[run] = maker.members(other, problems, partly=True)
+    if problems.found:
+        return problems.lines()
+    return CheckedSweep(sweep, parameters, points, own, others, base_bodies)
+
+
+@dataclass(frozen=True)
+class _Maker:
+    """Makes the members of runs."""
+
+    sweep: Sweep
+    parameters: list[Parameter]
+    points: Array
+    specs: BodySpecs
+
+    def members(
+        self, base: Mechanism, problems: "_MemberProblems", *, partly: bool = False
+    ) -> Members:
+        """Return the members of a run; `partly`: without changes of keys that it does not have."""
+        table, members = base.model_dump(), Members(base, [], [])
+        left_out = {
+            key
+            for parameter in self.parameters
+            for key in parameter.keys
+            if partly and not self._has(base, key)
+        }
+        for k, point in enumerate(self.points):
+            values = dict(zip(self.sweep.vary, map(float, point), strict=True))
+            try:
+                found = changes_of(self.sweep, self.parameters, values, base.parameters)
+                changes = {key: v for key, v in found.items() if key not in left_out}
+                member = Mechanism.model_validate(put(table, changes), context={RESOLVED: True})
+            except Misplaced as error:
+                problems.add(k, values, [str(error)])
+                continue
+            except ValidationError as error:
+                problems.add(k, values, bare_lines(error, Mechanism))
+                continue
+            _, bodies, wrong = in_parts(member, self.specs)
+            problems.add(k, values, wrong)
+            members.changes.append(changes)
+            members.bodies.append(bodies)
+        return members
+
+    def _has(self, mechanism: Mechanism, key: str) -> bool:
+        try:
+            unit_at(mechanism, key, self.specs.folder)
+        except Misplaced:
+            return False
+        return True
+
+
+class _MemberProblems:
+    """Findings of the members of a sweep: those that differ in a value only are one."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self.found: dict[str, list[str]] = {}  # finding without numbers: as it is, by member
+
+    def add(self, number: int, values: dict[str, float], lines: list[str]) -> None:
+        """Add the findings of a member."""
+        member = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+        for line in lines:
+            told = f"{line} (member {number}: {member})"
+            key = re.split(" = |: ", line, maxsplit=1)[0]
+            same = key + NUMBER.sub("", line.removeprefix(key))
+            self.found.setdefault(same, []).append(told)
+
+    def lines(self) -> list[str]:
+        """Return one line per finding, with the first member that has it."""
+        return [
+            f"{self.where}: {told[0].removesuffix(')')}"
+            + (f"; and {len(told) - 1} more members)" if len(told) > 1 else ")")
+            for told in self.found.values()
+        ]

@@ -1,0 +1,348 @@
+"""Write what the other stages read: body specifications, runs, sweeps.
+
+    build/<case>/case.json              title, figures, runs
+    build/<case>/bodies/<name>.json     one distinct body: what the preprocessor builds
+    build/<case>/runs/<run>.json        one run: resolved mechanism and its packages
+    build/<case>/sweeps/<name>.json     one sweep: its members, their bodies in sweeps/bodies
+    build/<case>/manifest.json          which files of the folder `check` has written
+
+A file is rewritten only when its content changes, so that no package is built again after an edit
+that does not concern it.
+
+manifest.json lists the files. It is written before the first file and after the last one is
+gone, so that a `check` that was killed leaves no file that it does not know.
+"""
+
+import hashlib
+import json
+import os
+import random
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError
+from ...package.common.replaceable import refuse_link
+from ...package.common.temporary import write_text
+from .bodies.specifications import BodySpec, model_and_check
+from .load import Case
+from .record import needed, seal
+from .sweeps import CheckedSweep, Members
+from .tables.bodies import PackageBody
+from .tables.schema import Mechanism
+
+MANIFEST, CASE, WRITER = "manifest.json", "case.json", "plymotion check"
+# What a manifest may name: anything else in it was written by somebody else. Earlier versions
+# wrote rules for make and links to inputs, which are removed.
+_OWN = re.compile(r"case\.json|case\.mk|((sweeps/)?bodies|runs|sweeps|inputs)/[A-Za-z0-9_.-]+")
+
+
+class OutputFolder:
+    """The files that `check` wants in a folder; nothing is written before `write`.
+
+    Attributes
+    ----------
+    path : the folder
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._texts: dict[str, str] = {}
+        self._made: dict[str, None] = {}  # by other programs, from these files
+        self._kept: tuple[str, ...] = ()  # beginnings of names
+
+    def add(self, name: str, text: str, *made: str) -> None:
+        """Want a file; `made` are names of files that other programs make from it."""
+        self._texts[name] = text
+        self._made |= dict.fromkeys(made)
+
+    def keep(self, *beginnings: str) -> None:
+        """Leave files of an earlier `check` whose names begin so as they are."""
+        self._kept += beginnings
+
+    def write(self) -> None:
+        """Write all files and remove those of an earlier `check` that are not wanted or kept.
+
+        Raises
+        ------
+        InputError
+            The folder has a file of the same name that `check` has not written.
+        """
+        for name in (*self._texts, MANIFEST):
+            refuse_link(self.path / name)
+        before, adopted = self._before()
+        wanted = [*self._texts, MANIFEST]
+        for name in () if adopted else wanted:
+            if name not in before and self._would_be_lost(name):
+                raise InputError(
+                    f"--out {self.path}: {name} is there already and was not written by `check`; "
+                    "expected a new folder, or the build folder of a case"
+                )
+        made = [n for n in self._made if n in before or adopted or not (self.path / n).exists()]
+        kept = [name for name in before if name.startswith(self._kept)]
+        own = [*wanted, *made, *kept]
+        self._record([*before, *own])
+        for name, text in self._texts.items():
+            write_if_changed(self.path / name, text)
+        for name in before - set(own):
+            (self.path / name).unlink(missing_ok=True)
+        self._record(own)
+
+    def _would_be_lost(self, name: str) -> bool:
+        """Tell whether a file has content that `write` would replace by another one."""
+        file = self.path / name
+        if not file.is_file():
+            return file.is_symlink() or file.exists()
+        return file.read_bytes() not in (b"", self._texts.get(name, "").encode())
+
+    def _before(self) -> tuple[set[str], bool]:
+        """Return the own files of an earlier `check`; whether one without manifest was here."""
+        table = _read(self.path / MANIFEST)
+        if table.get("written_by") == WRITER and isinstance(table.get("files"), list):
+            own = {n for n in table["files"] if isinstance(n, str) and _is_own(n)}
+            return {MANIFEST, *own}, False
+        return set(), _read(self.path / CASE).get("written_by") == WRITER
+
+    def _record(self, names: list[str]) -> None:
+        table = {"written_by": WRITER, "files": sorted(set(names))}
+        write_if_changed(self.path / MANIFEST, json.dumps(table, indent=1) + "\n")
+
+
+def _is_own(name: str) -> bool:
+    return _OWN.fullmatch(name) is not None and not name.endswith(("/.", "/.."))
+
+
+def _read(file: Path) -> dict[str, Any]:
+    """Return a table of a JSON file; an empty one of any other file."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def write_if_changed(file: Path, text: str) -> None:
+    """Write a file unless it already holds `text`."""
+    raw = text.encode("utf-8")
+    if not (file.is_file() and file.read_bytes() == raw):
+        write_text(file, text, own=True)
+
+
+DRAWN = 3  # members at which the plan is checked
+Packages = dict[str, dict[str, str]]  # file and hash of the inputs by body
+Files = Callable[[dict[str, BodySpec]], Packages]
+
+
+def drawn_members(sweep: CheckedSweep) -> list[int]:
+    """Return the numbers of members drawn at random; the same sweep always has the same."""
+    fidelity = sweep.base.fidelity
+    said = fidelity.model_dump() if fidelity is not None else None
+    text = json.dumps([said, sweep.points.tolist(), sweep.table.vary], default=str)
+    seed = hashlib.sha256(text.encode()).hexdigest()
+    count = len(sweep.points)
+    return sorted(random.Random(seed).sample(range(count), min(DRAWN, count)))
+
+
+def with_fidelity(sweep: CheckedSweep, content: dict[str, Any], files: Files) -> dict[str, Any]:
+    """Return the content of a sweep file with the key `fidelity`, if the run has [fidelity].
+
+    `files` gives packages by their specifications. `base` and `base_check` are numbers of those of
+    the run without changes, `drawn` has those of the check at some members.
+    """
+    if sweep.base.fidelity is None:
+        return content
+    packages = list(content["packages"])
+
+    def numbers(specs: dict[str, BodySpec]) -> dict[str, int]:
+        found = {}
+        for body, entry in files(specs).items():
+            if entry not in packages:
+                packages.append(entry)
+            found[body] = packages.index(entry)
+        return found
+
+    model, check = model_and_check(sweep.base_bodies)
+    table = {
+        "base": numbers(model),
+        "base_check": numbers(check),
+        "drawn": [
+            {"member": k, "check": numbers(model_and_check(sweep.own.bodies[k])[1])}
+            for k in drawn_members(sweep)
+        ],
+    }
+    return {**content, "fidelity": table, "packages": packages}
+
+
+def sweep_content(
+    case: str,
+    name: str,
+    sweep: CheckedSweep,
+    packages: list[Packages],
+    others: dict[str, list[Packages]],
+) -> dict[str, Any]:
+    """Return the content of the file.
+
+    A member is the mechanism with `changes` (dotted keys) and its own `packages`, given by their
+    numbers in the list of all; `values` are those of the parameters. `other_runs` are those that
+    combined signals read, with the same changes.
+
+    Parameters
+    ----------
+    packages : of every member: file and hash of the inputs by body
+    others : the same of other runs
+    """
+    numbers: dict[tuple[tuple[str, str], ...], int] = {}
+
+    def listed(members: Members, tables: list[Packages]) -> list[dict[str, Any]]:
+        return [
+            {
+                "changes": changes,
+                "packages": {
+                    body: numbers.setdefault(tuple(sorted(entry.items())), len(numbers))
+                    for body, entry in table.items()
+                },
+            }
+            for changes, table in zip(members.changes, tables, strict=True)
+        ]
+
+    said = sweep.table
+    own = listed(sweep.own, packages)
+    elsewhere = {run: listed(sweep.others[run], tables) for run, tables in others.items()}
+    return {
+        "case": case,
+        "sweep": name,
+        "title": said.title or name,
+        "run": said.run,
+        "design": said.design,
+        "parameters": [{"name": p.name, "keys": p.keys, "unit": p.unit} for p in sweep.parameters],
+        "signals": said.signals or list(sweep.own.base.signals),
+        "histories": said.histories,
+        "mechanism": sweep.own.base.model_dump(),
+        "other_runs": {run: sweep.others[run].base.model_dump() for run in others},
+        "members": [
+            {
+                "values": values.tolist(),
+                **member,
+                "other_runs": {run: members[k] for run, members in elsewhere.items()},
+            }
+            for k, (values, member) in enumerate(zip(sweep.points, own, strict=True))
+        ],
+        "packages": [dict(entry) for entry in numbers],
+    }
+
+
+def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
+    """Write all files of a checked case into `out`, and remove those that it no longer has.
+
+    Files of sweeps whose members were not asked for stay as an earlier call has left them.
+
+    Parameters
+    ----------
+    packages : folder of ready packages; None: out/bodies, built by the preprocessor
+
+    Raises
+    ------
+    InputError
+        `out` has files of the same names that `check` has not written; nothing is written.
+    """
+    folder = OutputFolder(out)
+    files = _BodyFiles(case, folder, packages)
+    for run, mechanism in case.runs.items():
+        model, check = model_and_check(case.bodies[run])
+        table = files.packages(mechanism, model, "bodies", run)
+        of_check = files.packages(mechanism, check, "bodies", f"{run}.check") if check else {}
+        others = {}
+        for name in needed(mechanism.signals):
+            other, specs = case.runs[name], model_and_check(case.bodies[name])[0]
+            of_other = files.packages(other, specs, "bodies", name)
+            others[name] = {
+                "packages": of_other,
+                "checked": seal(other),
+                "mechanism": other.model_dump(),
+            }
+        content = {
+            "case": case.name,
+            "run": run,
+            "title": case.top.runs[run].title or run,
+            "packages": table,
+            **({"check_packages": of_check} if of_check else {}),
+            **({"other_runs": others} if others else {}),
+            "checked": seal(mechanism),
+            "mechanism": mechanism.model_dump(),
+        }
+        folder.add(f"runs/{run}.json", dump(content))
+    for name, sweep in case.sweeps.items():
+        folder.add(f"sweeps/{name}.json", dump(_sweep(case, name, sweep, files)))
+    left = case.top.sweeps.keys() - case.sweeps.keys()
+    if left:
+        folder.keep("sweeps/bodies/", *(f"sweeps/{name}." for name in left))
+    first = next(iter(case.runs.values()))
+    content = {
+        "written_by": WRITER,
+        "case": case.name,
+        "title": case.top.title,
+        "runs": {n: r.title or n for n, r in case.top.runs.items()},
+        "figures": {n: f.model_dump() for n, f in case.top.figures.items()},
+        "signals": {n: s.model_dump() for n, s in first.signals.items()},
+    }
+    folder.add("case.json", dump(content))
+    folder.write()
+
+
+class _BodyFiles:
+    """Specifications of distinct bodies, each written once however many mechanisms have it."""
+
+    def __init__(self, case: Case, folder: OutputFolder, packages: Path | None) -> None:
+        self.case, self.folder, self.ready = case, folder, packages
+        self._known: dict[str, Path] = {}  # hash of the inputs -> package
+
+    def packages(
+        self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
+    ) -> Packages:
+        """Return the packages of the bodies of a mechanism: file from `out`, hash of its inputs.
+
+        A body that is new gets a specification in `folder`, named after the run that has it
+        first: readable, and shared by the others. Without a run it is named after its hash, so
+        that members that come and go leave the others' packages alone.
+        """
+        table: Packages = {}
+        out = self.folder.path
+        for name, body in mechanism.bodies.items():
+            if isinstance(body, PackageBody):
+                file = (self.case.file.parent / body.package).resolve()
+                table[name] = {"file": os.path.relpath(file, out)}
+        for name, spec in specs.items():
+            digest = spec.inputs_sha256
+            if digest not in self._known:
+                stem = f"{name}.{run or digest[:12]}"
+                package = (self.ready or out / folder) / f"{stem}.vtkhdf"
+                # Packages of this folder are kept, whoever names it.
+                here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
+                built = (f"{folder}/{stem}.vtkhdf",) if here else ()
+                text = dump({**spec.content, "inputs_sha256": digest})
+                self.folder.add(f"{folder}/{stem}.json", text, *built)
+                self._known[digest] = package
+            file = self._known[digest]
+            table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
+        return table
+
+
+def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, Any]:
+    """Return the content of sweeps/<name>.json."""
+
+    def packages(run: Members) -> list[Packages]:
+        models = (model_and_check(bodies)[0] for bodies in run.bodies)
+        return [files.packages(run.base, model, "sweeps/bodies") for model in models]
+
+    tables = packages(sweep.own)
+    others = {run: packages(members) for run, members in sweep.others.items()}
+    content = sweep_content(case.name, name, sweep, tables, others)
+    return with_fidelity(
+        sweep, content, lambda specs: files.packages(sweep.base, specs, "sweeps/bodies")
+    )
+
+
+def dump(data: Any) -> str:
+    """Return readable JSON."""
+    return json.dumps(data, indent=2) + "\n"

@@ -1,0 +1,119 @@
+"""Mesh files and scripts that a description names: permission, names of groups, content.
+
+Scripts run with the rights of the user, unless refused.
+"""
+
+import contextlib
+import hashlib
+import re
+from collections.abc import Iterator
+from contextvars import ContextVar
+from pathlib import Path
+
+from ...errors import InputError
+
+SUFFIXES = (".geo", ".py")
+_allowed: ContextVar[bool] = ContextVar("scripts_allowed", default=True)
+
+
+@contextlib.contextmanager
+def scripts(*, allowed: bool) -> Iterator[None]:
+    """Allow or refuse scripts in the descriptions that are read inside."""
+    token = _allowed.set(allowed)
+    try:
+        yield
+    finally:
+        _allowed.reset(token)
+
+
+def are_refused() -> bool:
+    """Tell whether scripts are refused, so that the preprocessor refuses them, too."""
+    return not _allowed.get()
+
+
+def refuse_script(file: Path, key: str) -> None:
+    """Raise InputError for a script where scripts are refused; `key` names it in the message."""
+    if file.suffix in SUFFIXES and not _allowed.get():
+        raise InputError(
+            f"{key}: expected no script with --no-scripts, it would run commands; a mesh .msh is "
+            "only read"
+        )
+
+
+_NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
+_NAME = re.compile(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
+_GEO = re.compile(r'^\s*(?:Merge|Include)\s+"([^"]+)"', re.MULTILINE)
+_PY = re.compile(r"""["']([\w./-]+\.(?:py|geo|dat|csv|txt|json|toml|msh|step|stp))["']""")
+_OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the files that it reads
+
+
+def mesh_source(name: str, folder: Path) -> tuple[Path, str]:
+    """Return the file of `[mesh]`, and its key for messages.
+
+    Raises InputError : a script where none is allowed, no such file, a .msh of another program.
+    """
+    file, key = folder / name, f'mesh.file = "{name}"'
+    refuse_script(file, key)
+    if not file.is_file():
+        raise InputError(f"{key}: there is no file {file}")
+    return file, key
+
+
+def is_gmsh_mesh(file: Path) -> bool:
+    """Tell gmsh's .msh from those of other programs, and from scripts, by the first bytes."""
+    with file.open("rb") as stream:
+        return stream.read(11) == b"$MeshFormat"
+
+
+def physical_names(file: Path, where: str) -> tuple[list[str], list[str]]:
+    """Return the names of the physical surfaces and of the physical curves of a .msh file.
+
+    `where` is its key, for messages.
+
+    Raises
+    ------
+    InputError
+        No physical surface has a name.
+    """
+    groups = physical_groups(file)
+    if not groups[2]:
+        raise InputError(
+            f"{where}: no physical surface of it has a name, expected one per region, "
+            'like Physical Surface("skin") = {1};'
+        )
+    return groups[2], groups[1]
+
+
+def physical_groups(file: Path) -> tuple[list[str], list[str], list[str]]:
+    """Return the names of the physical points, curves and surfaces of a .msh file."""
+    block = _NAMES.search(file.read_bytes())  # text in binary files too
+    found = [
+        (int(dimension), name.decode("utf-8", "replace"))
+        for dimension, _, name in (_NAME.findall(block[1]) if block else [])
+    ]
+    points, curves, surfaces = ([name for d, name in found if d == wanted] for wanted in range(3))
+    return points, curves, surfaces
+
+
+def content_sha256(file: Path) -> str:
+    """Return the hash of a mesh file, or of a script with all files that it merges and includes.
+
+    The hash of a single file is that of its bytes. A Python script reads the files it names in
+    quotes.
+    """
+    parts = [file.read_bytes()]
+    if file.suffix in _OTHER:
+        pending, seen = [file], {file.resolve()}
+        while pending:
+            script = pending.pop()
+            text = script.read_text(encoding="utf-8", errors="replace")
+            for name in _OTHER[script.suffix].findall(text):
+                other = script.parent / name
+                if other.is_file() and other.resolve() not in seen:
+                    seen.add(other.resolve())
+                    parts.append(other.read_bytes())
+                    if other.suffix in _OTHER:
+                        pending.append(other)
+    if len(parts) == 1:
+        return hashlib.sha256(parts[0]).hexdigest()
+    return hashlib.sha256(b"".join(hashlib.sha256(p).digest() for p in parts)).hexdigest()

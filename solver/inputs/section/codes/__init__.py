@@ -1,1 +1,0 @@
-"""Cross-sections in the input files of other codes."""

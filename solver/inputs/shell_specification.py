@@ -1,0 +1,339 @@
+"""From a shell description to the specification that the FE side reads."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, collected, few, nearest, refuse, under, unknown
+from ..math.arrays import IntArray
+from .common.materials import check_materials, plain, unknown_materials
+from .common.mesh_files import SUFFIXES as SCRIPTS
+from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source, physical_groups
+from .common.table import plain_table
+from .common.text_file import read_toml
+from .section.foreign import named_sets, read_mesh, region_sets, write_npz
+from .shell import Mesh, Region, ShellDescription, checked
+
+# Surface meshes of other programs, read by meshio into arrays for the preprocessor.
+#
+# An .npz file with `points` (n, 3), `cells` (c, 3), or (c, 4) with -1 as fourth node of a triangle,
+# `region` (c,) rows of `regions`, and for each named curve and point `curve:NAME` (s, 2) and
+# `point:NAME` (k,). Its name has the hash of its content.
+
+BUILD = Path("build/shells")  # folder of the arrays
+PLANE = {"triangle": 3, "quad": 4}
+
+
+def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
+    """Write the arrays of a mesh; return their file and its SHA-256.
+
+    Regions and curves are the named sets of cells and lines, points the named sets of nodes.
+
+    Raises
+    ------
+    InputError : no mesh, cells of other kinds, cells in no region or in two.
+    """
+    mesh = read_mesh(file, where)
+    blocks = [i for i, block in enumerate(mesh.cells) if block.type in PLANE]
+    others = sorted({b.type for b in mesh.cells if b.dim >= 2} - set(PLANE))
+    if others or not blocks:
+        raise InputError(
+            f"{where}: its cells are of type {', '.join(others) or 'none'}, expected triangle and "
+            "quad, of degree 1, in space"
+        )
+    wide = max(PLANE[mesh.cells[i].type] for i in blocks)
+    cells = np.concatenate([_padded(mesh.cells[i].data, wide) for i in blocks])
+    regions, region = _regions_of_mesh(mesh, blocks, file.name, where)
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : np.shape(mesh.points)[1]] = mesh.points
+    used = np.unique(cells[cells >= 0])
+    row = np.full(len(points), -1)
+    row[used] = np.arange(len(used))
+    arrays: dict[str, Any] = {
+        "points": points[used],
+        "cells": np.where(cells < 0, -1, row[np.maximum(cells, 0)]),
+        "region": region,
+        "regions": np.array(regions),
+    }
+    arrays |= {f"curve:{name}": row[lines] for name, lines in _curves(mesh).items()}
+    arrays |= {f"point:{name}": row[np.asarray(n)] for name, n in mesh.point_sets.items()}
+    return write_npz(BUILD, file.stem, **arrays)
+
+
+def _padded(data: Any, wide: int) -> IntArray:
+    data = np.asarray(data, dtype=np.int64)
+    return np.pad(data, ((0, 0), (0, wide - data.shape[1])), constant_values=-1)
+
+
+def _regions_of_mesh(
+    mesh: Any, blocks: list[int], name: str, where: str
+) -> tuple[list[str], IntArray]:
+    """Names of the regions, and the region of each cell."""
+    sets = region_sets(mesh, blocks, name, None)
+    members = np.array(list(sets.values()))
+    count = members.sum(axis=0)
+    if not (count == 1).all():
+        cell = int(np.flatnonzero(count != 1)[0])
+        of = [of for of, mask in sets.items() if mask[cell]]
+        raise InputError(
+            f"{where}: cell {cell + 1} is in {count[cell]} sets ({few(of) or 'none'}), expected "
+            "exactly one, its region"
+        )
+    return list(sets), np.asarray(members.argmax(axis=0), dtype=np.int64)
+
+
+def _curves(mesh: Any) -> dict[str, IntArray]:
+    lines = [i for i, block in enumerate(mesh.cells) if block.type == "line"]
+    if not lines:
+        return {}
+    ends = np.concatenate([mesh.cells[i].data for i in lines]).astype(np.int64)
+    return {name: ends[mask] for name, mask in named_sets(mesh, lines).items()}
+
+
+# From a shell description to the specification that the FE side reads.
+#
+#     {"name": "panel", "title": "...",
+#      "mesh": {"file": "panel.geo", "sha256": "...", "parameters": {...}, "scale": 1e-3},
+#      "materials": {"cfrp": {"kind": "orthotropic", ...}},
+#      "laminates": {"skin": {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1e-4}],
+#                             "offset": "mid", "shear_correction": "energy-1d"}},
+#      "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0], "flip": false}},
+#      "elements": {...}, "stiffeners": {...}, "links": {...},
+#      "supports": {"root": {"at": "root", "fixed": ["ux", "uy", "uz", "rx", "ry", "rz"]}},
+#      "loads": {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}},
+#      "probes": {...}, "frequencies": {"count": 6, "free": false, "error": false},
+#      "buckling": {"count": 4, "in_plane": true, "error": true}}
+#
+# Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
+# bottom to top. Materials and laminates that no region uses are omitted.
+
+ALL = "all"
+
+
+def load_shell(file: Path, buckling: int | None = None) -> dict[str, Any]:
+    """Return the specification of a described shell.
+
+    Parameters
+    ----------
+    buckling : number of load factors of each load case, in place of that of the description
+
+    Raises
+    ------
+    InputError
+        One line per error: file, key, value, expectation.
+    """
+    spec = shell_spec(read_toml(file, "shell description"), file)
+    if buckling is None:
+        return spec
+    if not spec["loads"]:
+        raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
+    usual = {"in_plane": True, "error": True}
+    return {**spec, "buckling": {**usual, **spec.get("buckling", {}), "count": buckling}}
+
+
+def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
+    """Return the specification of a description already read; see `load_shell`.
+
+    Parameters
+    ----------
+    table : the description; its file names are relative to the folder of `file`
+    file : file of the description, for messages and for the shell's name
+    """
+    description = checked(table, file)
+    problems = [
+        *check_materials(description.materials),
+        *_references(description),
+        *_loads_on_links(description),
+    ]
+    mesh: dict[str, Any] = {}
+    with collected(problems):
+        mesh = _mesh(description.mesh, file.parent)
+        problems += _groups(description, file.parent / description.mesh.file)
+    stiffeners: dict[str, Any] = {}
+    with collected(problems):
+        stiffeners = _stiffeners(description, file.parent)
+    refuse(f"{file}: {problem}" for problem in problems)
+    laminates, regions = _regions(description)
+    used = {ply["material"] for laminate in laminates.values() for ply in laminate["plies"]}
+    asked = {"elements", "links", "loads", "probes", "frequencies", "buckling"}
+    spec = {
+        "name": file.stem,
+        "title": description.title,
+        "mesh": mesh,
+        "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
+        "laminates": laminates,
+        "regions": regions,
+        **description.model_dump(include=asked, exclude_none=True),
+        "supports": {
+            name: {
+                "at": support.at,
+                "fixed": support.freedoms,
+                **({"only": support.only} if support.only else {}),
+            }
+            for name, support in description.supports.items()
+        },
+    }
+    if description.allow:
+        spec["allow"] = list(description.allow)
+    if stiffeners:
+        spec["stiffeners"] = stiffeners
+    if "prestress" in spec.get("frequencies", {}):
+        spec["frequencies"] = {"error": True, **spec["frequencies"]}
+    return spec
+
+
+def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
+    """Stiffeners with the specifications of their sections."""
+    found = {n: plain_table(each) for n, each in description.stiffeners.items()}
+    for name, table in found.items():
+        if "section" not in table:
+            continue
+        from .section.specification import load_section  # here: few shells have stiffeners
+
+        try:
+            section = load_section(folder / table["section"])
+        except InputError as error:
+            raise under(f"stiffeners.{name}.section", error) from error
+        del section["title"]
+        table["section"] = section
+    return found
+
+
+def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
+    file, key = mesh_source(table.file, folder)
+    if table.parameters is not None and file.suffix not in SCRIPTS:
+        raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
+    if file.suffix == ".msh" and not is_gmsh_mesh(file):
+        raise InputError(f"{key}: not a mesh of gmsh")
+    known = file.suffix in (".msh", *SCRIPTS)
+    mesh, content = (file, content_sha256(file)) if known else shell_arrays(file, key)
+    options = table.model_dump(exclude={"file"}, exclude_defaults=True)
+    return {"file": os.path.relpath(mesh), "sha256": content, **options}
+
+
+def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Laminates in use, and the regions with the names of their laminates."""
+    laminates: dict[str, Any] = {}
+    regions: dict[str, Any] = {}
+    for name, region in description.regions.items():
+        laminate = region.laminate
+        if laminate is not None:
+            own = description.laminates[laminate]
+            laminates[laminate] = {
+                "plies": own.stack(),
+                "offset": own.offset,
+                "shear_correction": own.shear_correction,
+            }
+        else:
+            laminate = f"{name}: {region.material}"
+            ply = {"material": region.material, "angle_deg": 0.0, "thickness": region.thickness}
+            laminates[laminate] = {
+                "plies": [ply],
+                "offset": "mid" if region.offset is None else region.offset,
+                "shear_correction": "energy-1d",
+            }
+        axes = region.model_dump(include={"axis", "axis_curve", "axis_about"}, exclude_none=True)
+        regions[name] = {"laminate": laminate, **axes, "flip": region.flip}
+    return laminates, regions
+
+
+def _references(description: ShellDescription) -> list[str]:
+    """Laminates and materials that are named but not described."""
+    found = []
+    for name, region in description.regions.items():
+        key = f"regions.{name}"
+        if region.laminate is not None:
+            found += unknown(f"{key}.laminate", region.laminate, "laminate", description.laminates)
+        if region.material is not None:
+            found += unknown(key, region.material, "material", description.materials)
+        found += _directed(name, region, description)
+    for name, laminate in description.laminates.items():
+        materials = [ply["material"] for ply in laminate.stack()]
+        found += unknown_materials(f"laminates.{name}", materials, description.materials)
+    return found
+
+
+def _directed(name: str, region: Region, description: ShellDescription) -> list[str]:
+    """Errors for missing reference directions: an orthotropic ply needs one."""
+    if (region.axis, region.axis_curve, region.axis_about) != (None, None, None):
+        return []
+    laminate = description.laminates.get(region.laminate or "")
+    names = [ply["material"] for ply in laminate.stack()] if laminate else [region.material]
+    kinds = [description.materials[n].kind for n in names if n in description.materials]
+    if "orthotropic" not in kinds:
+        return []
+    return [
+        f"regions.{name}.axis: missing, needed for the direction of its plies: expected "
+        'axis = [x, y, z], axis_curve = ".." or axis_about = {point = [..], direction = [..]}'
+    ]
+
+
+def _groups(description: ShellDescription, file: Path) -> list[str]:
+    """Errors for names that a .msh file does not have; only gmsh knows the names in a script."""
+    if file.suffix != ".msh":
+        return []
+    points, curves, surfaces = physical_groups(file)
+    if not surfaces:
+        return [
+            f'mesh.file = "{description.mesh.file}": no physical surface of it has a name, '
+            'expected one per region, such as Physical Surface("skin") = {1};'
+        ]
+    found = [
+        f"regions.{name}: {file.name} has no physical surface of this name{nearest(name, surfaces)}"
+        for name in description.regions
+        if name not in (*surfaces, ALL)
+    ]
+    if ALL not in description.regions:
+        found += [
+            f"regions.{name}: missing; {file.name} has the physical surfaces {few(surfaces)}"
+            for name in surfaces
+            if name not in description.regions
+        ]
+    known = [*points, *curves, *surfaces]
+    for key, name in _places(description):
+        links = () if key.startswith("links.") else description.links
+        if name not in known and name not in links:
+            found.append(
+                f'{key} = "{name}": {file.name} has no physical group of this name'
+                f"{nearest(name, (*known, *links))}"
+            )
+    for name, region in description.regions.items():
+        if region.axis_curve is not None and region.axis_curve not in curves:
+            found.append(
+                f'regions.{name}.axis_curve = "{region.axis_curve}": {file.name} has no physical '
+                f"curve of this name{nearest(region.axis_curve, curves)}"
+            )
+    return found
+
+
+def _places(description: ShellDescription) -> list[tuple[str, str]]:
+    """Key and name of every group in the description."""
+    tables: list[tuple[str, Any]] = [
+        *((f"stiffeners.{name}", rib) for name, rib in description.stiffeners.items()),
+        *((f"links.{name}", link) for name, link in description.links.items()),
+        *((f"supports.{name}", support) for name, support in description.supports.items()),
+        *(
+            (f"loads.{case}.{name}", load)
+            for case, loads in description.loads.items()
+            for name, load in loads.items()
+        ),
+        *((f"probes.{name}", probe) for name, probe in description.probes.items()),
+    ]
+    return [
+        (f"{key}.at", name)
+        for key, table in tables
+        if table.at is not None
+        for name in ([table.at] if isinstance(table.at, str) else table.at)
+    ]
+
+
+def _loads_on_links(description: ShellDescription) -> list[str]:
+    """Errors for distributed loads on a reference point: it has no length and no area."""
+    return [
+        f'loads.{case}.{name}.at = "{load.at}": a link takes `force`, `moment` or `motion` only'
+        for case, loads in description.loads.items()
+        for name, load in loads.items()
+        if load.at in description.links and not (load.force or load.moment or load.motion)
+    ]

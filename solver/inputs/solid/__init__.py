@@ -1,1 +1,0 @@
-"""Solids in TOML: description, checks, specification for the FE side."""

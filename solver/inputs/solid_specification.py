@@ -1,0 +1,256 @@
+"""From a solid description, or a CAD file alone, to the specification that the FE side reads.
+
+Meshes of other programs, such as MED, are read by meshio and written as meshes of gmsh.
+"""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, collected, few, refuse, unknown
+from ..math.arrays import IntArray
+from ..package.common.temporary import temporary_sibling
+from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
+from .common.materials import check_materials, plain
+from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source
+from .common.table import plain_table, validated
+from .common.text_file import read_toml
+from .section.foreign import named_sets, read_mesh, region_sets
+from .solid import LENGTHS, SolidDescription
+
+BUILD = Path("build/solids")  # folder of the meshes
+# Cells in the opposite order of nodes: MED counts those of solids the other way round.
+MIRRORED = {
+    "tetra": [0, 2, 1, 3],
+    "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
+    "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
+}
+
+
+def gmsh_mesh(file: Path, where: str) -> Path:
+    """Write a mesh with its named sets of cells, faces and lines for gmsh; returns the file.
+
+    Raises
+    ------
+    InputError : no mesh, cells in no region or in two.
+    """
+    target = BUILD / f"{file.stem}-{content_sha256(file)[:12]}.msh"
+    if target.is_file():
+        return target
+    import meshio
+
+    mesh = read_mesh(file, where)
+    names: dict[str, IntArray] = {}
+    cells: list[tuple[str, IntArray]] = []
+    tags: list[IntArray] = []
+    for dimension in (3, 2, 1):
+        blocks = [i for i, block in enumerate(mesh.cells) if block.dim == dimension]
+        if not blocks:
+            continue
+        if dimension == 3:
+            sets = region_sets(mesh, blocks, file.name, None)
+            _check_regions(np.sum(list(sets.values()), axis=0), sets, where)
+        else:
+            sets = named_sets(mesh, blocks)
+        starts = np.cumsum([0, *(len(mesh.cells[i].data) for i in blocks)])
+        for name, members in sets.items():
+            label = name if name not in names else f"{name} {dimension}"
+            names[label] = np.array([len(names) + 1, dimension])
+            for k, i in enumerate(blocks):
+                own = mesh.cells[i].data[members[starts[k] : starts[k + 1]]]
+                cells.append((mesh.cells[i].type, _outwards(own, mesh, i)))
+                tags.append(np.full(len(own), len(names)))
+    if not any(int(dimension) == 3 for _, dimension in names.values()):
+        raise InputError(f"{where}: it has no solid cells; expected tetrahedra or hexahedra")
+    there = [k for k, tag in enumerate(tags) if len(tag)]
+    data = [tags[k] for k in there]
+    found = meshio.Mesh(
+        np.asarray(mesh.points, dtype=float),
+        [cells[k] for k in there],
+        cell_data={"gmsh:physical": data, "gmsh:geometrical": data},
+        field_data=names,
+    )
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(target) as temporary:
+        meshio.write(temporary, found, file_format="gmsh22")
+    return target
+
+
+def _check_regions(count: IntArray, sets: dict[str, Any], where: str) -> None:
+    wrong = np.flatnonzero(count != 1)
+    if len(wrong):
+        cell = int(wrong[0])
+        of = [name for name, members in sets.items() if members[cell]]
+        raise InputError(
+            f"{where}: solid cell {cell + 1} is in {count[cell]} sets ({few(of) or 'none'}), "
+            "expected exactly one, the region of its material"
+        )
+
+
+def _outwards(cells: IntArray, mesh: Any, block: int) -> IntArray:
+    """Cells of a block with a positive volume, as gmsh counts their nodes."""
+    order = MIRRORED.get(mesh.cells[block].type)
+    if order is None or not len(cells):
+        return cells
+    near = (1, 3, 4) if len(order) == 8 else (1, 2, 3)  # corners along the edges of the first one
+    a, b, c = (mesh.points[cells[:, k]] - mesh.points[cells[:, 0]] for k in near)
+    turned = np.einsum("ci,ci->c", np.cross(a, b), c) < 0.0
+    return np.where(turned[:, None], cells[:, order], cells)
+
+
+AXES = ("axis", "axis_along", "axis_about", "normal")
+DIRECTED = (["axis", "normal"], ["axis_along", "normal"], ["axis_about"])
+# Metals by their usual constants; strengths differ from alloy to alloy and are not among them.
+METALS = {
+    "aluminium": (70e9, 0.33, 2700.0),
+    "steel": (210e9, 0.3, 7850.0),
+    "titanium": (114e9, 0.34, 4430.0),
+}
+
+
+def described_solid(file: Path) -> tuple[SolidDescription, SolidTable]:
+    """Return a description, and geometry and materials of its specification.
+
+    Raises
+    ------
+    InputError
+        One line per error: file, key, value, expectation.
+    """
+    return solid_table(read_toml(file, "solid description"), file)
+
+
+def solid_table(
+    table: dict[str, Any], file: Path, size: float | None = None
+) -> tuple[SolidDescription, SolidTable]:
+    """Return the same of a description already read, with another size of the cells if given."""
+    if size is not None and isinstance(table.get("mesh"), dict):
+        table = {**table, "mesh": {**table["mesh"], "size": size}}
+    description = validated(SolidDescription, table, file)
+    problems = [*check_materials(description.materials), *_references(description)]
+    mesh: dict[str, Any] = {}
+    with collected(problems):
+        mesh = _mesh(description, file.parent)
+    refuse(f"{file}: {problem}" for problem in problems)
+    used = {region.material for region in description.regions.values()}
+    return description, {
+        "mesh": mesh,  # type: ignore[typeddict-item]
+        "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
+        "regions": {name: plain_table(region) for name, region in description.regions.items()},
+        "allow": description.allow,
+    }
+
+
+def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpecification:
+    """Return the specification of `plymotion solid` for a description or a CAD file.
+
+    Parameters
+    ----------
+    material : of a CAD file: a name of METALS, or "E,nu,rho" in SI
+    size : of the cells [m], in place of that of the description
+
+    Raises
+    ------
+    InputError
+        See `described_solid`; a CAD file without a material.
+    """
+    if file.suffix.lower() in CAD:
+        table: dict[str, Any] = {
+            "mesh": {"file": file.name},
+            "materials": {"material": _material(file, material)},
+            "regions": {"all": {"material": "material"}},
+        }
+    else:
+        if material is not None:
+            raise InputError(f"{file}: --material: expected with a CAD file only")
+        table = read_toml(file, "solid description")
+    description, solid = solid_table(table, file, size)
+    return {
+        "body": file.stem,
+        "kind": "solid",
+        "title": description.title,
+        "solid": solid,
+        "reference": {"kind": "mean-axis"},
+        "modes": [{"kind": "lowest", "count": description.frequencies.count}],
+        "damping_ratio": 0.0,
+        "interfaces": {n: plain_table(each) for n, each in description.interfaces.items()},
+        "analysis": {
+            "supports": description.supports,
+            "loads": {
+                case: {name: plain_table(load) for name, load in loads.items()}
+                for case, loads in description.loads.items()
+            },
+            "error": description.frequencies.error,
+        },
+    }
+
+
+def _material(file: Path, text: str | None) -> dict[str, Any]:
+    expected = f"expected {', '.join(METALS)} or E,nu,rho in Pa and kg/m3, such as 70e9,0.33,2700"
+    if text is None:
+        raise InputError(f"{file}: --material: missing; {expected}")
+    try:
+        values = METALS[text] if text in METALS else tuple(map(float, text.split(",")))
+    except ValueError:
+        values = ()
+    if len(values) != 3:
+        raise InputError(f"{file}: --material {text}: {expected}")
+    return {"kind": "isotropic", **dict(zip(("E", "nu", "rho"), values, strict=True))}
+
+
+def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
+    table = description.mesh
+    file, key = mesh_source(table.file, folder)
+    if file.suffix == ".msh" and not is_gmsh_mesh(file):
+        raise InputError(f"{key}: not a mesh of gmsh")
+    if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
+        file = gmsh_mesh(file, f"{key}: expected {', '.join(CAD)}, .geo, .msh or another mesh")
+    own_unit = file.suffix.lower() in CAD_WITH_UNIT
+    if own_unit and table.unit is not None:
+        raise InputError(f'mesh.unit = "{table.unit}": expected none: {table.file} has its own')
+    if not own_unit and table.unit is None:
+        raise InputError(
+            f"mesh.unit: missing: {table.file} has no unit of length; expected one of "
+            f"{', '.join(LENGTHS)}"
+        )
+    for name in ("size", "accuracy"):
+        if getattr(table, name) is not None and file.suffix.lower() not in CAD:
+            raise InputError(f"mesh.{name}: expected with a CAD file only, not with {table.file}")
+    if table.parameters is not None and file.suffix != ".geo":
+        raise InputError(f"mesh.parameters: expected with a .geo script, not with {table.file}")
+    found = plain_table(table) | {"file": os.path.relpath(file), "sha256": content_sha256(file)}
+    if table.unit is not None:
+        found["unit"] = LENGTHS[table.unit]
+    return dict(found)
+
+
+def _references(description: SolidDescription) -> list[str]:
+    """Return errors of materials and interfaces that are named but not described."""
+    found = []
+    for name, region in description.regions.items():
+        key = f"regions.{name}.material"
+        found += unknown(key, region.material, "material", description.materials)
+        material = description.materials.get(region.material)
+        given = [key for key in AXES if getattr(region, key) is not None]
+        if material and material.kind == "orthotropic" and given not in DIRECTED:
+            found.append(
+                f"regions.{name}.axis: missing, needed for the directions of an orthotropic "
+                "material: expected axis and normal, axis_along and normal, or axis_about alone; "
+                f"found {' and '.join(given) or 'none'}"
+            )
+    places = [("supports", name) for name in description.supports]
+    places += [
+        (f"loads.{case}.{name}.at", load.at)
+        for case, loads in description.loads.items()
+        for name, load in loads.items()
+        if load.at is not None
+    ]
+    for key, place in places:
+        found += unknown(key, place, "interface", description.interfaces)
+        interface = description.interfaces.get(place)
+        if interface is not None and key == "supports" and interface.link != "rigid":
+            found.append(f'interfaces.{place}.link = "average": expected "rigid": it is held')
+    if description.loads and not description.supports:
+        found.append("supports: missing; expected an interface that holds the solid, with [loads]")
+    return found
