@@ -9,7 +9,7 @@ import numpy as np
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
 from ...solver.package.common.table_form import SpecError, check_form, expected
-from ...solver.package.specification import BeamSpecification, LineTable, ReferenceTable
+from ...solver.package.specification import DIRECTIONS, BeamSpecification, LineTable, ReferenceTable
 from ..modes import ModeRequest
 from .line import section_axes
 
@@ -68,7 +68,9 @@ def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
         kind = table["kind"]
         if kind == "attachment":
             _known(table["at"], places, f"modes[{i}].at")
-            attachments += [(table["at"], direction) for direction in table["directions"]]
+            attachments += [
+                (table["at"], direction) for direction in table.get("directions", DIRECTIONS)
+            ]
         elif kind == "static-axial":
             static_axial = True
         elif kind == "static-inertia":

@@ -89,11 +89,11 @@ class ShellEigenmodes(TypedDict):
 
 
 class Attachment(TypedDict):
-    """Static shapes under unit loads at an interface."""
+    """Static shapes under unit loads at an interface; without `directions` all six."""
 
     kind: Literal["attachment"]
     at: str
-    directions: list[Direction]
+    directions: NotRequired[list[Direction]]
 
 
 class StaticAxial(TypedDict):
