@@ -16,7 +16,7 @@ from plymotion.solver.extras.blade.layers import enclosed, with_face
 from plymotion.solver.extras.blade.shape import contour
 from plymotion.solver.extras.blade.station import bands_of, webs_of, write_station
 from plymotion.solver.extras.blade.windio import Blade, read_blade
-from plymotion.solver.math.curves import lengths_along
+from plymotion.solver.math.laws import lengths_along
 
 
 def outer(blade: Blade, r: float) -> float:

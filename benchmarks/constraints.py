@@ -23,7 +23,7 @@ from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.integrators.generic import Solution, integrate
+from plymotion.solver.integrators.generic.drive import Solution, integrate
 from plymotion.solver.report.style import COLOURS, house_style
 from plymotion.solver.studies.compiling import compile_ahead
 

@@ -9,10 +9,10 @@ from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, 
 from plymotion.solver.dynamics.model.coordinates import position_rates
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrators.closures import right_hand_side
 from plymotion.solver.integrators.generic.base import Dense
+from plymotion.solver.integrators.step_loop import right_hand_side
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.math.curves import Hermite
+from plymotion.solver.math.laws import Hermite
 
 RANK_TOLERANCE = 1e-9  # of the scaled Jacobian's singular values, over the largest
 CREEPING, TOO_MANY = 1e-6, 500  # steps so short beside the longest, so many in a row

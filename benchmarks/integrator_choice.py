@@ -20,13 +20,18 @@ from solver_methods import PEERS
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
-from plymotion.solver.integrators.generic import INTEGRATORS, Solution, integrate
+from plymotion.solver.integrators.generic.drive import Solution, integrate
+from plymotion.solver.integrators.table import FOR_EQUATIONS
 from plymotion.solver.studies.compiling import compile_ahead
 
 TOLERANCES = [10.0**-k for k in np.arange(2.0, 11.1, 0.5)]
 CHOICES = [
     ("radau", "projection", {}),
-    *((name, "projection", {}) for name in (*INTEGRATORS, *PEERS) if name not in ("radau", "ida")),
+    *(
+        (name, "projection", {})
+        for name in (*FOR_EQUATIONS, *PEERS)
+        if name not in ("radau", "ida")
+    ),
     ("gear", "projection", {"max_order": 2}),
     ("generalized-alpha", "ggl", {}),
     ("ida", "ggl", {}),

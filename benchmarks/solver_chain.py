@@ -19,7 +19,8 @@ from tqdm import tqdm
 
 from plymotion.solver.dynamics.elements.constraints.treatment import treated
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
-from plymotion.solver.integrators.generic import Integrator, StopRequest, integrate
+from plymotion.solver.integrators.generic.base import Integrator
+from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.mechanism import build
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from plymotion.solver.math.front import front as on_front
+from plymotion.solver.math.arrays import front as on_front
 
 Curve = Sequence[Sequence[float]]  # pairs of error [m] and processor time [s]
 

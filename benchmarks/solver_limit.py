@@ -23,7 +23,7 @@ from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import rates_into
 from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.run.preparation import prepare
 
 PROBLEMS: dict[str, Callable[[], Problem]] = {

@@ -12,7 +12,7 @@ from solver_methods import Method
 from solver_problems import Problem
 
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.execution import execute

@@ -22,11 +22,8 @@ from samples.mechanism_samples import Sample, pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates
-from plymotion.solver.integrators.generic import (
-    INTEGRATORS,
-    Integrator,
-    new_integrator,
-)
+from plymotion.solver.integrators.generic.base import Integrator
+from plymotion.solver.integrators.table import FOR_EQUATIONS, new_integrator
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable
 from plymotion.solver.mechanism.consistent.initial import Start
@@ -37,7 +34,7 @@ H = 0.02  # s, of the pendulum's runs
 T_END = 4.0
 BDF_ORDERS = (1, 2, 3, 4, 5, 6)
 RADII = (0.0, 0.5, 0.8, 1.0)
-EXPLICIT = {"rk5": (INTEGRATORS["rk5"], 3.307), "rk8": (INTEGRATORS["rk8"], 6.396)}  # real axis
+EXPLICIT = {"rk5": (FOR_EQUATIONS["rk5"], 3.307), "rk8": (FOR_EQUATIONS["rk8"], 6.396)}  # real axis
 CAP = 1e3  # of a drawn growth
 # Radau IIA of order 5: Pade (2, 3), for any code of that method.
 RADAU = ([1.0, 2 / 5, 1 / 20], [1.0, -3 / 5, 3 / 20, -1 / 60])
@@ -171,7 +168,7 @@ def _one_step_rows() -> Iterator[Row]:
             )
             theory = explicit_theory(kind, 1j * w_h)
             yield Row("one-step", name, 0, w_h, _per_step(_seen(made, _amplitude)), theory)
-    if "radau" in INTEGRATORS:
+    if "radau" in FOR_EQUATIONS:
         for w_h in points:
             made = new_integrator(
                 "radau", _oscillator, 0.0, start, 60 * w_h, fixed_step=w_h, rtol=1e-9

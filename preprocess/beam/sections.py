@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.math.curves import lengths_along
+from ...solver.math.laws import lengths_along
 from ...solver.package.body.schema import SectionData
 from ...solver.package.common.table_form import SpecError
 from ...solver.package.section.schema import SectionFile, SectionRecovery

@@ -11,7 +11,7 @@ from numpy.linalg import LinAlgError
 from scipy.sparse.linalg import ArpackError
 
 from ...solver.errors import InputError, PackageError, did_you_mean, printable
-from ...solver.math.digests import file_sha256
+from ...solver.math.disk_cache import file_sha256
 from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
 from ...solver.package.fingerprint import fingerprint

@@ -10,7 +10,7 @@ that states what is missing and how to install it. Each name below loads its par
 when it is asked for; __init__.pyi tells their types.
 """
 
-from ...solver.math.lazy import lazy_names
+from ...solver.math.catalogue import lazy_names
 from . import stack as stack  # raises MissingFenicsx
 
 # Module of this folder -> the names that it offers; no module has the name of a function.

@@ -21,8 +21,7 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from ...solver.math.arrays import Array, IntArray
-from ...solver.math.definite import smallest_eigenvalue
+from ...solver.math.arrays import Array, IntArray, smallest_eigenvalue
 
 LEAST_INERTIA = 1e-12  # smallest eigenvalue of the rigid body's mass of unit diagonal
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ...solver.math.lazy import lazy_names
+from ...solver.math.catalogue import lazy_names
 from .errors import SectionError
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from ..dynamics.model.model import state_size
 from ..errors import few
 from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
-from ..math.keys import Code, Expression, Expressions
+from ..math.catalogue import Code, Expression, Expressions
 from ..mechanism import BuiltMechanism
 from ..results.codes import (
     CODES,

@@ -12,7 +12,7 @@ from ..dynamics.analysis.rank import degrees_of_freedom
 from ..dynamics.analysis.recovery import History, momentum_balance
 from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.model.model import Model
-from ..integrators.generic import Solution
+from ..integrators.generic.drive import Solution
 from ..math.arrays import Array, IntArray
 from ..math.rows import spans
 from ..mechanism import BuiltMechanism

@@ -12,7 +12,8 @@ from ..dynamics.analysis.quasi_static import (
 )
 from ..dynamics.evaluation.laws import law_values
 from ..inputs.case.expressions import drives, is_along, is_load, law
-from ..math import curves, laws
+from ..math import laws
+from ..math import laws as curves
 from ..math.arrays import Array
 from ..math.rows import column
 from ..mechanism.consistent.initial import undeformed

@@ -13,10 +13,10 @@ from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
 from ..math.arrays import Array
 from .breakpoints import breaks
-from .closures import projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
-from .generic import Integrator
+from .generic.base import Integrator
 from .hidden import HiddenForces
+from .step_loop import projection, right_hand_side
 from .table import INTEGRATORS
 
 # The work enters the energy balance alone, no motion depends on it. The estimate of the error of a

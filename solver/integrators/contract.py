@@ -39,7 +39,7 @@ It may have:
         (generic/steps.py; `StepLoop` has them)
 """
 
-from ..math.keys import Number
+from ..math.catalogue import Number
 from .generic.base import Counters, Dense, Derivative, Integrator
 from .step_loop import StepLoop
 

@@ -4,7 +4,6 @@ from typing import Any, ClassVar
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from .closures import projection
 from .compiled.explicit import (
     STIFF_STEP,
     STIFF_TIME,
@@ -25,7 +24,7 @@ from .generic.explicit import (
     keep_stable,
     stiffness_hint,
 )
-from .step_loop import ClosingLoop
+from .step_loop import ClosingLoop, projection
 
 
 class ExplicitLoop(ClosingLoop):

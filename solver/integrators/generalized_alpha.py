@@ -4,8 +4,8 @@ from typing import Any
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from ..math.curves import Hermite
-from ..math.keys import Number
+from ..math.catalogue import Number
+from ..math.laws import Hermite
 from .compiled.alpha import advance_alpha
 from .compiled.alpha_stages import (
     FORMULATIONS,

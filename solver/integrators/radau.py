@@ -11,13 +11,19 @@ from ..dynamics.evaluation.series import driven_speeds
 from ..dynamics.model.model import Model
 from ..dynamics.model.workspace import new_work
 from ..math.arrays import Array
-from ..math.keys import Number
+from ..math.catalogue import Number
 from .compiled import step_control as codes
 from .compiled.cutoff import filter_error, new_cutoff, start_filter
-from .compiled.dependent_rows import PENALTY
-from .compiled.newton.pencil import freeze, new_frozen
+from .compiled.pencil import freeze, new_frozen
 from .compiled.radau import advance
-from .compiled.radau_workspace import MU, C, RadauWorkspace, new_radau_workspace, restart_radau
+from .compiled.radau_stages import (
+    MU,
+    PENALTY,
+    C,
+    RadauWorkspace,
+    new_radau_workspace,
+    restart_radau,
+)
 from .compiled.step_control import Ends
 from .generic.advice import OWN, SHORTER, WANTED, Pace, Refusals
 from .generic.base import Dense

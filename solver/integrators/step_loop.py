@@ -1,28 +1,54 @@
-"""Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
+"""Integrators of mechanisms whose step loop is compiled whole, behind the contract of all.
+
+`right_hand_side` and `projection` give a model to integrators that do not know a body.
+"""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..dynamics.analysis.projection import projected
 from ..dynamics.elements.constraints.treatment import Treatment
-from ..dynamics.evaluation.derivative import by_blocks, derivative_into
+from ..dynamics.evaluation.derivative import by_blocks, dense_derivative_into, derivative_into
 from ..dynamics.evaluation.events import NOTHING, Called, Instants, beyond, first_crossing, sampled
 from ..dynamics.linear_algebra.dependence import is_tree
-from ..dynamics.model.model import Model
+from ..dynamics.model.model import Model, state_size
 from ..dynamics.model.workspace import spare_work
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
-from .closures import right_hand_side
 from .compiled import step_control as codes
 from .compiled.closing import close
 from .compiled.step_control import Ends, Options
-from .generic import Integrator
 from .generic.advice import Refusals
-from .generic.base import FIRST_STEPS, ROUNDING, Dense
-from .generic.steps import Steps
+from .generic.base import FIRST_STEPS, ROUNDING, Dense, Derivative, Integrator
+from .generic.drive import Steps
+
+
+def right_hand_side(model: Model) -> Derivative:
+    """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
+    work, out = spare_work(model), np.empty(state_size(model))
+    fill = derivative_into if by_blocks(model) else dense_derivative_into
+
+    def rate(t: float, y: Array) -> Array:
+        fill(model, work, t, y, out)
+        return out
+
+    return rate
+
+
+def projection(model: Model) -> Callable[[float, Array], Array | None]:
+    """Return project(t, y) -> state on the constraints; None if none is near."""
+    work = spare_work(model)
+
+    def nearest(t: float, y: Array) -> Array | None:
+        out, reached = projected(model, t, y, work)
+        return out if reached else None
+
+    return nearest
+
 
 PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
 

@@ -1,21 +1,97 @@
-"""The integrators of this folder and of generic/ by their name in `[solver] integrator`."""
+"""The integrators of this folder and of generic/ by name, and how to make one without a case."""
+
+from abc import ABCMeta
+from collections.abc import Iterable
+from inspect import signature
+from pathlib import Path
+from typing import Any
 
 from ..dynamics.elements.constraints.treatment import IMPLICIT
+from ..errors import did_you_mean
+from ..math.arrays import Array
+from ..math.catalogue import by_name, catalogue
 from . import __name__ as _package
 from . import __path__ as _path
-from .generic.base import Integrator
-from .generic.table import CLASSES, classes_of, named
+from .generic.base import Derivative, Integrator
 
-_own = [
-    kind
-    for kind in classes_of(_package, _path, ("table", "choice", "generic"))
-    if kind not in CLASSES
-]
-# A loop takes the place of the class for plain equations that has its name.
-INTEGRATORS: dict[str, type[Integrator]] = named(
-    [*_own, *(kind for kind in CLASSES if kind.name not in {own.name for own in _own})]
+FIRST_ARGUMENTS = ("derivative", "model")
+
+
+def classes_of(package: str, path: Iterable[str]) -> list[type[Integrator]]:
+    """Return the classes of a package that a case can name.
+
+    Raises
+    ------
+    ValueError : a class that does not keep the contract (contract.py)
+    """
+    found = [
+        kind
+        for kind in catalogue(package, path, ABCMeta, ("table", "choice", "generic", "compiled"))
+        if issubclass(kind, Integrator) and vars(kind).get("name")
+    ]
+    for kind in found:
+        _check(kind)
+    return found
+
+
+def named(kinds: Iterable[type[Integrator]]) -> dict[str, type[Integrator]]:
+    """Return classes by name, sorted by `place`, then by name."""
+    ordered = sorted(kinds, key=lambda kind: (kind.place, kind.name))
+    return by_name([(kind.name, kind) for kind in ordered], "integrator")
+
+
+def _check(kind: type[Integrator]) -> None:
+    if not kind.meaning:
+        raise ValueError(f"integrator {kind.name}: expected a `meaning`, half a line")
+    if kind.takes not in FIRST_ARGUMENTS:
+        raise ValueError(f"integrator {kind.name}: takes: expected one of {FIRST_ARGUMENTS}")
+    if set(kind.treatments) - set(IMPLICIT):
+        raise ValueError(f"integrator {kind.name}: treatments: expected some of {IMPLICIT}")
+    known = _options(kind)
+    for key in kind.keys:
+        if key.name not in known:
+            raise ValueError(f"integrator {kind.name}: key {key.name}: expected one of {known}")
+
+
+def _options(kind: type[Any]) -> list[str]:
+    """Return the options of a class and of those that it derives from."""
+    return [
+        p.name
+        for c in kind.__mro__
+        if "__init__" in vars(c)
+        for p in signature(vars(c)["__init__"]).parameters.values()
+        if p.kind is p.KEYWORD_ONLY
+    ]
+
+
+_known = classes_of(_package, _path) + classes_of(
+    f"{_package}.generic", [str(Path(__file__).parent / "generic")]
+)
+# Those of y' = f(t, y), and those of a mechanism, which take the place of others of their names.
+FOR_EQUATIONS = named({kind for kind in _known if kind.takes == "derivative"})
+INTEGRATORS = named(
+    (FOR_EQUATIONS | named({kind for kind in _known if kind.takes == "model"})).values()
 )
 
-for _kind in INTEGRATORS.values():
-    if set(_kind.treatments) - set(IMPLICIT):
-        raise ValueError(f"integrator {_kind.name}: treatments: expected some of {IMPLICIT}")
+
+def new_integrator(
+    name: str, f: Derivative, t0: float, y0: Array, t_end: float, **options: Any
+) -> Integrator:
+    """Make an integrator of y' = f(t, y) by name, ready to step.
+
+    Raises
+    ------
+    ValueError : unknown name or option, with the nearest known one
+    """
+    if name not in FOR_EQUATIONS:
+        raise ValueError(f"integrator: {_unknown(name, list(FOR_EQUATIONS))}")
+    kind = FOR_EQUATIONS[name]
+    known = _options(kind)
+    for option in options:
+        if option not in known:
+            raise ValueError(f"integrator {name}, option: {_unknown(option, known)}")
+    return kind(f, t0, y0, t_end, **options)
+
+
+def _unknown(word: str, known: list[str]) -> str:
+    return f"expected one of {', '.join(known)}, got {word!r}{did_you_mean(word, known)}"

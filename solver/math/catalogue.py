@@ -1,9 +1,16 @@
-"""What the files of a folder supply: one file adds one thing, and no list names it again."""
+"""What the files of a folder supply: one file adds one thing, and no list names it again.
 
+Such a file may declare keys of an input file, as plain data. `dispatched` calls the functions of
+the files by number; `lazy_names` imports the modules of a package when their names are asked for.
+"""
+
+import ast
+import inspect
 import pkgutil
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
-from typing import TypeVar
+from typing import Any, Literal, TypeVar
 
 Thing = TypeVar("Thing")
 
@@ -48,3 +55,154 @@ def by_name(named: Iterable[tuple[str, Thing]], what: str) -> dict[str, Thing]:
             raise ValueError(f"{what} {name!r} is defined twice")
         table[name] = thing
     return table
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number: a key of the case file, and an argument of what the kind supplies."""
+
+    name: str
+    unit: str
+    meaning: str  # one line
+    required: bool = False
+    default: float | None = None  # None: the file of the kind finds it
+    above: float | None = None  # bounds: above, or from `least` on; up to `most`
+    least: float | None = None
+    most: float | None = None
+    not_zero: bool = False
+    integer: bool = False
+
+
+@dataclass(frozen=True)
+class Three:
+    """Three numbers, 0 or above, along or about the axes of marker one."""
+
+    name: str
+    unit: str
+    meaning: str  # one line
+    required: bool = False  # else: zeros
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A global direction at the start."""
+
+    name: Literal["axis", "axis_1", "axis_2"]
+    meaning: str  # one line
+    required: bool = False  # else: global z
+    absent: bool = False  # may be absent, without default
+
+
+@dataclass(frozen=True)
+class Expression:
+    """An expression of a case (math/expressions/parse.py)."""
+
+    name: str
+    unit: str
+    meaning: str  # one line
+    required: bool = False
+    default: str | None = None
+
+
+@dataclass(frozen=True)
+class Expressions:
+    """Several expressions; required."""
+
+    name: str
+    meaning: str  # one line
+
+
+@dataclass(frozen=True)
+class Code:
+    """A function in a Python file; required."""
+
+    name: str
+    meaning: str  # one line
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of a curve y(x)."""
+
+    name: str
+    unit: str
+    meaning: str  # one line
+
+
+@dataclass(frozen=True)
+class OfTime:
+    """The law of time of a force or torque; may be absent."""
+
+    name: str
+    meaning: str  # one line
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Call = tuple[Callable[..., Any], Sequence[str]]
+
+
+def dispatched(on: str, calls: Sequence[Call]) -> Callable[[Function], Function]:
+    """Replace the body of a function by calls: the n-th of `calls` where argument `on` equals n.
+
+    The last one is called for any other number too. The function keeps its name, arguments and
+    docstring; its code depends on `calls` alone. Tracebacks show the line of its definition.
+
+    Parameters
+    ----------
+    on : name of an argument, an integer
+    calls : functions with names that differ, and their arguments as expressions of the function's
+        own arguments
+
+    Raises
+    ------
+    ValueError
+        No function to call, or two of one name.
+    """
+    names = [call.__name__ for call, _ in calls]
+    if not names or len(set(names)) < len(names):
+        raise ValueError(f"expected functions with names that differ, got {names}")
+
+    def decorate(function: Function) -> Function:
+        own = ", ".join(inspect.signature(function).parameters)
+        lines = [f"def {function.__name__}({own}):"]
+        for number, (name, (_, arguments)) in enumerate(zip(names, calls, strict=True)):
+            call = f"return {name}({', '.join(arguments)})"
+            last = number == len(names) - 1
+            lines.append(f"    {call}" if last else f"    if {on} == {number}: {call}")
+        code = function.__code__
+        tree = ast.parse("\n".join(lines))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.stmt | ast.expr | ast.arg):
+                node.lineno = node.end_lineno = code.co_firstlineno
+        space: dict[str, Any] = {name: call for name, (call, _) in zip(names, calls, strict=True)}
+        space["__name__"] = function.__module__
+        exec(compile(tree, code.co_filename, "exec"), space)
+        made: Function = space[function.__name__]
+        made.__doc__ = function.__doc__
+        return made
+
+    return decorate
+
+
+def lazy_names(
+    modules: dict[str, str], space: dict[str, Any]
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """Return `__getattr__` and `__dir__` of a package.
+
+    Parameters
+    ----------
+    modules : public name -> module of the package's folder that has it
+    space : `globals()` of the package, which keeps what was asked for
+    """
+    package = space["__name__"]
+
+    def found(name: str) -> object:
+        if name not in modules:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        space[name] = getattr(import_module(f"{package}.{modules[name]}"), name)
+        return space[name]
+
+    def names() -> list[str]:
+        return sorted([*space, *modules])
+
+    return found, names

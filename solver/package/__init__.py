@@ -5,7 +5,7 @@ folder only. __init__.pyi tells their types.
 """
 
 from ..errors import PackageError
-from ..math.lazy import lazy_names
+from ..math.catalogue import lazy_names
 
 # Public name -> module of this folder.
 _PUBLIC = {

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import PackageError
-from ..math.digests import sources_sha256
+from ..math.disk_cache import sources_sha256
 from .common.container import get_text, open_file
 from .common.disk_file import has_right_seal
 from .common.plain_data import inputs_sha256

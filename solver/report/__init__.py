@@ -4,7 +4,7 @@ Each name below is imported when it is asked for: figures of other commands use 
 __init__.pyi tells their types.
 """
 
-from ..math.lazy import lazy_names
+from ..math.catalogue import lazy_names
 
 # Public name -> module of this folder.
 _PUBLIC = {

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
-from ..math.digests import file_sha256
+from ..math.disk_cache import file_sha256
 from ..math.rotations import rotation_matrices
 from ..package.common.container import new_file, set_text
 from ..package.common.identity import write_file_checksum

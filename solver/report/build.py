@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from ..errors import InputError
 from ..interrupts import ignore, shielded
 from ..math.cores import cores
-from ..math.digests import file_sha256, sources_sha256
+from ..math.disk_cache import file_sha256, sources_sha256
 from ..package.common.temporary import write_text
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
 from .fidelity import fidelity_section, ladder_file, with_ladder

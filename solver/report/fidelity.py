@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from ..math.front import front
+from ..math.arrays import front
 from .sections import Cell, Row, figures, name_of, section, table
 from .story import Story
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
-from ..math.digests import file_sha256
+from ..math.disk_cache import file_sha256
 from ..results import ResultError, RunResult, Signal, read_result, read_summary
 
 # case.json: what the report needs to know of a case.

@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.elements.joints.contract import FREEDOMS
 from ..dynamics.elements.joints.table import JOINTS
 from ..math.arrays import Array, IntArray
-from ..math.curves import lengths_along
+from ..math.laws import lengths_along
 from ..math.rows import LongRows
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage

@@ -14,7 +14,7 @@ from ..checks.course import stall_finding
 from ..checks.finished import FinishedRun
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
-from ..integrators.generic import Steps, StopRequest, Watch
+from ..integrators.generic.drive import Steps, StopRequest, Watch
 from ..interrupts import held
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary

@@ -10,8 +10,8 @@ import numpy as np
 from ..checks.finished import FinishedRun, Look
 from ..inputs.case.record import needed
 from ..integrators.choice import make_integrator
-from ..integrators.generic import Watch, integrate
 from ..integrators.generic.advice import Stall
+from ..integrators.generic.drive import Watch, integrate
 from ..math.arrays import Array
 from ..results.codes import BREAKS_UNSEARCHED, Finding
 from ..signals import Histories, recorded

@@ -17,7 +17,7 @@ from ..dynamics.elements.constraints.treatment import Treatment, treated
 from ..dynamics.model.model import Model
 from ..inputs.case.expressions import is_smooth
 from ..integrators.choice import treatment_of
-from ..integrators.generic import Solution
+from ..integrators.generic.drive import Solution
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.building.modes import used_packages

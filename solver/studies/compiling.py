@@ -21,22 +21,16 @@ from ..dynamics.model.coordinates import move_rows, moved, position_rates
 from ..dynamics.model.model import Model, state_size
 from ..dynamics.model.workspace import spare_work
 from ..inputs.case.record import solver_sha256
-from ..integrators.closures import right_hand_side
-from ..integrators.compiled.newton.pencil import (
-    factorise_pencil,
-    new_frozen,
-    new_pencil,
-    solve_pencil,
-)
+from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit_stepping import RungeKutta8Loop
 from ..integrators.generalized_alpha import GeneralizedAlpha
-from ..integrators.generic import RungeKutta8, integrate
+from ..integrators.generic.drive import integrate
+from ..integrators.generic.explicit import RungeKutta8
 from ..integrators.radau import Radau
-from ..integrators.step_loop import StepLoop
+from ..integrators.step_loop import StepLoop, right_hand_side
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, note, noted, statistics
-from ..math.expressions.program import value_at
-from ..math.expressions.tree import ONE
+from ..math.expressions.program import ONE, value_at
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
 from ..mechanism.assembly.assembly import assemble_model

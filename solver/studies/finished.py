@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..math.digests import sources_sha256, state_of
+from ..math.disk_cache import sources_sha256, state_of
 
 RECORD = "finished.json"
 MOST = 32  # commands that are remembered for a folder

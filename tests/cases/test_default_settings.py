@@ -14,8 +14,8 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.generic.advice import INTERVALS, SLOW
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly.tables import ForceTable
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.integration import output_times

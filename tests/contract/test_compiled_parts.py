@@ -12,7 +12,7 @@ def _parts(text):
         if not isinstance(node, ast.FunctionDef):
             continue
         marks = node.decorator_list
-        # The body of a dispatched function is generated (math/dispatch.py).
+        # The body of a dispatched function is generated (math/catalogue.py).
         written = all(isinstance(mark, ast.Name) for mark in marks)
         if written and any(mark.id in KINDS for mark in marks):
             yield node

@@ -11,7 +11,7 @@ from samples.vtk_samples import Player
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import PackageError
-from plymotion.solver.math.digests import file_sha256
+from plymotion.solver.math.disk_cache import file_sha256
 from plymotion.solver.math.rotations import rotation_matrix
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.container import get_text

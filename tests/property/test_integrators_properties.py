@@ -7,16 +7,17 @@ from samples.constraint_runs import new_generic
 from scipy.linalg import expm
 from scipy_integrators import SCIPY
 
-from plymotion.solver.integrators.generic import INTEGRATORS, integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.generic.gear import (
     corrector,
     error_weights,
     interpolation,
     predictor,
 )
+from plymotion.solver.integrators.table import FOR_EQUATIONS
 
 RATIOS = st.lists(st.floats(0.3, 3.0), min_size=1, max_size=5)
-NAMES = st.sampled_from(sorted(INTEGRATORS | SCIPY))
+NAMES = st.sampled_from(sorted(FOR_EQUATIONS | SCIPY))
 
 
 def distances(ratios):

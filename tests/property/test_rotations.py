@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from plymotion.solver.math import rotations
-from plymotion.solver.math.triple import tangent_rate
+from plymotion.solver.math.rotations import tangent_rate
 
 NUMBER = st.floats(-1.0, 1.0, allow_subnormal=False)
 VECTOR = st.tuples(NUMBER, NUMBER, NUMBER).map(np.array)

@@ -10,7 +10,7 @@ from scipy.special import gamma
 from plymotion.solver.dynamics.elements.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
 from plymotion.solver.dynamics.elements.forces.table import ELEMENTS, KINDS, MOST_ROWS, element_rows
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body

@@ -17,17 +17,13 @@ from plymotion.solver.dynamics.evaluation.dense_equations import (
 )
 from plymotion.solver.dynamics.evaluation.derivative import by_blocks
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.integrators.closures import projection, right_hand_side
 from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
-from plymotion.solver.integrators.generic import (
-    Integrator,
-    Solution,
-    Steps,
-    integrate,
-    new_integrator,
-)
+from plymotion.solver.integrators.generic.base import Integrator
+from plymotion.solver.integrators.generic.drive import Solution, Steps, integrate
 from plymotion.solver.integrators.radau import Radau
+from plymotion.solver.integrators.step_loop import projection, right_hand_side
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
 
 

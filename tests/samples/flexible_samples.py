@@ -6,8 +6,9 @@ import numpy as np
 
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.integrators.closures import right_hand_side
-from plymotion.solver.integrators.generic import integrate, new_integrator
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.step_loop import right_hand_side
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.math.rotations import rotation_matrix, skew, vector_to_matrix
 from plymotion.solver.mechanism.assembly.assembly import assemble_model

@@ -12,7 +12,7 @@ import numpy as np
 from samples.mechanism_samples import GRAVITY, GROUND, Sample
 
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.integrators.generic import Integrator
+from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.mechanism.consistent.initial import Start

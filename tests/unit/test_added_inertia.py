@@ -19,7 +19,7 @@ from plymotion.solver.dynamics.evaluation.derivative import (
 )
 from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
 from plymotion.solver.mechanism.consistent.initial import Start, consistent_state

@@ -17,7 +17,7 @@ from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.inputs.case.tables.beams import BeamBody
 from plymotion.solver.inputs.case.tables.laws import FOLDER
-from plymotion.solver.math.curves import lengths_along
+from plymotion.solver.math.laws import lengths_along
 
 WORDS = ["--at", "0,0.4,1", "--quiet", "--no-estimate"]  # of the stations that are analysed
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]

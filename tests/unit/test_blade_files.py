@@ -21,7 +21,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.shape import contour, edge_angle
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
-from plymotion.solver.math.curves import lengths_along
+from plymotion.solver.math.laws import lengths_along
 from plymotion.solver.report.section.codes import read_results
 
 PLACES = [0.1, 0.3, 0.55, 0.8, 1.0]

@@ -12,7 +12,7 @@ import pytest
 from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.math import digests
+from plymotion.solver.math import disk_cache as digests
 
 CASE = Path("cases/double-pendulum/case.toml").resolve()
 PACKAGES = Path("tests/packages/double-pendulum").resolve()
@@ -185,7 +185,9 @@ def test_a_checkout_without_symbolic_links_is_identified(tmp_path, monkeypatch):
         (tmp_path / part).mkdir()
         (tmp_path / part / "one.py").write_text("1")
         (tmp_path / "plymotion" / part).write_text(f"../{part}")  # what git leaves for a link
-    monkeypatch.setattr(digests, "_ROOT", tmp_path)  # solver/math/digests.py is two folders below
+    monkeypatch.setattr(
+        digests, "_ROOT", tmp_path
+    )  # solver/math/disk_cache.py is two folders below
     program = partial(digests.sources_sha256.__wrapped__, "solver", "preprocess", "meshes")
     before = program()
     (tmp_path / "solver/one.py").write_text("2")  # of the same size

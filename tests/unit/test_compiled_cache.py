@@ -332,7 +332,7 @@ def _numba_version():
 
 
 def test_a_copy_of_a_structure_has_a_table_of_its_own():
-    from plymotion.solver.math.compiled.structures import table_of
+    from plymotion.solver.math.compiled.doors import table_of
 
     model, _ = prepared(chain(2), Treatment("index1"))
     table = table_of(model)
@@ -348,7 +348,7 @@ def test_a_copy_of_a_structure_has_a_table_of_its_own():
 
 
 def test_a_structure_of_what_cannot_be_passed_is_refused():
-    from plymotion.solver.math.compiled.structures import table_of
+    from plymotion.solver.math.compiled.doors import table_of
 
     model, _ = prepared(chain(2), Treatment("index1"))
     with pytest.raises(TypeError, match=r"Model\.J0.*contiguous"):

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.math.definite import (
-    is_positive_definite,
-    smallest_eigenvalue,
-    to_unit_diagonal,
-)
+from plymotion.solver.math.arrays import is_positive_definite, smallest_eigenvalue, to_unit_diagonal
 
 
 def of_rank(rank: int, n: int, rng: np.random.Generator) -> np.ndarray:

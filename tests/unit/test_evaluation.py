@@ -17,7 +17,7 @@ from plymotion.solver.dynamics.evaluation.derivative import (
 )
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.dynamics.model.workspace import new_work
-from plymotion.solver.integrators.closures import right_hand_side
+from plymotion.solver.integrators.step_loop import right_hand_side
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
 

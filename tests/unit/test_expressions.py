@@ -3,19 +3,21 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.math.curves import curve
 from plymotion.solver.math.expressions import operations as op
 from plymotion.solver.math.expressions.parse import ExpressionError, Plain, parsed
 from plymotion.solver.math.expressions.program import (
     BY_TIME,
     NO_SEED,
+    TIME,
+    Node,
+    depth,
     evaluated,
     new_stack,
     programs,
+    rate,
     value_at,
 )
-from plymotion.solver.math.expressions.tree import TIME, Node, depth, rate
-from plymotion.solver.math.laws import law_value
+from plymotion.solver.math.laws import curve, law_value
 
 NAMES = {"a": 2.0, "b": -0.3}
 TEXTS = [

@@ -6,7 +6,7 @@ from samples.mechanism_samples import pendulum
 
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 
 
 @pytest.mark.parametrize(

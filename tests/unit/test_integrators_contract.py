@@ -5,15 +5,12 @@ import pytest
 from samples.constraint_runs import new_generic
 from scipy_integrators import SCIPY
 
-from plymotion.solver.integrators.generic import (
-    INTEGRATORS,
-    Gear,
-    RungeKutta8,
-    StopRequest,
-    integrate,
-)
+from plymotion.solver.integrators.generic.drive import StopRequest, integrate
+from plymotion.solver.integrators.generic.explicit import RungeKutta8
+from plymotion.solver.integrators.generic.gear import Gear
+from plymotion.solver.integrators.table import FOR_EQUATIONS
 
-ALL = pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
+ALL = pytest.mark.parametrize("name", sorted(FOR_EQUATIONS | SCIPY))
 WITH_JACOBIAN = ("gear", "scipy-bdf", "scipy-radau")  # LSODA needs none where nothing is stiff
 
 

@@ -10,7 +10,7 @@ from samples.mechanism_samples import chain, four_bars, pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrators.generic import StopRequest, integrate
+from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 
 GGL = Treatment("ggl")
 HERE = importlib.util.find_spec("sksundae") is not None

@@ -5,8 +5,7 @@ import pytest
 
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.contract import Integrator, Number
-from plymotion.solver.integrators.generic.table import _check, named
-from plymotion.solver.integrators.table import INTEGRATORS
+from plymotion.solver.integrators.table import INTEGRATORS, _check, named
 
 
 def kind(**attributes):

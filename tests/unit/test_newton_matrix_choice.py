@@ -7,13 +7,7 @@ from samples.crane_samples import rigid_crane
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
 from plymotion.solver.integrators.compiled import step_control as codes
-from plymotion.solver.integrators.compiled.newton.tension import (
-    SHARE,
-    TAUT,
-    WINDOW,
-    count_refusal,
-    judge,
-)
+from plymotion.solver.integrators.compiled.tension import SHARE, TAUT, WINDOW, count_refusal, judge
 from plymotion.solver.run.preparation import prepare
 
 DRIVE = "drive = { smooth_step = { value = 1.0, duration = 1.0 } }"

@@ -14,7 +14,7 @@ from samples.two_body_samples import torn, two_bodies
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators import step_loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
-from plymotion.solver.integrators.generic import StopRequest, integrate
+from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
@@ -249,7 +249,7 @@ from samples.constraint_runs import new_run, prepared
 from samples.two_body_samples import two_bodies
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 rows = []
 implicit = ("generalized-alpha", "ggl")

@@ -6,21 +6,23 @@ from samples.flexible_samples import random_mechanism, random_state
 
 from plymotion.solver.dynamics.elements.bodies.marker import marker_motion, single_motion
 from plymotion.solver.dynamics.model import motion
-from plymotion.solver.math.rotations import skew, tangent_map, vector_to_matrix
-from plymotion.solver.math.rotations import tangent_coefficients as coefficients
-from plymotion.solver.math.triple import (
+from plymotion.solver.math.rotations import (
     about,
     column,
     cross3,
     dot3,
     minus3,
     put_column,
+    skew,
     sum3,
+    tangent_map,
     times3,
     triple,
     turned,
     turned_back,
+    vector_to_matrix,
 )
+from plymotion.solver.math.rotations import tangent_coefficients as coefficients
 
 
 @pytest.fixture

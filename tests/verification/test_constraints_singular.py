@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 from plymotion.solver.checks.monitors.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.derivative import by_blocks, derivative
-from plymotion.solver.integrators.generic import integrate, new_integrator
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.table import new_integrator
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 

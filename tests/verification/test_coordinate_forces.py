@@ -9,7 +9,7 @@ from scipy.special import gamma
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate
 from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrators.compiled.newton.pencil import freeze, new_frozen
+from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 
 
 @pytest.mark.parametrize("solver", ["", RADAU])

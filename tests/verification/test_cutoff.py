@@ -17,8 +17,8 @@ from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.compiled.cutoff import PASSES, filter_error, start_filter
-from plymotion.solver.integrators.compiled.newton.pencil import freeze
-from plymotion.solver.integrators.generic import StopRequest, integrate
+from plymotion.solver.integrators.compiled.pencil import freeze
+from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.mechanism.assembly.tables import ForceTable
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import prepare

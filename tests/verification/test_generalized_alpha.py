@@ -20,7 +20,7 @@ from plymotion.solver.dynamics.evaluation.dense_equations import (
     constraint_rates,
 )
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable

@@ -8,7 +8,7 @@ from plymotion.solver.dynamics.evaluation.series import balance
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.preparation import prepare
 

@@ -12,7 +12,7 @@ from samples.coordinate_samples import carriage, force, run, wheel
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import Integrator
+from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.run.preparation import prepare
 
 INTEGRATORS = ("radau", "rk8", "gear", "generalized-alpha")

@@ -8,7 +8,8 @@ from samples.two_body_samples import stretching_rod
 from scipy_integrators import SCIPY
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.generic import INTEGRATORS, integrate
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.table import FOR_EQUATIONS
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
@@ -104,7 +105,7 @@ def _circle(t, y):
     return np.array([-y[1], y[0]])
 
 
-@pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
+@pytest.mark.parametrize("name", sorted(FOR_EQUATIONS | SCIPY))
 def test_projection_hook_holds_an_invariant(name):
     """The unit circle: kept by projection at steps and between them, with the same few steps."""
 
@@ -123,7 +124,7 @@ def test_projection_hook_holds_an_invariant(name):
     assert np.abs(held.y - exact).max() <= np.abs(free.y - exact).max()
 
 
-@pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
+@pytest.mark.parametrize("name", sorted(FOR_EQUATIONS | SCIPY))
 def test_the_derivative_is_taken_at_the_projected_state(name):
     """What the next step begins with is f at the state that the projection gave."""
     seen = []
@@ -145,7 +146,7 @@ def test_the_derivative_is_taken_at_the_projected_state(name):
     assert np.linalg.norm(made.y) == pytest.approx(1.0, abs=1e-15)
 
 
-@pytest.mark.parametrize("name", sorted(INTEGRATORS | SCIPY))
+@pytest.mark.parametrize("name", sorted(FOR_EQUATIONS | SCIPY))
 def test_a_projection_that_finds_nothing_shortens_the_step_and_then_fails(name):
     def nothing_near(t, y):
         return None if t > 1.0 else y

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plymotion.solver.integrators.generic import Gear, integrate
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.generic.gear import Gear
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "integrators" / "bdf_growth.toml"
 TABLE = tomllib.loads(REFERENCE.read_text())

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.integrators.generic import (
-    Gear,
-    RungeKutta5,
-    RungeKutta8,
-    integrate,
-    new_integrator,
-)
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8
+from plymotion.solver.integrators.generic.gear import Gear
+from plymotion.solver.integrators.table import new_integrator
 
 
 def exact(t):

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.integrators.generic import Gear, RungeKutta5, RungeKutta8, integrate
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8
+from plymotion.solver.integrators.generic.gear import Gear
 
 
 def van_der_pol(t, y):

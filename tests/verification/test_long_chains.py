@@ -15,7 +15,7 @@ from plymotion.solver.dynamics.evaluation.derivative import derivative_into
 from plymotion.solver.dynamics.evaluation.series import along_solution
 from plymotion.solver.dynamics.linear_algebra.dependence import REGULAR, is_tree
 from plymotion.solver.dynamics.model.workspace import new_work
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 
 LINKS = 400

@@ -16,7 +16,7 @@ from plymotion.solver.dynamics.model.workspace import new_work
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import Steps, integrate
+from plymotion.solver.integrators.generic.drive import Steps, integrate
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.preparation import prepare

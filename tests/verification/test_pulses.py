@@ -8,7 +8,7 @@ from samples.case_samples import HEAD, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.preparation import prepare
 

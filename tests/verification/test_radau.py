@@ -11,7 +11,7 @@ from samples.two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly.tables import ForceTable
 

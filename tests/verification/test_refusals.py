@@ -6,7 +6,7 @@ from samples.case_samples import case_runs
 
 from plymotion.solver.checks.course import named_motion
 from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import prepare
 

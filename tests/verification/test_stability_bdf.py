@@ -8,7 +8,8 @@ from samples.constraint_runs import new_run, prepared
 from samples.stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.generic import Gear, integrate
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.generic.gear import Gear
 
 INDEX_1 = Treatment("index1")
 

@@ -11,8 +11,8 @@ from samples.stability_samples import stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates
-from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.generic.advice import of_feedback
+from plymotion.solver.integrators.generic.drive import integrate
 
 H = 0.02
 

@@ -6,7 +6,9 @@ from samples.constraint_runs import new_run, prepared
 from samples.stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.generic import Gear, RungeKutta5, RungeKutta8, integrate
+from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8
+from plymotion.solver.integrators.generic.gear import Gear
 
 INDEX_1 = Treatment("index1")
 METHODS = {"rk5": RungeKutta5, "rk8": RungeKutta8}

@@ -17,7 +17,7 @@ from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energ
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.dynamics.model.workspace import new_work
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
 from plymotion.solver.mechanism.consistent.initial import Start

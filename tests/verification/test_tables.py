@@ -6,10 +6,9 @@ from samples.coordinate_samples import RADAU, carriage, force, run, wheel
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.math.curves import NamedCurve, curve_of_table
 from plymotion.solver.math.expressions import operations as op
-from plymotion.solver.math.expressions.program import evaluated, new_stack, programs
-from plymotion.solver.math.expressions.tree import Node
+from plymotion.solver.math.expressions.program import Node, evaluated, new_stack, programs
+from plymotion.solver.math.laws import NamedCurve, curve_of_table
 
 X = [-1.0, -0.2, 0.1, 0.5, 2.0]
 Y = [-4.0, -0.5, 0.3, 0.3, 5.0]

@@ -14,8 +14,8 @@ from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, 
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.dynamics.model.workspace import new_work
-from plymotion.solver.integrators.compiled.newton.pencil import freeze, new_frozen
-from plymotion.solver.integrators.compiled.newton.tension import freeze_tension
+from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
+from plymotion.solver.integrators.compiled.tension import freeze_tension
 from plymotion.solver.run.preparation import prepare
 
 STANDS = {"smooth_step": {"value": 0.0, "duration": 1.0}}

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ....solver.errors import InputError, nearest
-from ....solver.math.digests import file_sha256
+from ....solver.math.disk_cache import file_sha256
 
 
 class Files:

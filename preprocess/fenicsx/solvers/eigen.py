@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from ....solver.math.definite import is_positive_definite
+from ....solver.math.arrays import is_positive_definite
 from ..distributed import Distribution, whole
 from ..errors import EigenError
 from ..stack import HAS_MUMPS, Array, PETSc, SLEPc

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.math.arrays import Array
-from ....solver.math.definite import REGULAR
+from ....solver.math.arrays import REGULAR, Array
 from ..distributed import Distribution
 from ..errors import FactorisationError, InertiaError, SingularError
 from ..stack import HAS_MUMPS, PETSc

@@ -10,8 +10,7 @@ import scipy.sparse as sp
 from scipy.linalg import null_space
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from ....solver.math.arrays import Array
-from ....solver.math.definite import REGULAR, is_positive_definite
+from ....solver.math.arrays import REGULAR, Array, is_positive_definite
 from ....solver.math.rotations import skew
 from ... import fenicsx
 from ..errors import IllConditioned, SectionError

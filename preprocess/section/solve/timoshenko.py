@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.math.arrays import Array
-from ....solver.math.definite import is_positive_definite
+from ....solver.math.arrays import Array, is_positive_definite
 from ..errors import IllConditioned, SectionError
 from ..space.space import SectionSpace
 from .warping import (

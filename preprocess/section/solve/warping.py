@@ -14,8 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ....solver.math.arrays import Array
-from ....solver.math.definite import REGULAR
+from ....solver.math.arrays import REGULAR, Array
 from ... import fenicsx
 from ..errors import SectionError
 from ..space.space import SectionSpace

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from ....solver.errors import few
-from ....solver.math.arrays import Array, IntArray
-from ....solver.math.definite import REGULAR, smallest_eigenvalue
+from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
 from ...beam.element import BeamElement
 from ..errors import ShellError

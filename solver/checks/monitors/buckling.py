@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from ...dynamics.analysis.recovery import stiffened
 from ...dynamics.model.model import Model
-from ...integrators.generic import Steps, StopRequest
 from ...integrators.generic.base import Dense
+from ...integrators.generic.drive import Steps, StopRequest
 from ...math.arrays import Array, IntArray
 from ...results.codes import BUCKLING, BUCKLING_LOAD, Finding
 from .geometric_stiffness import Loading, geometric_stiffness

@@ -7,8 +7,7 @@ import numpy as np
 from ...dynamics.analysis.independence import scaled_jacobian_into
 from ...dynamics.analysis.rank import difference, new_spectrum, smallest_at
 from ...dynamics.model.model import Model
-from ...integrators.generic import Integrator
-from ...integrators.generic.base import Dense
+from ...integrators.generic.base import Dense, Integrator
 from ...math.arrays import Array
 from .observation import Observation
 

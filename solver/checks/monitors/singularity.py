@@ -17,8 +17,7 @@ from ...dynamics.elements.constraints.treatment import PASSES_SINGULAR
 from ...dynamics.linear_algebra.dependence import is_tree
 from ...dynamics.model.model import Model
 from ...errors import few
-from ...integrators.generic import Steps, StopRequest
-from ...integrators.generic.steps import MOST_NOTED
+from ...integrators.generic.drive import MOST_NOTED, Steps, StopRequest
 from ...math.arrays import Array
 from ...results.codes import BRANCH, SINGULAR, SINGULAR_PASSED, Finding
 from .constraint_rank import NEAR, ConstraintRank, Rank

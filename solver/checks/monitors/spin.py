@@ -7,8 +7,8 @@ import numpy as np
 from ...dynamics.elements.bodies.floating_frame import centrifugal_matrix
 from ...dynamics.elements.joints.table import RIGID
 from ...dynamics.model.model import GROUND, Model
-from ...integrators.generic import Steps, StopRequest
 from ...integrators.generic.base import Dense
+from ...integrators.generic.drive import Steps, StopRequest
 from ...math.arrays import Array
 from ...results.codes import SPIN, Finding
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...integrators.generic import Steps
+from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
 
 LEAST, MOST = -200, 200  # exponents of two

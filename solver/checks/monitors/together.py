@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ...integrators.generic import Steps, StopRequest
+from ...integrators.generic.drive import Steps, StopRequest
 from ...math.arrays import Array
 from .buckling import BucklingMonitor
 from .singularity import SingularityMonitor

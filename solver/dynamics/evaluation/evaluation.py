@@ -4,7 +4,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from ...math.triple import Triple, cross3, dot3, minus3, sum3, times3, triple
+from ...math.rotations import Triple, cross3, dot3, minus3, sum3, times3, triple
 from ..elements.block_vectors import inflate, largest, row_products
 from ..elements.bodies.floating_frame import evaluate_bodies
 from ..elements.bodies.marker import evaluate_markers

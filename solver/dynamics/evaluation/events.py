@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...math.arrays import Array
-from ...math.curves import Hermite
 from ...math.expressions.program import NO_SEED, evaluated
+from ...math.laws import Hermite
 from ..model.model import Model
 from ..model.workspace import spare_work
 from .evaluation import evaluate, measure_into

@@ -5,7 +5,7 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from ...math.expressions.program import BY_TIME, NO_SEED, evaluated
-from ...math.triple import Triple, cross3, dot3, minus3, sum3, times3
+from ...math.rotations import Triple, cross3, dot3, minus3, sum3, times3
 from ..model.model import DISPLACEMENT, DISTANCE, LAST, SPIN, Quantities
 from ..model.motion import acceleration, axis, place, spin, spin_rate, velocity
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from ...math.arrays import Array, IntArray
 from ...math.compiled import lean
-from ...math.rotations import rotation_into
-from ...math.triple import cross3, minus3, triple, turned
+from ...math.rotations import cross3, minus3, rotation_into, triple, turned
 from ..elements.bodies.floating_frame import evaluate_bodies
 from ..elements.bodies.marker import move_marker
 from ..elements.forces.table import FIRST_LOAD

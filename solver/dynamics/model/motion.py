@@ -5,7 +5,7 @@ In compiled code a row is one argument: joints and force elements are called wit
 
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from ...math.triple import Triple
+from ...math.rotations import Triple
 
 PLACE, AXES, VELOCITY, SPIN, ACCELERATION, SPIN_RATE = 0, 3, 12, 15, 18, 21
 N_MOTION = 24

@@ -17,7 +17,7 @@ from ...inputs.case.record import CASE_FILE
 from ...inputs.case.tables.beams import COLUMNS, TRAPEZE, UPPER
 from ...inputs.case.write import write_case
 from ...math.arrays import Array
-from ...math.curves import lengths_along
+from ...math.laws import lengths_along
 from ...package.body.io import read_package
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_value

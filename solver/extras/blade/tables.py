@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
-from ...math.curves import lengths_along
+from ...math.laws import lengths_along
 
 # Quantities along the span of a blade.
 

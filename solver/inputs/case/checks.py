@@ -11,10 +11,10 @@ from ...dynamics.model.model import LAST
 from ...errors import InputError, collected, nearest, unknown
 from ...integrators.choice import treatment_of
 from ...math import laws
-from ...math.curves import NamedCurve
-from ...math.definite import is_positive_definite
+from ...math.arrays import is_positive_definite
 from ...math.expressions import operations as op
 from ...math.expressions.parse import MADE, NAMES
+from ...math.laws import NamedCurve
 from ...math.rows import column
 from ..common.materials import check_materials
 from .bodies.beams import check_motion, is_plain

@@ -10,11 +10,11 @@ from ...dynamics.elements.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
 from ...dynamics.elements.joints.contract import ANGLE, DrivenBy, Z
 from ...dynamics.elements.joints.table import JOINTS
 from ...errors import InputError, nearest, unknown
-from ...math.curves import NamedCurve, curve_of_table
+from ...math.catalogue import Curve, Expression, Expressions, Number
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, parsed
-from ...math.expressions.tree import Node, NoRate, constant
-from ...math.keys import Curve, Expression, Expressions, Number
+from ...math.expressions.program import Node, NoRate, constant
+from ...math.laws import NamedCurve, curve_of_table
 from ...math.rows import column
 
 if TYPE_CHECKING:

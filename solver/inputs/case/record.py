@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 from ...errors import InputError
-from ...math.digests import sources_sha256
+from ...math.disk_cache import sources_sha256
 
 if TYPE_CHECKING:
     from .tables.schema import Mechanism

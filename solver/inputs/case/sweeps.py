@@ -14,8 +14,7 @@ from ...errors import InputError, nearest, unknown
 from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
-from ...math.expressions.program import value_at
-from ...math.expressions.tree import Node
+from ...math.expressions.program import Node, value_at
 from ..common.table import bare_lines, validated
 from .bodies.descriptions import described
 from .bodies.specifications import BodySpec, BodySpecs

@@ -32,12 +32,9 @@ from .alpha_stages import (
     predict,
 )
 from .closing import close
-from .error_norm import finite, set_weights
-from .newton.elements import element_residual
-from .newton.feedback import scale_feedback
-from .newton.pencil import factorise_feedback, factorise_pencil, fed_back, freeze
-from .newton.tension import judge, update_tension
-from .residual import inertia_residual
+from .feedback import scale_feedback
+from .pencil import factorise_feedback, factorise_pencil, fed_back, freeze
+from .residual import element_residual, inertia_residual
 from .step_control import (
     ARRIVED,
     EVALUATIONS,
@@ -58,10 +55,13 @@ from .step_control import (
     Options,
     at_kink,
     count_step,
+    finite,
     keep_end,
     next_step,
     refuse,
+    set_weights,
 )
+from .tension import judge, update_tension
 
 
 @lean

@@ -13,11 +13,20 @@ from ...dynamics.model.workspace import Work, new_work
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, structure
-from .error_norm import norm, set_weights
-from .newton.elements import start_forces
-from .newton.pencil import Frozen, Pencil, fed_back, new_frozen, new_pencil
-from .residual import inertia_residual
-from .step_control import N_CLOCK, N_COUNT, NEXT, OTHER, SINCE, TAKEN, TIME, Options
+from .pencil import Frozen, Pencil, fed_back, new_frozen, new_pencil
+from .residual import inertia_residual, start_forces
+from .step_control import (
+    N_CLOCK,
+    N_COUNT,
+    NEXT,
+    OTHER,
+    SINCE,
+    TAKEN,
+    TIME,
+    Options,
+    norm,
+    set_weights,
+)
 
 FORMULATIONS = ("ggl", "index3")
 SPECTRAL_RADIUS = 0.8  # at infinity, by default

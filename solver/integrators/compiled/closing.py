@@ -17,7 +17,7 @@ from ...dynamics.model.model import Model
 from ...dynamics.model.workspace import PHI, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
-from .newton.pencil import Frozen, Pencil, factorise_pencil, freeze
+from .pencil import Frozen, Pencil, factorise_pencil, freeze
 from .step_control import EVALUATIONS, FACTORISATIONS, JACOBIANS
 
 MAX_ITERATIONS = 4

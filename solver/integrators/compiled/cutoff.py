@@ -25,7 +25,7 @@ from ...dynamics.model.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import lean, structure
 from ...math.rotations import along_parameters
-from .newton.pencil import Frozen, Pencil, factorise_pencil, new_pencil, spin_of
+from .pencil import Frozen, Pencil, factorise_pencil, new_pencil, spin_of
 
 PASSES = 3
 

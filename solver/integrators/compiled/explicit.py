@@ -20,7 +20,6 @@ from ..generic.explicit import (
     STIFF_TESTS,
     TEST_EVERY,
 )
-from .error_norm import finite, norm, set_weights
 from .step_control import (
     ARRIVED,
     ERROR_LAST,
@@ -41,9 +40,12 @@ from .step_control import (
     Ends,
     Options,
     count_step,
+    finite,
     keep_end,
     next_step,
+    norm,
     refuse,
+    set_weights,
 )
 
 # Entries of `clock` after those of every loop (step_control.py): whether the last attempt was

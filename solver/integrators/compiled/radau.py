@@ -11,23 +11,27 @@ from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from .closing import close
 from .cutoff import energy, filter_error, start_filter
-from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
-from .error_norm import finite, largest_component, norm, set_weights
-from .newton.pencil import freeze, solve_pencil
-from .newton.tension import judge, update_tension
-from .radau_workspace import MU, NU, C, RadauWorkspace
-from .residual import residual
-from .stages import (
+from .pencil import freeze, solve_pencil
+from .radau_stages import (
+    MU,
+    NU,
+    C,
+    RadauWorkspace,
     accept,
     complete,
     correct,
     embedded_error,
     error_residual,
+    factorise_stages,
     interpolate,
     place,
     predict,
+    reduce_multipliers,
+    softened,
     transform_residuals,
+    yield_rows,
 )
+from .residual import residual
 from .step_control import (
     ARRIVED,
     CUTOFF,
@@ -54,10 +58,15 @@ from .step_control import (
     Ends,
     Options,
     count_step,
+    finite,
     keep_end,
+    largest_component,
     next_step,
+    norm,
     refuse,
+    set_weights,
 )
+from .tension import judge, update_tension
 
 MAX_ITERATIONS = 10
 DIVERGES = 10.0  # the second correction over the first

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...math.arrays import Array
-from ...math.keys import Number
+from ...math.catalogue import Number
 from . import advice
 from .advice import OWN, Pace, Refusals, Stall
 from .norm import ErrorNorm, first_step_size

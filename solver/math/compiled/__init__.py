@@ -16,9 +16,8 @@ from types import FunctionType
 from typing import Any, TypeVar
 
 from . import units
-from .content import numba_version
-from .parts import Part, statistics
-from .structures import structure
+from .doors import structure
+from .parts import Part, numba_version, statistics
 from .units import note, noted
 
 __all__ = [

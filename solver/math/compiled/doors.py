@@ -1,14 +1,231 @@
-"""Calls of compiled code from Python: arguments as 8-byte words, results from them."""
+"""How Python calls compiled code: types as text, tables of structures, arguments as words.
+
+Texts say what a call is looked up and kept by, without Numba:
+
+f8 i8 b1 c16 ...        a number
+f8[2] f8[1]A f8[1]!     an array of so many axes; strided; read-only
+(f8,f8,f8)              a tuple
+<module:Class>(f8,...)  a NamedTuple
+{Class:name=f8[1],...}  a structure, by pointer
+n                       nothing
+
+A structure is a NamedTuple that compiled code sees as one pointer. The pointer leads to a table of
+8-byte words: address and lengths of each array, the value of each number, the words of a structure
+inside. Compiled code loads what it needs and is spared the hundreds of words that the arrays of a
+model and its memory take. Python sees the tuple.
+"""
 
 import ctypes
+import re
 import struct
 from collections.abc import Callable
-from typing import Any
+from functools import cache
+from importlib import import_module
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from . import signatures
-from .structures import table_of
+_WORD = re.compile(r"[a-z]\d*")
+_ARRAY = re.compile(r"\[(\d+)\]([AF]?)(!?)")
+
+
+class Number(NamedTuple):
+    """A number by NumPy's short name of its type; "n" is no number at all."""
+
+    code: str
+
+
+class ArrayOf(NamedTuple):
+    """An array: numbers, axes, layout "C", "F" or "A", and whether it may be written."""
+
+    code: str
+    ndim: int
+    layout: str
+    mutable: bool
+
+
+class TupleOf(NamedTuple):
+    """A tuple, or a NamedTuple of the class `name` (module:Class)."""
+
+    name: str
+    parts: tuple[Any, ...]
+
+
+class StructureOf(NamedTuple):
+    """A structure: its class, the names of its fields and what they are."""
+
+    name: str
+    names: tuple[str, ...]
+    parts: tuple[Any, ...]
+
+
+def parse(text: str) -> Any:
+    """Return what a text says."""
+    found, end = _any(text, 0)
+    if end != len(text):
+        raise ValueError(f"signature {text!r}: not understood at {end}")
+    return found
+
+
+def parse_all(text: str) -> tuple[Any, ...]:
+    """Return the arguments of a call: texts between brackets."""
+    return tuple(parse(text).parts)
+
+
+def _any(text: str, at: int) -> tuple[Any, int]:
+    if text[at] == "{":
+        end = text.index(":", at)
+        name, names = text[at + 1 : end], []
+
+        def field(start: int) -> tuple[Any, int]:
+            equal = text.index("=", start)
+            names.append(text[start:equal])
+            return _any(text, equal + 1)
+
+        parts, after = _list(text, end + 1, "}", field)
+        return StructureOf(name, tuple(names), parts), after
+    name = ""
+    if text[at] == "<":
+        end = text.index(">", at)
+        name, at = text[at + 1 : end], end + 1
+    if text[at] == "(":
+        parts, after = _list(text, at + 1, ")", lambda start: _any(text, start))
+        return TupleOf(name, parts), after
+    word = _WORD.match(text, at)
+    if word is None:
+        raise ValueError(f"signature {text!r}: not understood at {at}")
+    array = _ARRAY.match(text, word.end())
+    if array is None:
+        return Number(word[0]), word.end()
+    return ArrayOf(word[0], int(array[1]), array[2] or "C", not array[3]), array.end()
+
+
+def _list(
+    text: str, at: int, end: str, one: Callable[[int], tuple[Any, int]]
+) -> tuple[tuple[Any, ...], int]:
+    parts = []
+    while text[at] != end:
+        part, at = one(at)
+        parts.append(part)
+        if text[at] == ",":
+            at += 1
+    return tuple(parts), at + 1
+
+
+def leaves(kind: Any) -> list[str]:
+    """Return the codes of all numbers in a result, in order."""
+    if isinstance(kind, TupleOf):
+        return [code for part in kind.parts for code in leaves(part)]
+    return [] if kind.code == "n" else [kind.code]
+
+
+def class_named(name: str) -> Any:
+    """Return the class of a text module:Class."""
+    module, _, qualified = name.partition(":")
+    found: Any = import_module(module)
+    for part in qualified.split("."):
+        found = getattr(found, part)
+    return found
+
+
+Class = TypeVar("Class", bound=type)
+
+_NUMBERS = {int: "i8", float: "f8", bool: "b1"}
+_PLAIN = 0x101  # flags of arrays: contiguous, aligned
+_DATA = 16  # bytes from the beginning of an array object to the address of its data
+_PACKED = {"i8": np.int64, "b1": np.int64, "f8": np.float64}
+
+
+class Table(NamedTuple):
+    """The words of one structure, and the text that says what they are."""
+
+    text: str
+    words: Any  # (n,) int64
+    address: int
+
+
+def structure(cls: Class) -> Class:
+    """Mark a NamedTuple of contiguous arrays, numbers and structures: compiled, one pointer.
+
+    Its arrays may be filled, and never change their place or length.
+    """
+
+    class Structure(cls):  # type: ignore[valid-type, misc]
+        is_structure = True
+
+        def __getstate__(self) -> None:
+            """Leave the table behind: addresses mean nothing to a copy."""
+
+    for name in ("__name__", "__qualname__", "__module__", "__doc__"):
+        setattr(Structure, name, getattr(cls, name))
+    Structure.__annotations__ = dict(cls.__annotations__)
+    return Structure  # type: ignore[return-value]
+
+
+def table_of(value: Any) -> Table:
+    """Return the table of a structure, which lives as long as the tuple.
+
+    Raises TypeError : a field that compiled code cannot be given
+    """
+    found = value.__dict__.get("_table")
+    if found is None:
+        words: list[int] = []
+        text = _describe(value, words)
+        array = np.array(words, dtype=np.uint64).view(np.int64)
+        found = value.__dict__["_table"] = Table(text, array, array.ctypes.data)
+    return found  # type: ignore[no-any-return]
+
+
+@cache
+def _text_of(dtype: np.dtype[Any], ndim: int) -> str:
+    """Return what an array is; nothing if its numbers are not in the order of this machine."""
+    return f"{dtype.str[1:]}[{ndim}]" if dtype.isnative else ""
+
+
+def _describe(value: Any, words: list[int]) -> str:
+    """Append the words of a structure; return its text."""
+    cls = type(value)
+    fields = []
+    for name, field in zip(cls._fields, value, strict=True):
+        if isinstance(field, np.ndarray):
+            text = _text_of(field.dtype, field.ndim)
+            if field.flags.num & _PLAIN != _PLAIN or not text:
+                raise TypeError(f"{cls.__name__}.{name}: expected a contiguous array")
+            words.append(address_of(field))
+            words.extend(field.shape)
+        elif hasattr(field, "is_structure"):  # models that differ in numbers share most of theirs
+            table = table_of(field)
+            text = table.text
+            words.extend(table.words.view(np.uint64).tolist())
+        else:
+            text = _NUMBERS.get(cls.__annotations__[name], "")
+            if not text:
+                raise TypeError(f"{cls.__name__}.{name}: expected an array, a number, a structure")
+            words.append(int(np.array(field, dtype=_PACKED[text]).view(np.uint64)))
+        fields.append(f"{name}={text}")
+    return "{" + cls.__name__ + ":" + ",".join(fields) + "}"
+
+
+@cache
+def array_head_is_known() -> bool:
+    """Tell whether array objects begin as compiled code expects (ndarrayobject.h of NumPy)."""
+    array = np.zeros((2, 3))[:, ::2]
+    if tuple.__itemsize__ != 8 or not hasattr(ctypes, "PYFUNCTYPE"):
+        return False
+    head = (ctypes.c_int64 * 6).from_address(id(array))
+    if head[2] != array.ctypes.data or ctypes.c_int32.from_address(id(array) + 24).value != 2:
+        return False
+    lengths = (ctypes.c_int64 * 2).from_address(head[4])
+    strides = (ctypes.c_int64 * 2).from_address(head[5])
+    return tuple(lengths) == array.shape and tuple(strides) == array.strides
+
+
+def address_of(array: np.ndarray[Any, Any]) -> int:
+    """Return the address of the data; the way of NumPy takes four times as long."""
+    if array_head_is_known():
+        return ctypes.c_uint64.from_address(id(array) + _DATA).value
+    return array.__array_interface__["data"][0]  # type: ignore[no-any-return]
+
 
 _LETTERS = {"f8": "d", "i8": "q", "b1": "q", "c16": "dd"}
 
@@ -73,9 +290,9 @@ def text(arguments: tuple[Any, ...]) -> str | None:
 def door(address: int, kinds: tuple[Any, ...], result: Any) -> Callable[..., Any]:
     """Return what calls the code at an address with words, and makes a result of its words."""
     call = ctypes.PYFUNCTYPE(None, ctypes.c_char_p, ctypes.c_void_p)(address)
-    form = [_LETTERS[k.code] if isinstance(k, signatures.Number) else "q" for k in kinds]
+    form = [_LETTERS[k.code] if isinstance(k, Number) else "q" for k in kinds]
     packed = struct.Struct("=" + "".join(form)).pack
-    codes = signatures.leaves(result)
+    codes = leaves(result)
     if not codes:
 
         def run(words: list[Any], arguments: Any) -> None:
@@ -95,11 +312,11 @@ def door(address: int, kinds: tuple[Any, ...], result: Any) -> Callable[..., Any
 
 def _maker(kind: Any) -> Callable[[Any], Any]:
     """Return what takes numbers from an iterator and makes a result of them."""
-    if isinstance(kind, signatures.TupleOf):
+    if isinstance(kind, TupleOf):
         parts = [_maker(part) for part in kind.parts]
         if not kind.name:
             return lambda numbers: tuple(part(numbers) for part in parts)
-        cls = signatures.class_named(kind.name)
+        cls = class_named(kind.name)
         return lambda numbers: cls(*(part(numbers) for part in parts))
     if kind.code == "b1":
         return lambda numbers: bool(next(numbers))

@@ -1,4 +1,10 @@
-"""Parts in LLVM's language: Numba's passes up to there, with what belongs to the result."""
+"""Parts in LLVM's language: Numba's passes up to there, with what belongs to the result.
+
+Some arithmetic takes the place of Numba's own. Numba compiles a function for each operation on
+complex numbers, for `min`, `max` and powers of integers, links it with every caller, and raises an
+error where a division is by zero, whatever the error model. Ours are a few instructions each, and
+only the context of our own compilations knows them.
+"""
 
 import copy
 import gc
@@ -14,11 +20,86 @@ from numba.core.codegen import CodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_extra
 from numba.core.cpu import CPUContext, FastMathOptions
 from numba.core.errors import NumbaNotImplementedError
+from numba.core.imputils import impl_ret_untracked
 from numba.core.registry import cpu_target
 from numba.np import arrayobj
 
-from . import arithmetic
 from .parts import FAST_MATH, Part, Unit
+
+
+def lesser(a: Any, b: Any) -> Any:
+    """Return the lesser of two numbers, the first if one is nan."""
+    return b if b < a else a
+
+
+def least(a: Any, b: Any, c: Any) -> Any:
+    """Return the least of three numbers."""
+    return min(min(a, b), c)
+
+
+def larger(a: Any, b: Any) -> Any:
+    """Return the larger of two numbers, the first if one is nan."""
+    return b if b > a else a
+
+
+def largest(a: Any, b: Any, c: Any) -> Any:
+    """Return the largest of three numbers."""
+    return max(max(a, b), c)
+
+
+def power(base: Any, exponent: Any) -> Any:
+    """Return a number raised to an integer; inf for a negative power of zero."""
+    n, square, found = exponent if exponent > 0 else -exponent, base, 1.0
+    while n != 0:
+        if n & 1:
+            found *= square
+        n >>= 1
+        square *= square
+    return found if exponent >= 0 else 1.0 / found
+
+
+def _parts(context: Any, builder: Any, sig: Any, arguments: Any) -> list[Any]:
+    pairs = zip(sig.args, arguments, strict=True)
+    return [context.make_complex(builder, kind, value) for kind, value in pairs]
+
+
+def _made(context: Any, builder: Any, kind: Any, real: Any, imag: Any) -> Any:
+    made = context.make_complex(builder, kind)
+    made.real, made.imag = real, imag
+    return impl_ret_untracked(context, builder, kind, made._getvalue())
+
+
+def multiply(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    """Multiply, as Numba does: inf and nan are those of the sums and products."""
+    a, b = _parts(context, builder, sig, arguments)
+    real = builder.fsub(builder.fmul(a.real, b.real), builder.fmul(a.imag, b.imag))
+    imag = builder.fadd(builder.fmul(a.real, b.imag), builder.fmul(a.imag, b.real))
+    return _made(context, builder, sig.return_type, real, imag)
+
+
+def divide(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    """Divide by Smith's method; by zero: inf or nan, as NumPy does."""
+    a, b = _parts(context, builder, sig, arguments)
+    size = builder.module.declare_intrinsic("llvm.fabs", [b.real.type])
+    swap = builder.fcmp_ordered("<", builder.call(size, [b.real]), builder.call(size, [b.imag]))
+    p, q = builder.select(swap, b.imag, b.real), builder.select(swap, b.real, b.imag)
+    x, y = builder.select(swap, a.imag, a.real), builder.select(swap, a.real, a.imag)
+    ratio = builder.fdiv(q, p)
+    whole = builder.fadd(p, builder.fmul(q, ratio))
+    real = builder.fdiv(builder.fadd(x, builder.fmul(y, ratio)), whole)
+    imag = builder.fdiv(builder.fsub(y, builder.fmul(x, ratio)), whole)
+    return _made(
+        context, builder, sig.return_type, real, builder.select(swap, builder.fneg(imag), imag)
+    )
+
+
+def absolute(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    """Take the root of the squares: of numbers below 1e154, which no unit exceeds."""
+    (a,) = _parts(context, builder, sig, arguments)
+    square = builder.fadd(builder.fmul(a.real, a.real), builder.fmul(a.imag, a.imag))
+    root = builder.module.declare_intrinsic("llvm.sqrt", [square.type])
+    return impl_ret_untracked(context, builder, sig.return_type, builder.call(root, [square]))
+
 
 # Passes for what no part contains: closures, `with`, `raise`, literal loops, reports.
 _UNUSED = {
@@ -38,12 +119,12 @@ _UNUSED = {
 
 
 BUILTINS = {
-    "min": Part(arithmetic.lesser, inline=True),
-    "max": Part(arithmetic.larger, inline=True),
+    "min": Part(lesser, inline=True),
+    "max": Part(larger, inline=True),
 }
-BUILTINS["min"].others[3] = Part(arithmetic.least, inline=True)
-BUILTINS["max"].others[3] = Part(arithmetic.largest, inline=True)
-POWER = Part(arithmetic.power, inline=True)
+BUILTINS["min"].others[3] = Part(least, inline=True)
+BUILTINS["max"].others[3] = Part(largest, inline=True)
+POWER = Part(power, inline=True)
 
 
 class _Pipeline(CompilerBase):  # type: ignore[misc]
@@ -215,7 +296,7 @@ def _flags() -> Any:
 
 
 def _with_builtins(function: Any) -> Any:
-    """Return a function whose `min` and `max` are those of substitutes.py."""
+    """Return a function whose `min` and `max` are the parts above."""
     known = BUILTINS | function.__globals__
     return FunctionType(
         function.__code__, known, function.__name__, function.__defaults__, function.__closure__
@@ -250,9 +331,9 @@ def _power(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
 
 _COMPLEX = types.complex128
 for _operators, _code, _kinds in (
-    ((operator.mul, operator.imul), arithmetic.multiply, (_COMPLEX, _COMPLEX)),
-    ((operator.truediv, operator.itruediv), arithmetic.divide, (_COMPLEX, _COMPLEX)),
-    ((abs,), arithmetic.absolute, (_COMPLEX,)),
+    ((operator.mul, operator.imul), multiply, (_COMPLEX, _COMPLEX)),
+    ((operator.truediv, operator.itruediv), divide, (_COMPLEX, _COMPLEX)),
+    ((abs,), absolute, (_COMPLEX,)),
     ((operator.pow, operator.ipow), _power, (types.float64, types.int64)),
 ):
     for _operator in _operators:

@@ -1,19 +1,35 @@
-"""Units of parts, loaded from the cache or compiled and stored there; their entry points."""
+"""Units of parts, loaded from the cache or compiled and stored there; their entry points.
+
+Where Numba is of another version than the machinery is written for, numba.njit compiles instead.
+It is slow: every function is compiled again with each one that calls it.
+"""
 
 import json
 import os
 import re
+import shutil
 import time
 import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
-from ..disk_cache import DiskCache
-from . import content, doors, signatures
-from .parts import Part, Unit, part_named, statistics
-from .structures import array_head_is_known
+from ..disk_cache import DiskCache, sources_sha256
+from . import doors
+from .doors import array_head_is_known, parse, parse_all
+from .parts import (
+    FAST_MATH,
+    Part,
+    Unit,
+    digest,
+    environment,
+    import_numba,
+    numba_version,
+    part_named,
+    statistics,
+)
 
 LOWEST, NEWEST = (0, 62), (0, 68)  # versions of Numba that the tests were run with
 MOST_FILES = 2000  # of about 20 kB
@@ -33,7 +49,7 @@ def check_choice() -> None:
 @cache
 def check_versions() -> None:
     """Raise UnsupportedError for a Numba, or arrays of NumPy, that the machinery does not know."""
-    version = content.numba_version()
+    version = numba_version()
     numbers = tuple(int(n) for n in re.findall(r"\d+", version)[:2])
     if not LOWEST <= numbers <= NEWEST:
         low, high = (".".join(map(str, v)) for v in (LOWEST, NEWEST))
@@ -66,13 +82,11 @@ def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., A
         address = _door_address(found)
     except Exception as error:
         return _fallback(part, error)
-    return doors.door(address, signatures.parse_all(text), signatures.parse(found.result))
+    return doors.door(address, parse_all(text), parse(found.result))
 
 
 def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
     """Return what calls the function as numba.njit compiles it."""
-    from . import fallback
-
     statistics.fallbacks.append(part.name)
     if len(statistics.fallbacks) == 1:
         warnings.warn(
@@ -80,16 +94,16 @@ def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
             RuntimeWarning,
             stacklevel=4,
         )
-    dispatcher = fallback.dispatcher(part, folder())
-    return lambda words, arguments: dispatcher(*arguments)
+    slow = dispatcher(part, folder())
+    return lambda words, arguments: slow(*arguments)
 
 
 def _symbol(part: Part, text: str) -> str:
-    return f"plymotion_{content.digest(part.name, text)}"
+    return f"plymotion_{digest(part.name, text)}"
 
 
 def _key(part: Part, text: str) -> str:
-    return content.digest(part.name, part.content(), text, content.environment())
+    return digest(part.name, part.content(), text, environment())
 
 
 def _loaded(part: Part, text: str) -> Unit | None:
@@ -113,7 +127,7 @@ def _loaded(part: Part, text: str) -> Unit | None:
 
 def _compiled(part: Part, text: str) -> Unit:
     check_versions()
-    content.import_numba()
+    import_numba()
     from . import building, machine
 
     symbol = _symbol(part, text)
@@ -130,11 +144,11 @@ def _door_address(found: Unit) -> int:
     from . import machine
 
     symbol = f"{found.symbol}_door"
-    key = content.digest("door", found.symbol, found.result, content.environment())
+    key = digest("door", found.symbol, found.result, environment())
     kept = _read(key)
     if kept is not None:
         return machine.load(kept[1], symbol)
-    content.import_numba()
+    import_numba()
     from . import building
 
     code = building.compiled_door(found.arguments, found.result, found.symbol, symbol)
@@ -163,9 +177,65 @@ def _write(key: str, description: dict[str, Any], code: bytes) -> bool:
 
 def noted(*texts: str) -> bool:
     """Tell whether `note` was called with the same texts, in this environment."""
-    return _read(content.digest(*texts, content.environment())) is not None
+    return _read(digest(*texts, environment())) is not None
 
 
 def note(name: str, *texts: str) -> None:
     """Keep a note that has no code, under texts and the environment."""
-    _write(content.digest(name, *texts, content.environment()), {"name": name}, b"")
+    _write(digest(name, *texts, environment()), {"name": name}, b"")
+
+
+_KEPT_CACHES = 4
+_dispatchers: dict[str, Any] = {}
+
+
+def dispatcher(part: Part, folder: Path | None) -> Any:
+    """Return Numba's dispatcher for a part, whose callees are dispatchers as well.
+
+    `folder` is that of our own cache; beside it there is one for Numba's.
+    """
+    if part.name not in _dispatchers:
+        numba = _numba(folder)
+        function = part.function
+        known = dict(function.__globals__)
+        plain: Any = FunctionType(
+            function.__code__, known, function.__name__, function.__defaults__, function.__closure__
+        )
+        _dispatchers[part.name] = numba.njit(
+            cache=bool(numba.config.CACHE_DIR),
+            error_model="numpy",
+            fastmath=FAST_MATH,
+            forceinline=part.inline,
+        )(plain)
+        for name in function.__code__.co_names:
+            if isinstance(known.get(name), Part):
+                known[name] = dispatcher(known[name], folder)
+    return _dispatchers[part.name]
+
+
+def _numba(folder: Path | None) -> Any:
+    """Return Numba, set up to keep code in a folder named after the content of all sources.
+
+    Numba looks at the file of a function but not at the files of what it calls: without this, an
+    edit of a callee would leave stale machine code.
+    """
+    # Loops are over few modes and rows: ready for vectors they are slower.
+    os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
+    import_numba()
+    import numba
+
+    config: Any = numba.config
+    if _dispatchers or folder is None:
+        return numba
+    sources = sources_sha256("solver/math", "solver/dynamics", "solver/integrators")
+    cache = folder.parent / f"numba-{sources[:16]}"
+    try:
+        cache.mkdir(mode=0o700, exist_ok=True)
+    except OSError:  # compile in every process
+        return numba
+    config.CACHE_DIR = str(cache)
+    siblings = [p for p in cache.parent.glob("numba-*") if p != cache]
+    siblings.sort(key=lambda p: p.stat().st_mtime, reverse=True)
+    for old in siblings[_KEPT_CACHES - 1 :]:
+        shutil.rmtree(old, ignore_errors=True)
+    return numba

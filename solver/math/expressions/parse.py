@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Hashable, Mapping
 from typing import Protocol, TypeGuard
 
 from . import operations as op
-from .tree import ONE, TIME, ZERO, Node, NoRate, constant, rate
+from .program import ONE, TIME, ZERO, Node, NoRate, constant, rate
 
 MOST_CHARACTERS, MOST_DEPTH = 2000, 50
 MOST_SHOWN = 100  # characters of a part in a message

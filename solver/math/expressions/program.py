@@ -1,50 +1,168 @@
-"""Expressions as arrays: programs in postfix order, and their evaluation with derivatives."""
+"""Expressions: trees, their derivatives by time, programs in postfix order and their evaluation."""
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, IntArray
 from ..compiled import lean, structure
-from ..curves import NamedCurve
-from ..laws import N_COEFFICIENT, Law, law_value
-from .operations import (
-    ABS,
-    ADD,
-    AND,
-    ARCCOS,
-    ARCSIN,
-    ARCTAN,
-    ARCTAN2,
-    CONSTANT,
-    COS,
-    COSH,
-    CURVE,
-    DIVIDE,
-    EXP,
-    FLOOR,
-    LESS,
-    LESS_EQUAL,
-    LOAD,
-    LOG,
-    MAXIMUM,
-    MINIMUM,
-    MULTIPLY,
-    NEGATE,
-    NOT,
-    POWER,
-    SELECT,
-    SIGN,
-    SIN,
-    SINH,
-    SQRT,
-    SUBTRACT,
-    TAN,
-    TANH,
-    TIME,
-)
-from .tree import Node, depth, written
+from ..laws import N_COEFFICIENT, Law, NamedCurve, law_value
+from . import operations as op
+
+
+@dataclass(frozen=True)
+class Node:
+    """An operation and what it acts on.
+
+    Attributes
+    ----------
+    code : of operations.py
+    children : arguments
+    value : of a CONSTANT
+    quantity : that a LOAD reads, or the curve of a CURVE
+    size : number of operations of the written expression, where shared parts stand several times
+    """
+
+    code: int
+    children: tuple["Node", ...] = ()
+    value: float = 0.0
+    quantity: Hashable = None
+    size: int = field(init=False, compare=False, default=1)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", 1 + sum(child.size for child in self.children))
+
+    def __add__(self, other: "Node") -> "Node":
+        if self == ZERO or other == ZERO:
+            return other if self == ZERO else self
+        return Node(op.ADD, (self, other))
+
+    def __sub__(self, other: "Node") -> "Node":
+        return self if other == ZERO else Node(op.SUBTRACT, (self, other))
+
+    def __mul__(self, other: "Node") -> "Node":
+        if ZERO in (self, other):
+            return ZERO
+        if ONE in (self, other):
+            return other if self == ONE else self
+        return Node(op.MULTIPLY, (self, other))
+
+    def __truediv__(self, other: "Node") -> "Node":
+        return ZERO if self == ZERO else Node(op.DIVIDE, (self, other))
+
+    def leaves(self) -> Iterator["Node"]:
+        """Yield the nodes that read a quantity, the time or a curve."""
+        if self.code in (op.LOAD, op.TIME, op.CURVE):
+            yield self
+        for child in self.children:
+            yield from child.leaves()
+
+
+def constant(value: float) -> Node:
+    """Return a number."""
+    return Node(op.CONSTANT, value=float(value))
+
+
+ZERO, ONE = constant(0.0), constant(1.0)
+TIME = Node(op.TIME)
+
+
+class NoRate(ValueError):
+    """An expression without a known rate by time."""
+
+
+def rate(node: Node, of_quantity: Callable[[Hashable], Node]) -> Node:
+    """Return the derivative by time; `of_quantity` gives that of a quantity.
+
+    Raises
+    ------
+    NoRate
+        A function whose derivative is no function of this list, or as `of_quantity`.
+    """
+    if node.code == op.CONSTANT:
+        return ZERO
+    if node.code == op.TIME:
+        return ONE
+    if node.code == op.LOAD:
+        return of_quantity(node.quantity)
+    if all(leaf.code == op.CURVE for leaf in node.leaves()):
+        return ZERO
+    rates = tuple(rate(child, of_quantity) for child in node.children)
+    return _by_parts(node, rates)
+
+
+def _by_parts(node: Node, rates: tuple[Node, ...]) -> Node:
+    code, c = node.code, node.children
+    if code == op.ADD:
+        return rates[0] + rates[1]
+    if code == op.SUBTRACT:
+        return rates[0] - rates[1]
+    if code == op.MULTIPLY:
+        return rates[0] * c[1] + c[0] * rates[1]
+    if code == op.DIVIDE:
+        return (rates[0] - node * rates[1]) / c[1]
+    if code == op.ARCTAN2:
+        return (c[1] * rates[0] - c[0] * rates[1]) / (c[0] * c[0] + c[1] * c[1])
+    if code == op.POWER and rates[1] == ZERO:
+        return c[1] * Node(op.POWER, (c[0], c[1] - ONE)) * rates[0]
+    if code in (op.MINIMUM, op.MAXIMUM):
+        first = c if code == op.MINIMUM else c[::-1]
+        return Node(op.SELECT, (Node(op.LESS_EQUAL, first), rates[0], rates[1]))
+    if code == op.SELECT:
+        return Node(op.SELECT, (c[0], rates[1], rates[2]))
+    if code in (op.LESS, op.LESS_EQUAL, op.AND, op.OR, op.NOT, op.SIGN, op.FLOOR):
+        return ZERO
+    if code == op.CURVE and isinstance(node.quantity, NamedCurve):
+        return Node(op.CURVE, c, quantity=node.quantity.derivative()) * rates[0]
+    if code in _SLOPES:
+        return _SLOPES[code](node, c[0]) * rates[0]
+    raise NoRate("has no derivative by time that is known here")
+
+
+def _of(code: int, *children: Node) -> Node:
+    return Node(code, children)
+
+
+def _smooth_slope(u: Node) -> Node:
+    """Return 30 (s (1 - s))^2 with s = u from 0 to 1."""
+    s = Node(op.MINIMUM, (Node(op.MAXIMUM, (u, ZERO)), ONE))
+    root = s * (ONE - s)
+    return constant(30.0) * root * root
+
+
+_SLOPES: dict[int, Callable[[Node, Node], Node]] = {
+    op.NEGATE: lambda _, __: constant(-1.0),
+    op.SIN: lambda _, u: _of(op.COS, u),
+    op.COS: lambda _, u: _of(op.NEGATE, _of(op.SIN, u)),
+    op.TAN: lambda f, _: ONE + f * f,
+    op.ARCSIN: lambda _, u: ONE / _of(op.SQRT, ONE - u * u),
+    op.ARCCOS: lambda _, u: constant(-1.0) / _of(op.SQRT, ONE - u * u),
+    op.ARCTAN: lambda _, u: ONE / (ONE + u * u),
+    op.SINH: lambda _, u: _of(op.COSH, u),
+    op.COSH: lambda _, u: _of(op.SINH, u),
+    op.TANH: lambda f, _: ONE - f * f,
+    op.EXP: lambda f, _: f,
+    op.LOG: lambda _, u: ONE / u,
+    op.SQRT: lambda f, _: constant(0.5) / f,
+    op.SMOOTH: lambda _, u: _smooth_slope(u),
+    op.ABS: lambda _, u: _of(op.SIGN, u),
+}
+
+
+def written(node: Node, place: Callable[[Hashable], int]) -> Iterator[tuple[int, float]]:
+    """Yield operations and their arguments in postfix order; `place` numbers quantities."""
+    for child in node.children:
+        yield from written(child, place)
+    reads = node.code in (op.LOAD, op.CURVE)
+    yield node.code, float(place(node.quantity)) if reads else node.value
+
+
+def depth(node: Node) -> int:
+    """Return how many numbers the evaluation keeps at once."""
+    return max([1, *(k + depth(child) for k, child in enumerate(node.children))])
+
 
 # Seeds of derivatives: a quantity by its number, or one of these.
 NO_SEED, BY_TIME = -1, -2
@@ -114,12 +232,12 @@ def evaluated(
     k = -1
     for i in range(programs.start[p], programs.start[p + 1]):
         code = programs.code[i]
-        if code <= LOAD:
+        if code <= op.LOAD:
             k += 1
             stack[k, 1] = stack[k, 2] = stack[k, 3] = 0.0
-            if code == CONSTANT:
+            if code == op.CONSTANT:
                 stack[k, 0] = programs.argument[i]
-            elif code == TIME:
+            elif code == op.TIME:
                 stack[k, 0] = t
                 stack[k, 1] = 1.0 if first == BY_TIME else 0.0
             else:
@@ -127,16 +245,16 @@ def evaluated(
                 stack[k, 0] = quantity[which]
                 stack[k, 1] = 1.0 if which == first else 0.0
                 stack[k, 2] = 1.0 if which == second else 0.0
-        elif code == SELECT:
+        elif code == op.SELECT:
             k -= 2
             chosen = k + 1 if stack[k, 0] != 0.0 else k + 2
             for j in range(4):
                 stack[k, j] = stack[chosen, j]
-        elif code >= NEGATE:
+        elif code >= op.NEGATE:
             u = stack[k, 0]
             f, f_1, f_2 = _unary(code, u)
-            _chain(stack, k, f, f_1, f_2)
-        elif code == CURVE:
+            _compose(stack, k, f, f_1, f_2)
+        elif code == op.CURVE:
             f, f_1, f_2 = law_value(
                 programs.curve_start,
                 programs.curve_place,
@@ -144,7 +262,7 @@ def evaluated(
                 int(programs.argument[i]),
                 stack[k, 0],
             )
-            _chain(stack, k, f, f_1, f_2)
+            _compose(stack, k, f, f_1, f_2)
         else:
             k -= 1
             _binary(code, stack, k)
@@ -152,7 +270,7 @@ def evaluated(
 
 
 @lean
-def _chain(stack: Array, k: int, f: float, f_1: float, f_2: float) -> None:
+def _compose(stack: Array, k: int, f: float, f_1: float, f_2: float) -> None:
     """Replace u in entry k by f(u), with its derivatives f_1 and f_2."""
     a, b = stack[k, 1], stack[k, 2]
     stack[k, 0] = f
@@ -167,46 +285,46 @@ def _chain(stack: Array, k: int, f: float, f_1: float, f_2: float) -> None:
 @lean
 def _unary(code: int, u: float) -> tuple[float, float, float]:
     """Return f(u), f'(u), f''(u)."""
-    if code == NEGATE:
+    if code == op.NEGATE:
         return -u, -1.0, 0.0
-    if code == SIN:
+    if code == op.SIN:
         return np.sin(u), np.cos(u), -np.sin(u)
-    if code == COS:
+    if code == op.COS:
         return np.cos(u), -np.sin(u), -np.cos(u)
-    if code == TAN:
+    if code == op.TAN:
         f = np.tan(u)
         return f, 1.0 + f * f, 2.0 * f * (1.0 + f * f)
-    if code == ARCSIN:
+    if code == op.ARCSIN:
         s = 1.0 / np.sqrt(1.0 - u * u)
         return np.arcsin(u), s, u * s * s * s
-    if code == ARCCOS:
+    if code == op.ARCCOS:
         s = 1.0 / np.sqrt(1.0 - u * u)
         return np.arccos(u), -s, -u * s * s * s
-    if code == ARCTAN:
+    if code == op.ARCTAN:
         s = 1.0 / (1.0 + u * u)
         return np.arctan(u), s, -2.0 * u * s * s
-    if code == SINH:
+    if code == op.SINH:
         return np.sinh(u), np.cosh(u), np.sinh(u)
-    if code == COSH:
+    if code == op.COSH:
         return np.cosh(u), np.sinh(u), np.cosh(u)
-    if code == TANH:
+    if code == op.TANH:
         f = np.tanh(u)
         return f, 1.0 - f * f, -2.0 * f * (1.0 - f * f)
-    if code == EXP:
+    if code == op.EXP:
         f = np.exp(u)
         return f, f, f
-    if code == LOG:
+    if code == op.LOG:
         return np.log(u), 1.0 / u, -1.0 / (u * u)
-    if code == SQRT:
+    if code == op.SQRT:
         f = np.sqrt(u)
         return f, 0.5 / f, -0.25 / (u * f)
-    if code == ABS:
+    if code == op.ABS:
         return abs(u), np.sign(u), 0.0
-    if code == SIGN:
+    if code == op.SIGN:
         return np.sign(u), 0.0, 0.0
-    if code == FLOOR:
+    if code == op.FLOOR:
         return np.floor(u), 0.0, 0.0
-    if code == NOT:
+    if code == op.NOT:
         return 1.0 if u == 0.0 else 0.0, 0.0, 0.0
     # SMOOTH: from 0 at 0 to 1 at 1
     s = min(1.0, max(0.0, u))
@@ -219,44 +337,44 @@ def _binary(code: int, stack: Array, k: int) -> None:
     """Replace u and w in entries k and k + 1 by f(u, w) in entry k."""
     u, a, b, aa = stack[k, 0], stack[k, 1], stack[k, 2], stack[k, 3]
     w, c, d, cc = stack[k + 1, 0], stack[k + 1, 1], stack[k + 1, 2], stack[k + 1, 3]
-    if code == ADD:
+    if code == op.ADD:
         stack[k, 0], stack[k, 1], stack[k, 2], stack[k, 3] = u + w, a + c, b + d, aa + cc
-    elif code == SUBTRACT:
+    elif code == op.SUBTRACT:
         stack[k, 0], stack[k, 1], stack[k, 2], stack[k, 3] = u - w, a - c, b - d, aa - cc
-    elif code == MULTIPLY:
+    elif code == op.MULTIPLY:
         stack[k, 0], stack[k, 1], stack[k, 2] = u * w, a * w + u * c, b * w + u * d
         stack[k, 3] = aa * w + 2.0 * a * c + u * cc
-    elif code == DIVIDE:
+    elif code == op.DIVIDE:
         f = u / w
         f_a, f_b = (a - f * c) / w, (b - f * d) / w
         stack[k, 0], stack[k, 1], stack[k, 2] = f, f_a, f_b
         stack[k, 3] = (aa - 2.0 * f_a * c - f * cc) / w
-    elif code == POWER:
+    elif code == op.POWER:
         f = u**w
         if c == 0.0 and d == 0.0 and cc == 0.0:
-            _chain(stack, k, f, w * u ** (w - 1.0), w * (w - 1.0) * u ** (w - 2.0))
+            _compose(stack, k, f, w * u ** (w - 1.0), w * (w - 1.0) * u ** (w - 2.0))
         else:  # exp(w log u)
             log = np.log(u)
             e_a, e_b = c * log + w * a / u, d * log + w * b / u
             e_aa = cc * log + (2.0 * c * a + w * aa) / u - w * a * a / (u * u)
             stack[k, 0], stack[k, 1], stack[k, 2] = f, f * e_a, f * e_b
             stack[k, 3] = f * (e_aa + e_a * e_a)
-    elif code == ARCTAN2:  # of u over w
+    elif code == op.ARCTAN2:  # of u over w
         s = 1.0 / (u * u + w * w)
         f_a, f_b = (w * a - u * c) * s, (w * b - u * d) * s
         stack[k, 0], stack[k, 1], stack[k, 2] = np.arctan2(u, w), f_a, f_b
         stack[k, 3] = (w * aa - u * cc) * s - 2.0 * f_a * (u * a + w * c) * s
-    elif code in (MINIMUM, MAXIMUM):
-        other = w < u if code == MINIMUM else w > u
+    elif code in (op.MINIMUM, op.MAXIMUM):
+        other = w < u if code == op.MINIMUM else w > u
         if other:
             for j in range(4):
                 stack[k, j] = stack[k + 1, j]
     else:
-        if code == LESS:
+        if code == op.LESS:
             holds = u < w
-        elif code == LESS_EQUAL:
+        elif code == op.LESS_EQUAL:
             holds = u <= w
-        elif code == AND:
+        elif code == op.AND:
             holds = u != 0.0 and w != 0.0
         else:
             holds = u != 0.0 or w != 0.0

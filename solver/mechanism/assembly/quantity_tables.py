@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...dynamics.model.model import ANGLE, Quantities
-from ...math.expressions.program import new_stack, programs
-from ...math.expressions.tree import Node
+from ...math.expressions.program import Node, new_stack, programs
 from ...math.laws import Law
 
 Quantity = tuple[str, int]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...math.arrays import Array
-from ...math.expressions.tree import Node
+from ...math.expressions.program import Node
 from ...math.laws import Law
 from ...package.body.schema import Invariants, ModalPackage, SecondOrder
 

@@ -29,12 +29,10 @@ from ...inputs.case.expressions import (
 )
 from ...math import laws
 from ...math.arrays import Array
-from ...math.curves import NamedCurve
-from ...math.curves import curve as curve_of
-from ...math.expressions.program import value_at
-from ...math.expressions.tree import Node, constant
-from ...math.keys import Number, Three
-from ...math.laws import Law, law_value
+from ...math.catalogue import Number, Three
+from ...math.expressions.program import Node, constant, value_at
+from ...math.laws import Law, NamedCurve, law_value
+from ...math.laws import curve as curve_of
 from ...math.rows import column
 from ..assembly.quantity_tables import (
     CoordinateTable,

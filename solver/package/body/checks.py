@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array
-from ...math.definite import is_positive_definite
+from ...math.arrays import Array, is_positive_definite
 from ..common.array_checks import (
     ROUNDING,
     SYMMETRY,

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...math.arrays import Array
-from ...math.definite import smallest_eigenvalue
+from ...math.arrays import Array, smallest_eigenvalue
 from ..common.array_checks import ROUNDING
 from ..common.remark import Remark
 from .invariants import (

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...math.arrays import Array
-from ...math.definite import is_positive_definite
+from ...math.arrays import Array, is_positive_definite
 from ..common.remark import Remark
 from ..section.stress import unit_resultants_findings
 from ..shell.cells import area_vectors, cell_table

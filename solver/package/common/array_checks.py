@@ -5,8 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from ...errors import did_you_mean
-from ...math.arrays import Array, IntArray
-from ...math.definite import REGULAR, smallest_eigenvalue
+from ...math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from .remark import Reporter
 
 SYMMETRY = 1e-9  # largest |K - K'| over largest |K|

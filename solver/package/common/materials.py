@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import did_you_mean
-from ...math.arrays import Array
-from ...math.definite import REGULAR
+from ...math.arrays import REGULAR, Array
 
 _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
 

@@ -18,8 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...math.digests import sources_sha256
-from ...math.disk_cache import DiskCache
+from ...math.disk_cache import DiskCache, sources_sha256
 
 MOST_FILES, MOST_BYTES = 200, 800_000_000
 LARGEST = 32_000_000  # bytes of a file

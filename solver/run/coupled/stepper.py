@@ -15,7 +15,7 @@ from ...dynamics.model.model import Model
 from ...errors import InputError
 from ...inputs.case.expressions import drives, is_along, is_load, law
 from ...integrators.choice import make_integrator
-from ...integrators.generic import Integrator
+from ...integrators.generic.base import Integrator
 from ...integrators.table import INTEGRATORS
 from ...math.arrays import Array
 from ...math.laws import N_COEFFICIENT

@@ -16,7 +16,7 @@ from ...errors import InputError
 from ...inputs.case.record import solver_sha256
 from ...interrupts import held
 from ...math.compiled import COMPILED
-from ...math.digests import state_of
+from ...math.disk_cache import state_of
 from ...package.common.plain_data import data_sha256
 from ...results import ResultError
 from ...results.codes import WORKER_LOST

@@ -9,8 +9,18 @@ See docs/errata.md for the signs of Eqs. (2), (7) and (12).
 
 from ....math.arrays import Array
 from ....math.compiled import inlined, jit
-from ....math.rotations import rotation_into
-from ....math.triple import Triple, column, cross3, dot3, sum3, times3, triple, turned, turned_back
+from ....math.rotations import (
+    Triple,
+    column,
+    cross3,
+    dot3,
+    rotation_into,
+    sum3,
+    times3,
+    triple,
+    turned,
+    turned_back,
+)
 from ...model.model import Model
 from ...model.workspace import Work
 from .second_order import add_carried, add_modal_inertia, add_moments

@@ -11,14 +11,15 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import inlined, lean
-from ....math.rotations import rotation_into, tangent_coefficients
-from ....math.triple import (
+from ....math.rotations import (
     about,
     column,
     cross3,
     dot3,
     put_column,
+    rotation_into,
     sum3,
+    tangent_coefficients,
     tangent_rate,
     triple,
     turned,

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import COMPILED, inlined, lean
-from ....math.triple import Triple, column, cross3, sum3, times3
+from ....math.rotations import Triple, column, cross3, sum3, times3
 from ...model.model import Model
 from ...model.workspace import Work
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ....math.keys import Number
+from ....math.catalogue import Number
 
 Unit = Literal["rad", "m"]
 ROWS: dict[Unit, str] = {"rad": "r", "m": "d"}  # letters of joints/contract.py

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.rotations import moment_of_gradient, vector_of
-from ....math.triple import cross3, dot3, minus3, triple
+from ....math.rotations import cross3, dot3, minus3, moment_of_gradient, triple, vector_of
 from ...model.motion import axis, from_axes, in_axes, place, velocity
 from ...model.motion import spin as spin_of
 from .contract import DAMPING, FORCE, STIFFNESS, Direction, Element, Three, Wrench

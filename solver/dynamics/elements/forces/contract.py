@@ -37,8 +37,17 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 from ....math.arrays import Array
-from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
-from ....math.triple import Triple
+from ....math.catalogue import (
+    Code,
+    Curve,
+    Direction,
+    Expression,
+    Expressions,
+    Number,
+    OfTime,
+    Three,
+)
+from ....math.rotations import Triple
 from ...model.workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
 Key = Direction | Number | Three | OfTime

@@ -2,7 +2,7 @@
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.triple import dot3, times3, triple
+from ....math.rotations import dot3, times3, triple
 from ...model.motion import from_axes, spin, velocity
 from .contract import Load, Wrench
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.triple import Triple, cross3, dot3, minus3, times3
+from ....math.rotations import Triple, cross3, dot3, minus3, times3
 from ...model.motion import axis, spin
 from .contract import DAMPING, FORCE, STIFFNESS, Direction, Element, Number, OfTime, Wrench
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.triple import Triple, dot3, minus3, times3
+from ....math.rotations import Triple, dot3, minus3, times3
 from ...model.motion import place, velocity
 from .contract import DAMPING, FORCE, STIFFNESS, Element, Number, OfTime, Wrench
 

@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 from ....math.arrays import Array
-from ....math.catalogue import by_name, catalogue
+from ....math.catalogue import by_name, catalogue, dispatched
 from ....math.compiled import jit
-from ....math.dispatch import dispatched
 from . import __name__ as _package
 from . import __path__ as _path
 from .contract import CoordinateForce, Element, ForceElement, KernelForce, Load, Wrench

@@ -35,7 +35,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ....math.arrays import Array
-from ....math.keys import Direction, Number
+from ....math.catalogue import Direction, Number
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]

@@ -8,7 +8,7 @@ import numpy as np
 from ....errors import InputError
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.triple import dot3, minus3
+from ....math.rotations import dot3, minus3
 from ...model.motion import acceleration, place, velocity
 from ...model.workspace import GAMMA, PHI, PHI_T
 from .contract import Joint, Number, Numbers

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.triple import cross3, minus3, sum3, times3
+from ....math.rotations import cross3, minus3, sum3, times3
 from ...model.motion import axis, spin
 from .contract import ANGLE, Drive
 from .rows import orthogonal_axes

@@ -7,7 +7,7 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.triple import cross3, dot3, minus3, sum3, times3
+from ....math.rotations import cross3, dot3, minus3, sum3, times3
 from ...model.motion import axis, place, spin, velocity
 from ...model.workspace import GAMMA, PHI, PHI_T
 from .contract import ANGLE, Direction, DrivenBy, Joint, Number, Numbers, Z

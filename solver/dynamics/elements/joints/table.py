@@ -4,9 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....math.arrays import Array, IntArray
-from ....math.catalogue import by_name, catalogue
+from ....math.catalogue import Call, by_name, catalogue, dispatched
 from ....math.compiled import jit
-from ....math.dispatch import Call, dispatched
 from . import __name__ as _package
 from . import __path__ as _path
 from .contract import FREEDOMS, OF_A_LAW, Constraint, Coordinate, CouplingKind, Drive, Joint

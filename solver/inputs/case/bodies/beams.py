@@ -15,7 +15,7 @@ import numpy as np
 
 from ....errors import InputError, collected, refuse, under
 from ....math.arrays import Array
-from ....math.curves import lengths_along
+from ....math.laws import lengths_along
 from ....math.rotations import shortest_rotations, vector_to_matrix
 from ....package.body.division import node_positions
 from ....package.specification import BeamSpecification, LineTable, PlyTable

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ....math.arrays import Array
-from ....math.curves import lengths_along
+from ....math.laws import lengths_along
 from ....math.rotations import matrix_to_vector, vector_to_matrix
 from ..tables.beams import BeamBody
 from ..tables.schema import Mechanism, resolved

@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from ....errors import InputError, nearest, under, unknown
-from ....math.digests import file_sha256
+from ....math.disk_cache import file_sha256
 from ....package.common.plain_data import inputs_sha256
 from ....package.specification import ImportedSpecification, Specification
 from ...common.text_file import read_toml

@@ -9,9 +9,8 @@ import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from ....errors import nearest
-from ....math.arrays import Array
-from ....math.curves import lengths_along
-from ....math.definite import is_positive_definite
+from ....math.arrays import Array, is_positive_definite
+from ....math.laws import lengths_along
 from ....package.specification import MassForm, Theory
 from ...common.table import FilePath, Name, Pair, Table, Vector, entry, optional, usable_path
 from ...common.text_file import numbered_lines

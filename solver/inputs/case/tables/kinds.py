@@ -10,7 +10,16 @@ from ....dynamics.elements.forces.contract import CoordinateForce, Element, Forc
 from ....dynamics.elements.forces.table import FORCES
 from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
-from ....math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
+from ....math.catalogue import (
+    Code,
+    Curve,
+    Direction,
+    Expression,
+    Expressions,
+    Number,
+    OfTime,
+    Three,
+)
 from ...common.table import Axis, Name, Table, entry, optional
 from .laws import CurveTable, LoadLaw, PythonCode, RotationDrive, TranslationDrive
 from .signals import JointCoordinate

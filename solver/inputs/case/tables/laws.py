@@ -14,7 +14,7 @@ from pydantic import Field, PlainSerializer, ValidationInfo, WrapValidator, mode
 
 from ....errors import printable
 from ....math import laws
-from ....math.curves import Extrapolation, Interpolation, curve, curve_of_table
+from ....math.laws import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import PREFIX, Packed, column, packed
 from ...common.table import FilePath, Table, entry, optional
 from ...common.text_file import lines_of, read_text

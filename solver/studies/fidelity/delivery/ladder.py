@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ....math.arrays import Array
-from ....math.front import front
+from ....math.arrays import Array, front
 from ....package.body.selection import vibrations
 from ..base.comparison import difference
 from ..base.plan import BodyPlan, Plan

@@ -21,16 +21,16 @@ body (of a slot on its guide, following loads), and changes of the direction of 
 K is in use while the run advances faster with it: `judge`.
 """
 
-from ....dynamics.elements.forces.table import FIRST_LOAD
-from ....dynamics.evaluation.evaluation import force_wrench, n_coupling
-from ....dynamics.model.model import Model
-from ....dynamics.model.motion import place
-from ....dynamics.model.workspace import Work
-from ....math.arrays import Array
-from ....math.compiled import inlined, lean
-from ....math.triple import Triple, column, cross3, turned_back
-from ..step_control import OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED
-from .elements import element_rows_at
+from ...dynamics.elements.forces.table import FIRST_LOAD
+from ...dynamics.evaluation.evaluation import force_wrench, n_coupling
+from ...dynamics.model.model import Model
+from ...dynamics.model.motion import place
+from ...dynamics.model.workspace import Work
+from ...math.arrays import Array
+from ...math.compiled import inlined, lean
+from ...math.rotations import Triple, column, cross3, turned_back
+from .residual import element_rows_at
+from .step_control import OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED
 
 # Of the inertia times s^2: less stiffness does not delay Newton's iteration; it may stop it.
 FAINT, TAUT = 1e-2, 0.1

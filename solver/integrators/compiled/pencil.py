@@ -27,26 +27,29 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....dynamics.linear_algebra.dependence import REGULAR, rows_depend
-from ....dynamics.linear_algebra.elimination import factorise, solve
-from ....dynamics.linear_algebra.mass_solution import add_inertia, soften
-from ....dynamics.model.model import Model, state_size
-from ....dynamics.model.workspace import Factors, Work, new_factors, place_added_rows
-from ....math.arrays import Array
-from ....math.compiled import inlined, lean, structure
-from ....math.rotations import along_parameters
-from .coupled_states import freeze_states, hold_states, left_of_states, move_states
-from .elements import freeze_elements
+from ...dynamics.linear_algebra.dependence import REGULAR, rows_depend
+from ...dynamics.linear_algebra.elimination import factorise, solve
+from ...dynamics.linear_algebra.mass_solution import add_inertia, soften
+from ...dynamics.model.model import Model, state_size
+from ...dynamics.model.workspace import Factors, Work, new_factors, place_added_rows
+from ...math.arrays import Array
+from ...math.compiled import inlined, lean, structure
+from ...math.rotations import along_parameters
 from .feedback import (
     Answers,
     Feedback,
     add_feedback,
     answer_forces,
     freeze_feedback,
+    freeze_states,
+    hold_states,
+    left_of_states,
     move_fed_states,
+    move_states,
     new_answers,
     new_feedback,
 )
+from .residual import freeze_elements
 from .tension import add_tension
 
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction

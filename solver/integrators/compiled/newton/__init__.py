@@ -1,1 +1,0 @@
-"""Newton's matrix of implicit steps, and what forces add to it."""

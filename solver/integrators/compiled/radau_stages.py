@@ -1,0 +1,377 @@
+"""Stages of a Radau IIA step: coefficients, memory, prediction, correction, dependent rows.
+
+Redundant constraints agree with each other in closed positions only. At the stages of a step they
+contradict each other by what these positions miss, and a Newton iteration that insists on all of
+them finds no answer: the part of the multipliers without effect grows, from iteration to
+iteration and from step to step. Where the matrices have softened rows (pencil.py), the stages
+therefore solve
+
+    Phi_q vdot - e (lambda - lambda_p) = gamma
+
+with the softness e of the matrices and the predicted multipliers lambda_p. The motion is that of
+the rows without e: where rows are independent, lambda_p is right up to the error of a prediction.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...dynamics.evaluation.evaluation import evaluate
+from ...dynamics.linear_algebra.elimination import solve
+from ...dynamics.model.model import Model
+from ...dynamics.model.workspace import Work, new_work
+from ...math.arrays import Array, IntArray
+from ...math.compiled import inlined, structure
+from .cutoff import Cutoff, new_cutoff
+from .pencil import Frozen, Pencil, factorise_feedback, factorise_pencil, new_frozen, new_pencil
+from .residual import inertia_residual, start_forces
+from .step_control import (
+    ERROR_LAST,
+    GROWTH,
+    LIMIT,
+    N_CLOCK,
+    N_COUNT,
+    NEXT,
+    OTHER,
+    RATE,
+    ROUGH,
+    SINCE,
+    TAKEN,
+    TIME,
+    Options,
+    norm,
+    set_weights,
+)
+
+ROOT = np.sqrt(6.0)
+C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])  # stages [h]
+# Powers of a collocation polynomial that vanishes at 0, from its values at C: c_k of x^(k+1).
+POWERS = np.linalg.inv(np.column_stack([C, C**2, C**3]))
+# Stage equations z = h A f: A integrates the polynomial through f at C.
+A = np.column_stack([C, C**2 / 2.0, C**3 / 3.0]) @ np.linalg.inv(np.vander(C, 3, increasing=True))
+A_INVERSE = np.linalg.inv(A)
+
+
+def _real_form() -> tuple[float, complex, np.ndarray, np.ndarray]:
+    """Return mu, nu, T, T^-1 with T^-1 A^-1 T = [mu; Re nu, -Im nu; Im nu, Re nu]."""
+    values, vectors = np.linalg.eig(np.linalg.inv(A))
+    real = int(np.argmin(np.abs(values.imag)))
+    pair = int(np.argmin(values.imag))
+    T = np.column_stack([vectors[:, real].real, vectors[:, pair].real, vectors[:, pair].imag])
+    # A^-1 (u + i v) = nu' (u + i v): w_1 + i w_2 is multiplied by the conjugate of nu'
+    return float(values[real].real), complex(values[pair].conjugate()), T, np.linalg.inv(T)
+
+
+MU, NU, T, T_INVERSE = _real_form()
+# Embedded formula of order 3, times 1 / h: f_0 + ERROR z / h, then divided by mu / h - J.
+ERROR = np.array([-13.0 - 7.0 * ROOT, -13.0 + 7.0 * ROOT, -1.0]) / 3.0
+
+
+@structure
+class RadauWorkspace(NamedTuple):
+    """Memory of a run, which a call takes up where the last one left it."""
+
+    work: Work
+    frozen: Frozen
+    real: Pencil
+    pair: Pencil
+    y: Array  # (n,) state
+    f: Array  # (n,) its rate
+    y_old: Array  # (n,) state at the beginning of the last step
+    Q: Array  # (3, n) polynomial of the last step
+    Z: Array  # (3, n) changes at the stages
+    multipliers: Array  # (3, n_r) at the stages, by row of plan.newton
+    multipliers_old: Array  # (3, n_r) at those of the last step
+    predicted: Array  # (3, n_r) at the stages, before the iteration
+    power: Array  # (3,) at the stages [W]
+    load: Array  # (3, nb, n) residuals of the stages: forces,
+    gamma: Array  # (3, n_r) constraints and laws of elements
+    r: Array  # (3, n) and kinematics
+    stage: Array  # (n,)
+    rate: Array  # (n,) at a stage
+    weight: Array  # (n,)
+    cutoff: Cutoff
+    least: Array  # (n_e,) stiffness that elements have had [N/m, N m/rad]
+    damped: Array  # (1,) energy lost above the cutoff [J]
+    clock: Array  # (N_CLOCK,)
+    counts: IntArray  # (N_COUNT,)
+    blamed: IntArray  # (n,) refusals that each component was the reason of
+    apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
+
+
+def new_radau_workspace(
+    model: Model,
+    t: float,
+    y: Array,
+    rate: Array,
+    multipliers: Array,
+    first_step: float,
+) -> RadauWorkspace:
+    """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
+    n, nb, widest = y.shape[0], model.n_body, model.plan.widest
+    n_r = model.plan.newton.place.shape[0]
+    frozen, least = new_frozen(model), np.full(model.plan.element_row.shape[0], np.inf)
+    workspace = RadauWorkspace(
+        new_work(model),
+        frozen,
+        new_pencil(model, 1.0),
+        new_pencil(model, 1.0 + 0.0j),
+        y.copy(),
+        rate.copy(),
+        y.copy(),
+        np.zeros((3, n)),
+        np.zeros((3, n)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n_r)),
+        np.zeros(3),
+        np.zeros((3, nb, widest)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        new_cutoff(model, frozen, least),
+        least,
+        np.zeros(1),
+        np.zeros(N_CLOCK),
+        np.zeros(N_COUNT, dtype=np.int64),
+        np.zeros(n, dtype=np.int64),
+        np.zeros(N_COUNT, dtype=np.int64),
+    )
+    workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
+    workspace.clock[LIMIT], workspace.clock[ROUGH], workspace.clock[GROWTH] = 1e300, 1e300, 1.0
+    workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf
+    restart_radau(model, workspace, t, y, rate, multipliers)
+    return workspace
+
+
+def restart_radau(
+    model: Model, workspace: RadauWorkspace, t: float, y: Array, rate: Array, multipliers: Array
+) -> None:
+    """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
+    workspace.y[:], workspace.f[:] = y, rate
+    workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
+    workspace.work.multipliers[:] = multipliers
+    evaluate(model, workspace.work, t, y)
+    for k in range(3):
+        workspace.multipliers_old[k, : model.n_constraint] = multipliers
+        start_forces(model, workspace.work, workspace.multipliers_old[k])
+
+
+@inlined
+def predict(workspace: RadauWorkspace, h: float, last: float) -> None:
+    """Begin a step of h with the polynomials of the last one, continued; constant without one."""
+    Z, Q = workspace.Z, workspace.Q
+    L, L_old = workspace.multipliers, workspace.multipliers_old
+    for k in range(3):
+        x, w0, w1, w2 = 1.0, 1.0, 0.0, 0.0
+        if last > 0.0:
+            x = 1.0 + C[k] * h / last
+            w0 = (x - C[1]) * (x - C[2]) / ((C[0] - C[1]) * (C[0] - C[2]))
+            w1 = (x - C[0]) * (x - C[2]) / ((C[1] - C[0]) * (C[1] - C[2]))
+            w2 = (x - C[0]) * (x - C[1]) / ((C[2] - C[0]) * (C[2] - C[1]))
+        for i in range(workspace.y.shape[0]):
+            whole = Q[0, i] + Q[1, i] + Q[2, i]
+            Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
+        for i in range(L.shape[1]):
+            L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
+            workspace.predicted[k, i] = L[k, i]
+
+
+@inlined
+def place(workspace: RadauWorkspace, k: int, h: float) -> None:
+    """Fill workspace.stage and its rate for stage k: K = A^-1 Z / h."""
+    Z, stage, rate = workspace.Z, workspace.stage, workspace.rate
+    a0, a1, a2 = A_INVERSE[k, 0] / h, A_INVERSE[k, 1] / h, A_INVERSE[k, 2] / h
+    for i in range(stage.shape[0]):
+        stage[i] = workspace.y[i] + Z[k, i]
+        rate[i] = a0 * Z[0, i] + a1 * Z[1, i] + a2 * Z[2, i]
+
+
+@inlined
+def transform_residuals(model: Model, workspace: RadauWorkspace) -> None:
+    """Transform the stage residuals by T^-1 into right-hand sides of the real and complex
+    systems."""
+    real, pair = workspace.real, workspace.pair
+    load, gamma, r = workspace.load, workspace.gamma, workspace.r
+    for i in range(load.shape[1]):
+        for k in range(load.shape[2]):
+            one, two = _decouple(load[0, i, k], load[1, i, k], load[2, i, k])
+            real.load[i, k], pair.load[i, k] = one, two
+    for i in range(gamma.shape[1]):
+        real.gamma[i], pair.gamma[i] = _decouple(gamma[0, i], gamma[1, i], gamma[2, i])
+    for i in range(model.n_pos):
+        real.r[i], pair.r[i] = _decouple(r[0, i], r[1, i], r[2, i])
+    first = model.n_pos + model.n_vel
+    for i in range(first, first + model.n_aux):
+        real.r[i], pair.r[i] = _decouple(r[0, i], r[1, i], r[2, i])
+
+
+@inlined
+def _decouple(a: float, b: float, c: float) -> tuple[float, complex]:
+    """T^-1 (a, b, c): the real part and the pair of the stages' equations."""
+    TI = T_INVERSE
+    one = TI[0, 0] * a + TI[0, 1] * b + TI[0, 2] * c
+    two = TI[1, 0] * a + TI[1, 1] * b + TI[1, 2] * c
+    three = TI[2, 0] * a + TI[2, 1] * b + TI[2, 2] * c
+    return one, complex(two, three)
+
+
+@inlined
+def correct(options: Options, workspace: RadauWorkspace) -> float:
+    """Add the pencils' answers to stages and multipliers; return their size in tolerances."""
+    real, pair, Z, L = workspace.real, workspace.pair, workspace.Z, workspace.multipliers
+    stage = workspace.stage
+    n = stage.shape[0] - 1
+    stage[n] = 0.0
+    size = 0.0
+    for k in range(3):
+        t0, t1, t2 = T[k, 0], T[k, 1], T[k, 2]
+        for i in range(n):
+            c = pair.delta[i]
+            change = t0 * real.delta[i] + t1 * c.real + t2 * c.imag
+            stage[i] = change
+            Z[k, i] += change
+        for i in range(L.shape[1]):
+            c = pair.mu[i]
+            L[k, i] += t0 * real.mu[i] + t1 * c.real + t2 * c.imag
+        largest = norm(options, stage, workspace.weight)
+        if largest > size or largest != largest:
+            size = largest
+    return size
+
+
+@inlined
+def complete(options: Options, workspace: RadauWorkspace, h: float) -> None:
+    """Fill the stage with the end of the step; weights, and the work of drives and dampers."""
+    y, Z, stage, power = workspace.y, workspace.Z, workspace.stage, workspace.power
+    n = y.shape[0]
+    for k in range(3):
+        Z[k, n - 1] = h * (A[k, 0] * power[0] + A[k, 1] * power[1] + A[k, 2] * power[2])
+    for i in range(n):
+        stage[i] = y[i] + Z[2, i]
+    set_weights(options, y, stage, workspace.weight)
+
+
+@inlined
+def embedded_error(workspace: RadauWorkspace, h: float) -> None:
+    """Fill workspace.rate with ERROR Z / h: with f, the error of the embedded formula, order 3."""
+    Z, rate = workspace.Z, workspace.rate
+    e0, e1, e2 = ERROR[0] / h, ERROR[1] / h, ERROR[2] / h
+    for i in range(rate.shape[0]):
+        rate[i] = e0 * Z[0, i] + e1 * Z[1, i] + e2 * Z[2, i]
+
+
+@inlined
+def error_residual(model: Model, workspace: RadauWorkspace) -> None:
+    """Hand f + ERROR Z / h to the real pencil, velocities as forces."""
+    real, frozen, rate = workspace.real, workspace.frozen, workspace.rate
+    for i in range(rate.shape[0]):
+        real.r[i] = workspace.f[i] + rate[i]
+        rate[i] = -real.r[i]  # what is left of zero, once it is taken away
+    workspace.load[0, :, :] = 0.0
+    workspace.gamma[0, :] = 0.0
+    real.gamma[:] = 0.0
+    inertia_residual(
+        model,
+        frozen.M,
+        frozen.J,
+        rate,
+        workspace.gamma[0],
+        workspace.load[0],
+        real.load,
+        real.gamma,
+    )
+
+
+@inlined
+def accept(workspace: RadauWorkspace, h: float) -> None:
+    """Make workspace.stage the state; keep the step's rate, polynomial and multipliers."""
+    Z, Q, y = workspace.Z, workspace.Q, workspace.y
+    a0, a1, a2 = A_INVERSE[2, 0] / h, A_INVERSE[2, 1] / h, A_INVERSE[2, 2] / h
+    for i in range(y.shape[0]):
+        workspace.y_old[i], y[i] = y[i], workspace.stage[i]
+        z0, z1, z2 = Z[0, i], Z[1, i], Z[2, i]
+        workspace.f[i] = a0 * z0 + a1 * z1 + a2 * z2
+        for k in range(3):
+            Q[k, i] = POWERS[k, 0] * z0 + POWERS[k, 1] * z1 + POWERS[k, 2] * z2
+    for k in range(3):
+        for i in range(workspace.multipliers.shape[1]):
+            workspace.multipliers_old[k, i] = workspace.multipliers[k, i]
+
+
+@inlined
+def interpolate(workspace: RadauWorkspace, x: float, out: Array) -> None:
+    """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
+    Q = workspace.Q
+    for i in range(out.shape[0]):
+        out[i] = workspace.y_old[i] + x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i]))
+
+
+# Of the softness, relative to the mass that a row moves. More: Newton's iteration needs shorter
+# steps. Less: multipliers of rows that are nearly dependent are those of the last step.
+PENALTY = 1e5
+PASSES = 4
+
+
+@inlined
+def softened(frozen: Frozen) -> bool:
+    """Tell whether the matrices treat rows as dependent."""
+    return bool(frozen.softness.shape[0] > 0 and frozen.softness[0] > 0.0)
+
+
+@inlined
+def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> int:
+    """Factorise the matrices of a step of h, with the same softness in both; return how many."""
+    frozen, real, pair = workspace.frozen, workspace.real, workspace.pair
+    factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+    hard = not softened(frozen)
+    factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
+    again = hard and softened(frozen)
+    if again:
+        factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+    factorise_feedback(model, frozen, real, MU / h)
+    factorise_feedback(model, frozen, pair, NU / h)
+    return 3 if again else 2
+
+
+@inlined
+def yield_rows(workspace: RadauWorkspace) -> None:
+    """Add e (lambda - lambda_p) to the stage residuals of the constraints."""
+    soft, gamma = workspace.frozen.softness, workspace.gamma
+    for k in range(3):
+        for i in range(soft.shape[0]):
+            gamma[k, i] += soft[i] * (workspace.multipliers[k, i] - workspace.predicted[k, i])
+
+
+@inlined
+def reduce_multipliers(model: Model, workspace: RadauWorkspace) -> None:
+    """Take out of the multipliers of the stages what has no effect.
+
+    With the softened rows, least multipliers F lambda answer the load Phi_q' lambda, where F is
+    s / (s + e) for a combination of rows with the stiffness s. What is taken out is
+    (1 - F)^PASSES lambda: all of dependent rows, next to nothing of weak ones.
+    """
+    real, J, L = workspace.real, workspace.frozen.J, workspace.multipliers
+    idle = workspace.predicted  # memory that the next prediction fills
+    plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
+    n_c = model.n_constraint
+    for k in range(3):
+        for i in range(n_c):
+            idle[k, i] = L[k, i]
+        for _ in range(PASSES):
+            real.gamma[:] = 0.0
+            real.load[:] = 0.0
+            for i in range(plan.size.shape[0]):
+                first = row_start[i]
+                for p in range(row_start[i + 1] - first):
+                    row = body_row[first + p]
+                    if row < n_c:
+                        for a in range(plan.size[i]):
+                            real.load[i, a] += J[i, a, p] * idle[k, row]
+            solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
+            for i in range(n_c):
+                idle[k, i] -= real.mu[i]
+        for i in range(n_c):
+            L[k, i] -= idle[k, i]
