@@ -18,7 +18,7 @@ LARGE = {
     "preprocess/shell/model": 13,
     "solver/package/common": 21,
 }
-LONGEST_CHAIN = {"solver": 46, "preprocess": 29}  # of imports, file by file; may not grow either
+LONGEST_CHAIN = {"solver": 42, "preprocess": 29}  # of imports, file by file; may not grow either
 Graph = dict[str, set[str]]
 
 
