@@ -24,7 +24,7 @@ import numpy as np
 from samples.section_cases import reference, section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.mesh.mesh import section_mesh
 
 HERE = Path(__file__).resolve().parent

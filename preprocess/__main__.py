@@ -10,7 +10,7 @@ from pathlib import Path
 from ..solver.errors import escape_control_characters
 from ..solver.interrupts import INTERRUPTED, exit_code, heard
 from ..solver.package.common.shares import shard
-from .python_script import scripts
+from .mesh_input import scripts
 
 BODY_EPILOG = """\
 Writes the modal package DIR/SPEC.vtkhdf for each SPEC.json. A package whose stored

@@ -1,15 +1,18 @@
 """Process many specifications in one process, which shares imports, compiled forms and meshes.
 
-A `Product` (modal packages of bodies, section files) makes one file from one
-specification. This file has what all products share: reading, skipping files that are
-up to date, errors that do not stop the others, progress.
+A `Product` (modal packages of bodies, section files) makes one file from one specification. This
+file has what all products share: reading, skipping files that are up to date, errors that do not
+stop the others, progress as lines for people or as one JSON object per line.
 """
 
+import dataclasses
 import json
+import os
 import sys
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -134,3 +137,38 @@ def _read(path: Path) -> dict[str, Any]:
     if not isinstance(spec, dict):
         raise BatchError(f"expected a JSON object, found {type(spec).__name__}")
     return spec
+
+
+Report = Callable[[Outcome, str], None]
+Progress = Callable[[str], None]
+
+
+@contextmanager
+def reporter(as_json: bool, first: bool) -> Iterator[tuple[Report, Progress | None]]:
+    """Reporter of outcomes and progress: only the first rank reports, as text or as JSON.
+
+    Lines of JSON go to the original standard output, immediately and as a whole; output of
+    libraries goes to standard error.
+    """
+    if not first:
+        yield lambda _outcome, _place: None, None
+        return
+    if not as_json:
+        yield print_outcome, None
+        return
+    sys.stdout.flush()
+    lines = os.dup(1)
+    os.dup2(2, 1)
+
+    def write(content: dict[str, Any]) -> None:
+        os.write(lines, (json.dumps(content) + "\n").encode())
+
+    try:
+        yield (
+            lambda outcome, _place: write(dataclasses.asdict(outcome)),
+            lambda line: write({"progress": line}),
+        )
+    finally:
+        sys.stdout.flush()
+        os.dup2(lines, 1)
+        os.close(lines)

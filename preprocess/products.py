@@ -16,8 +16,7 @@ from typing import Any
 from ..solver.errors import InputError
 from ..solver.package.common.shares import by_mesh, mesh_key, share
 from ..solver.package.fingerprint import fingerprint, has_fingerprint
-from .batch import USER_ERROR, Outcome, Product, build, build_all
-from .reporting import Progress, Report, reporter
+from .batch import USER_ERROR, Outcome, Product, Progress, Report, build, build_all, reporter
 
 # Environment variables that the common MPI launchers set.
 LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")

@@ -3,7 +3,7 @@
 import contextlib
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
@@ -73,6 +73,18 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'x'?" for the known word closest to `word`, or nothing."""
     close = get_close_matches(word, sorted(known), n=1, cutoff=0.5)
     return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Exception]) -> None:
+    """Raise `error` if this is not a table, or for its first unknown key, with the nearest one."""
+    if not isinstance(table, Mapping):
+        raise error(f"{where} = {table!r}: expected a table")
+    for key in table:
+        if key not in known:
+            raise error(
+                f"{where}.{key}: unknown key, expected {', '.join(known)}"
+                + did_you_mean(str(key), known)
+            )
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

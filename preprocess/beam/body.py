@@ -11,8 +11,10 @@ from ...solver.package.body.division import node_positions
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.common.table_form import SpecError
-from ..modes import EigenSolver, Modes, reduced_modes
+from ..modes.reduced import Modes, reduced_modes
+from ..modes.reference import EigenSolver
 from .line import BeamLine, LineSection, on_x_axis
+from .mode_fields import SecondOrderFields, second_order_fields, shape_resultants
 from .reduction import (
     coarse_mesh_warnings,
     frequency_error,
@@ -22,12 +24,9 @@ from .reduction import (
     static_loads,
     unit_loads,
 )
-from .resultants import shape_resultants
-from .second_order import SecondOrderFields, second_order_fields
-from .sections import Profile
+from .sections import Profile, of_theory
 from .spec import BeamSpec
 from .stations import mass_stations, nodal_mass, point_masses
-from .theory import of_theory
 
 VTK_LINE = 3
 

@@ -6,7 +6,8 @@ from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.specification import DIRECTIONS
-from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad, accelerations, inertia_loads
+from ..modes.reduced import StaticLoad, accelerations, inertia_loads
+from ..modes.reference import Condition, HeldDofs, MeanAxis
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine
 from .spec import ModeSpec

@@ -9,8 +9,7 @@ from ...solver.math.rotations import skew
 from ...solver.package.body.invariants import from_stations
 from ...solver.package.body.schema import Invariants
 from .element import MASS_POINTS, gauss
-from .line import BeamLine
-from .section_mass import second_moments
+from .line import BeamLine, second_moments
 
 
 @dataclass(frozen=True)

@@ -13,14 +13,10 @@ import numpy as np
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.schema import CellResultants, LaminateData
-from ...solver.package.common.materials import MaterialError
+from ...solver.package.common.materials import MaterialError, material_from_dict
 from ...solver.package.section.recovery_data import rounded
-from ..laminate import (
-    LaminateError,
-    laminate_from_dict,
-    laminate_stiffness,
-)
-from ..materials import material_from_dict
+from ..laminate.spec import laminate_from_dict
+from ..laminate.stiffness import LaminateError, laminate_stiffness
 
 DENSITY, STRESS = ("rho",), ("E1", "E2", "E3", "G12", "G13", "G23", "E")
 

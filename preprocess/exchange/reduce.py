@@ -13,23 +13,16 @@ from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Interface, ModalPackage
 from ...solver.package.body.second_order import MOST_MODES
-from ..modes import (
+from ..modes.eigenmodes import (
     KINDS,
-    Algebra,
-    Condition,
     Eigenmodes,
-    HeldDofs,
-    MeanAxis,
-    ModeError,
-    Modes,
     Participation,
-    StaticLoad,
-    accelerations,
     clusters,
-    completed,
     separating_rotation,
     shares_of,
 )
+from ..modes.reduced import Modes, StaticLoad, accelerations, completed
+from ..modes.reference import Algebra, Condition, HeldDofs, MeanAxis, ModeError
 from .direct import Direct, Solver
 from .free_body import DIRECTIONS, FreeBody
 from .inertia import Inertia, inertia

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.package.body.schema import SecondOrder
-from ..modes import Condition
-from ..modes.second_order import square, turned
+from ..modes.reduced import square, turned
+from ..modes.reference import Condition
 from .free_body import FreeBody
 from .links import Constrained, Link
 

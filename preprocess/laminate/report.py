@@ -5,9 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...solver.math.arrays import Array
-from .shear import shear_factors
-from .stack import Lamina, Laminate
-from .stiffness import laminate_stiffness
+from .stiffness import Lamina, Laminate, laminate_stiffness, shear_factors
 
 SAME = 1e-9  # tolerance of thicknesses (relative) and of angles [deg]
 COUPLED = 1e-6  # size of B or of A16, A26 above which coupling is reported [-]

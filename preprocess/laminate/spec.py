@@ -9,15 +9,19 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import check_keys, did_you_mean
 from ...solver.package.body.schema import LaminateData
+from ...solver.package.common.materials import Orthotropic
 from ...solver.package.shell.schema import ShellPly
-from ..known_keys import check_keys
-from ..materials import Orthotropic
-from .shear import ShearCorrection, shear_factors
-from .stack import Lamina, Laminate, LaminateError
-from .stiffness import LaminateStiffness
-from .stress import stress_operators
+from .stiffness import (
+    Lamina,
+    Laminate,
+    LaminateError,
+    LaminateStiffness,
+    ShearCorrection,
+    shear_factors,
+    stress_operators,
+)
 
 KEYS = ("plies", "offset", "shear_correction")
 PLY = ("material", "angle_deg", "thickness")

@@ -1,15 +1,221 @@
-"""All modes of a reduced body, orthonormal in mass and stiffness. Paper: Eq. (15)."""
+"""All modes of a reduced body, orthonormal in mass and stiffness (Paper: Eq. (15)).
+
+They are eigenmodes and static modes: shapes of loads that the kept eigenmodes cannot represent.
+
+A load at an interface deforms the body in the shape K^-1 f. Eigenmodes converge slowly to it (for a
+force with 1/k^3, for a moment with 1/k in the number k of bending modes). With the shape itself
+added, the static response is exact for any number of eigenmodes. The parts along the eigenmodes are
+removed from each shape. The remainders are combined to the natural modes of the space that they
+add. Then all modes are orthonormal, and modal mass and stiffness are diagonal. The frequencies of
+static modes are those of the reduced model. They are high and are not frequencies of the body.
+
+Orthogonality is computed in energy as x' f with the load f = K x of a shape. This avoids the
+differences of large numbers in x' K x.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import scipy.linalg
+import scipy.optimize
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
-from .eigenmodes import SPARE, Eigenmodes, ModeRequest, eigenmodes
-from .kinds import Participation, shares_of
+from ...solver.package.specification import DIRECTIONS
+from .eigenmodes import (
+    SPARE,
+    TIE,
+    Eigenmodes,
+    ModeRequest,
+    Participation,
+    eigenmodes,
+    separating_rotation,
+    shares_of,
+)
 from .reference import Condition, EigenSolver, ModeError, StaticShapes
-from .static import StaticLoad, static_modes
+
+DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape
+GRADED = 1e-6  # smaller inverse eigenvalues, relative to the largest, are computed in the next pass
+MASSLESS = 1e-14  # inverse eigenvalues below this, relative to the largest of all, are round-off
+
+
+@dataclass(frozen=True)
+class StaticLoad:
+    """A load of a requested static shape.
+
+    Attributes
+    ----------
+    label : e.g. "attachment mid y"
+    force_B : (n_dof,) forces and moments on the nodes, body axes [N, N m]
+    acceleration_B : (n_dof,) a of the distributed load M a [m/s2, rad/s2]
+    """
+
+    label: str
+    force_B: Array
+    acceleration_B: Array
+
+
+def inertia_loads(rigid: Array) -> list[StaticLoad]:
+    """Loads M a of the six rigid accelerations a = `rigid` (n_dof, 6), in order of DIRECTIONS."""
+    zero = np.zeros(len(rigid))
+    return [
+        StaticLoad(f"inertia {direction}", zero, column)
+        for direction, column in zip(DIRECTIONS, rigid.T, strict=True)
+    ]
+
+
+def accelerations(places_B: Array, direction: IntArray) -> Array:
+    """Fields A [x; 1] of a rigid body that accelerates and spins, on dofs, (n_dof, 12).
+
+    By rows of A (3, 4). `places_B` (n_dof, 3) and `direction` (n_dof,) are those of the dofs;
+    rotations are zero.
+    """
+    moves = direction < 3
+    fields = np.zeros((len(direction), 3, 4))
+    fields[moves, direction[moves]] = np.column_stack([places_B, np.ones(len(moves))])[moves]
+    return fields.reshape(-1, 12)
+
+
+@dataclass(frozen=True)
+class StaticModes:
+    """Modes of the space that the static shapes add, in ascending frequency; see `Modes`."""
+
+    values: Array
+    columns_B: Array
+    accelerations_B: Array
+    labels: tuple[str, ...]
+    warnings: tuple[dict[str, str], ...]
+
+
+@dataclass(frozen=True)
+class _Shapes:
+    """Columns x with their accelerations a and loads K x; all (n_dof, k)."""
+
+    x: Array
+    a: Array
+    load: Array
+
+    def __matmul__(self, T: Array) -> "_Shapes":
+        return _Shapes(self.x @ T, self.a @ T, self.load @ T)
+
+    def __sub__(self, other: "_Shapes") -> "_Shapes":
+        return _Shapes(self.x - other.x, self.a - other.a, self.load - other.load)
+
+    def energy(self) -> Array:
+        """Twice the strain energy of each column, (k,)."""
+        return np.asarray(np.einsum("nk,nk->k", self.x, self.load))
+
+    @staticmethod
+    def joined(parts: Sequence["_Shapes"]) -> "_Shapes":
+        return _Shapes(*(np.hstack([getattr(p, n) for p in parts]) for n in ("x", "a", "load")))
+
+
+def static_modes(
+    condition: Condition,
+    kept: Eigenmodes,
+    loads: Sequence[StaticLoad],
+    found: StaticShapes,
+    participation: Participation,
+) -> StaticModes:
+    """Modes that the static shapes `found` of `loads` add to the eigenmodes `kept`.
+
+    There is a warning instead of a mode for a load that the reference condition carries, for a
+    shape that is a combination of eigenmodes and earlier shapes, and for a shape that moves no
+    mass.
+    """
+    n_dof = condition.K.shape[0]
+    empty = np.zeros((n_dof, 0))
+    if not loads:
+        return StaticModes(np.zeros(0), empty, empty, (), ())
+    shapes = _Shapes(*(part[:, : len(loads)] for part in found))
+    inertia = kept.columns_B * kept.values
+    eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia)
+    remainders, independent = _independent(eigen @ np.diag(1.0 / np.sqrt(kept.values)), shapes)
+    values, modes = _diagonalised(condition.M, eigen, remainders, participation)
+    applied = shapes.load[:, independent] / np.sqrt(shapes.energy()[independent])
+    work = applied.T @ (modes.x / np.sqrt(values))
+    owner = _owners(work)
+    sign = np.where(work[owner, np.arange(len(owner))] < 0.0, -1.0, 1.0)
+    named = [independent[i] for i in owner]
+    return StaticModes(
+        values,
+        modes.x * sign,
+        modes.a * sign,
+        tuple(loads[k].label for k in named),
+        _warnings([load.label for k, load in enumerate(loads) if k not in named]),
+    )
+
+
+def _independent(basis: _Shapes, shapes: _Shapes) -> tuple[_Shapes, list[int]]:
+    """New part of each shape, of unit energy, energy-orthogonal to a basis of unit energy.
+
+    Also returns the numbers of the shapes that have a new part.
+    """
+    energy = shapes.energy()
+    kept: list[int] = []
+    for k in np.flatnonzero(energy > 0.0):
+        one = shapes @ (np.eye(len(energy))[:, [k]] / np.sqrt(energy[k]))
+        for _ in range(2):  # two passes are enough: the second removes the round-off of the first
+            one = one - basis @ (basis.load.T @ one.x)
+        norm = float(np.sqrt(one.energy()[0].clip(min=0.0)))
+        if norm > DEPENDENT:
+            basis = _Shapes.joined([basis, one @ np.array([[1.0 / norm]])])
+            kept.append(int(k))
+    first = basis.x.shape[1] - len(kept)
+    return basis @ np.eye(basis.x.shape[1])[:, first:], kept
+
+
+def _diagonalised(
+    M: Any, eigen: _Shapes, remainders: _Shapes, participation: Participation
+) -> tuple[Array, _Shapes]:
+    """Natural modes of the space of `remainders`, of unit modal mass, in ascending frequency.
+
+    Inverse eigenvalues far below the largest one are affected by round-off. Therefore the softest
+    modes are computed first, then those of the remainder. Shapes that move no mass have no mode.
+    """
+    found, largest = [eigen], 0.0
+    while remainders.x.shape[1]:
+        inverse, V = (
+            part[..., ::-1] for part in scipy.linalg.eigh(remainders.x.T @ (M @ remainders.x))
+        )
+        largest = max(largest, inverse[0])
+        if inverse[0] <= MASSLESS * largest:
+            break
+        count = np.count_nonzero(inverse > GRADED * inverse[0])
+        found.append(remainders @ (V[:, :count] / np.sqrt(inverse[:count])))
+        remainders = remainders @ V[:, count:]
+    modes = _Shapes.joined(found)
+    # Gram-Schmidt in mass from soft to stiff: removing soft parts hardly changes a stiff mode's
+    # energy.
+    factor = np.linalg.cholesky(modes.x.T @ (M @ modes.x))
+    modes = modes @ np.linalg.inv(factor).T[:, eigen.x.shape[1] :]
+    modes = modes @ separating_rotation(modes.energy(), participation(modes.x))
+    return modes.energy(), modes
+
+
+def _owners(work: Array) -> IntArray:
+    """Load that determines name and sign of each mode, (k,): the load that does most work on it.
+
+    `work` (l, k): rows loads, columns modes. If loads do equal work (the two ends of a free
+    beam), they are assigned in order.
+    """
+    order = np.outer(np.arange(work.shape[0]), np.arange(work.shape[1]))
+    claim = work**2 + TIE * order / max(order.size, 1)
+    load, mode = scipy.optimize.linear_sum_assignment(claim, maximize=True)
+    return np.asarray(load[np.argsort(mode)], dtype=np.int64)
+
+
+def _warnings(dropped: list[str]) -> tuple[dict[str, str], ...]:
+    if not dropped:
+        return ()
+    message = (
+        f"no mode for {few(dropped)}: the reference condition carries such a load, or its "
+        "shape is a combination of earlier modes, or it moves no mass"
+    )
+    return ({"code": "static-modes-dependent", "message": message},)
+
 
 LOADS = ("force_B", "acceleration_B")  # of StaticLoad
 RESIDUAL = 1e-8  # of X'MX = I and X'KX = Lambda, scaled
@@ -130,3 +336,30 @@ def _check(condition: Condition, modes: Modes) -> None:
             f"{stiffness.max():.2e}, expected below {RESIDUAL:.0e} and {allowed.min():.0e} "
             f"({STATIC_RESIDUAL:.0e} of static modes)"
         )
+
+
+def pairs(m: int) -> tuple[IntArray, IntArray]:
+    """Modes of each pair i <= j."""
+    return np.triu_indices(m)
+
+
+def square(values: Array, m: int) -> Array:
+    """Values (a, pairs, ...) as symmetric tables (a, m, m, ...)."""
+    i, j = pairs(m)
+    out = np.empty((len(values), m, m, *values.shape[2:]))
+    out[:, i, j] = out[:, j, i] = values
+    return out
+
+
+def turned(turn: Array, arms: Array) -> Array:
+    """(a_i x (a_j x d) + a_j x (a_i x d))/2 of points of a rigid interface, (k, 3, pairs) [m].
+
+    Parameters
+    ----------
+    turn : (3, m) rotation a of the interface in the modes [rad]
+    arms : (k, 3) d, from its reference point to the points [m]
+    """
+    i, j = pairs(turn.shape[1])
+    one, other, d = turn.T[i], turn.T[j], arms[:, None]
+    moved = 0.5 * (np.cross(one, np.cross(other, d)) + np.cross(other, np.cross(one, d)))
+    return np.swapaxes(moved, 1, 2)

@@ -14,7 +14,7 @@ from ..exchange.free_body import FreeBody
 from ..exchange.links import Constrained, constrained, links
 from ..exchange.reduce import reduce_body
 from ..exchange.spec import SI
-from ..modes import Algebra, HeldDofs
+from ..modes.reference import Algebra, HeldDofs
 from .errors import SolidError
 from .mesh import edge_length
 from .model import SolidModel

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common.materials import material_from_dict, rotated
 from ..fenicsx import PlainMesh
-from ..materials import material_from_dict, rotated
 from .errors import SolidError
 from .mesh import SolidMesh
 from .places import unit

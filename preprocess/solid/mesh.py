@@ -14,7 +14,7 @@ from ...solver.package.specification import CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..fenicsx.meshing.gmsh_solid import CadPart, solid_from_file
-from ..python_script import is_refused
+from ..mesh_input import is_refused
 from .cells import CORNERS, boundary, derivatives, reference_nodes
 from .errors import SolidError
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.package.body.schema import FaceStresses
+from ...solver.package.common.materials import bond
 from ...solver.package.section.recovery_data import rounded
-from ..materials import bond
 from .cells import derivatives, face_centre
 from .model import SolidModel
 

@@ -4,7 +4,7 @@ import numpy as np
 import ufl
 
 from ...solver.math.arrays import Array
-from ..modes.second_order import pairs
+from ..modes.reduced import pairs
 from .forms import strain
 from .model import SolidModel
 

@@ -17,7 +17,7 @@ LIMITS = {
     "breaks-not-searched": ("solver/integrators/breakpoints.py", "MOST_CELLS"),
     "mesh-coarse-for-modes": ("preprocess/beam/reduction.py", "LIMIT"),
     "modes-not-counted": ("preprocess/solid/model.py", "MOST_FACTORISED"),
-    "static-modes-dependent": ("preprocess/modes/static.py", "DEPENDENT"),
+    "static-modes-dependent": ("preprocess/modes/reduced.py", "DEPENDENT"),
     "measured-shape-rigid": ("solver/extras/measured_modes/package.py", "RIGID"),
     "measured-modal-mass": ("solver/extras/measured_modes/package.py", "SCALED"),
     "measured-shapes-coupled": ("solver/extras/measured_modes/package.py", "COUPLED"),

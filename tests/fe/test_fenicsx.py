@@ -201,7 +201,7 @@ def test_missing_part_is_named(missing: str) -> None:
     """An interpreter without one of the parts names the part and the remedy."""
     code = (
         f"import sys; sys.modules[{missing!r}] = None\n"
-        "import plymotion.preprocess.materials\n"
+        "import plymotion.solver.package.common.materials\n"
         "try:\n    import plymotion.preprocess.fenicsx\n"
         "except ImportError as error:\n    print(type(error).__name__, error)\n"
     )

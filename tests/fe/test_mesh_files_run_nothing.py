@@ -106,7 +106,7 @@ def test_specifications_with_scripts_are_refused(
     spec.write_text(json.dumps({"name": "arm", "title": "arm", **shell}))
     assert main(["shell", str(spec), "--no-scripts"]) == 2
     capsys.readouterr()
-    from plymotion.preprocess.python_script import scripts
+    from plymotion.preprocess.mesh_input import scripts
 
     with scripts(refused=True):
         with pytest.raises(ShellError, match="expected no script with --no-scripts"):

@@ -11,7 +11,7 @@ from samples.body_specs import beam_body
 from samples.section_specs import rectangle_spec
 
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.modes import ModeError
+from plymotion.preprocess.modes.reference import ModeError
 from plymotion.solver.package import validate, write_package
 from plymotion.solver.package.body.invariants import free_body_mass
 

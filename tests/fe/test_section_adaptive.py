@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.materials import isotropic
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.mesh.cells import CellMesh
 from plymotion.preprocess.section.mesh.mesh import section_mesh
 from plymotion.preprocess.section.mesh.refine import refined
@@ -16,6 +15,7 @@ from plymotion.preprocess.section.solve.estimate import scaled
 from plymotion.preprocess.section.space.operators import SectionOperators
 from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.solver.inputs.section.shapes.library import expand
+from plymotion.solver.package.common.materials import isotropic
 from plymotion.solver.package.section.schema import SectionFile
 
 STEEL = {"kind": "isotropic", "E": 210e9, "nu": 0.3, "rho": 7850.0}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.solve.estimate import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.section.schema import SectionFile

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.fenicsx import FactorisationError
-from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
-from plymotion.preprocess.section import SectionError, analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.errors import SectionError
 from plymotion.preprocess.section.mesh.mesh import section_mesh
 from plymotion.preprocess.section.solve import warping
 from plymotion.preprocess.section.solve.guards import solvability_warnings
@@ -16,6 +16,7 @@ from plymotion.preprocess.section.solve.problem import SectionProblem
 from plymotion.preprocess.section.solve.timoshenko import SectionStiffness, stiffness
 from plymotion.preprocess.section.solve.warping import WarpingSolver
 from plymotion.solver.inputs.section.shapes.library import expand
+from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
 GRAPHITE = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
 

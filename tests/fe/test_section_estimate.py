@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from samples.section_cases import section
 
-from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.mesh.cells import CellMesh
 from plymotion.preprocess.section.mesh.mesh import section_mesh
 from plymotion.preprocess.section.mesh.refine import refined
@@ -19,6 +18,7 @@ from plymotion.preprocess.section.solve.problem import SectionProblem, section_p
 from plymotion.preprocess.section.solve.singular import cell_exponents, exponent
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.solver.inputs.section.shapes.library import expand
+from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
 SMALL = 0.05  # errors below this share of the worst one are irrelevant
 

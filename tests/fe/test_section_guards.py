@@ -9,7 +9,7 @@ import pytest
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.mesh.mesh import SectionError, SectionMesh, section_mesh
 from plymotion.preprocess.section.solve.guards import coarse_warnings
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand

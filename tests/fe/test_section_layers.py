@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section import SectionError, analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.errors import SectionError
 from plymotion.preprocess.section.solve.estimate import scaled
 from plymotion.preprocess.section.space.layers import nearest_on_curve
 

@@ -10,7 +10,6 @@ import ufl
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, evaluation, gmsh, plain_from_model
 from plymotion.preprocess.fenicsx.stack import dolfinx
-from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
 from plymotion.preprocess.section.analysis.verification import matrices
 from plymotion.preprocess.section.mesh.cells import cells_of_plain
 from plymotion.preprocess.section.mesh.mesh import SectionMesh
@@ -19,6 +18,7 @@ from plymotion.preprocess.section.solve.problem import SectionProblem
 from plymotion.preprocess.section.solve.twist import TwistedStrains
 from plymotion.preprocess.section.space.operators import SectionOperators
 from plymotion.preprocess.section.space.space import SectionSpace, is_curved
+from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
 MESHES = Path(__file__).resolve().parents[2] / "meshes"
 PLY = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)

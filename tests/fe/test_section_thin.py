@@ -6,10 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.laminate.stack import Lamina, Laminate
-from plymotion.preprocess.laminate.stiffness import laminate_stiffness
-from plymotion.preprocess.materials import isotropic, material_from_dict
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.laminate.stiffness import Lamina, Laminate, laminate_stiffness
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.errors import SectionError
 from plymotion.preprocess.section.mesh.cells import turned
 from plymotion.preprocess.section.mesh.mesh import section_mesh
@@ -19,6 +17,7 @@ from plymotion.preprocess.section.solve.problem import SectionProblem
 from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.preprocess.section.space.thin import differences_across
 from plymotion.solver.inputs.section.shapes.library import expand
+from plymotion.solver.package.common.materials import isotropic, material_from_dict
 
 NU = 0.3
 ARC = 0.25  # elements of the open arc over the default

@@ -8,8 +8,7 @@ import pytest
 from peers.solid_bar import compliance
 from scipy.spatial.transform import Rotation
 
-from plymotion.preprocess.materials import Orthotropic, bond, isotropic, ply_rotation, rotated
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.errors import SectionError
 from plymotion.preprocess.section.mesh.mesh import section_mesh
 from plymotion.preprocess.section.solve import helical
@@ -26,6 +25,13 @@ from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.math.rotations import skew
+from plymotion.solver.package.common.materials import (
+    Orthotropic,
+    bond,
+    isotropic,
+    ply_rotation,
+    rotated,
+)
 
 PLY = Orthotropic(142.0, 9.79, 9.79, 5.998, 5.998, 4.80, 0.42, 0.42, 0.42, 1.0)
 ISO = isotropic(1.0, 0.3, 1.0).stiffness_M

@@ -10,7 +10,7 @@ from samples.section_mesh_samples import moments, nodes_of
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.preprocess.section.mesh.mesh import SectionError, section_mesh
 
 # A quarter of a ring, inner radius 1, outer 2: two regions, the outer arc named.

@@ -13,7 +13,7 @@ from samples.section_specs import rectangle_spec
 from samples.shell_specs import CFRP, METAL, box, plate
 
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.modes import ModeError
+from plymotion.preprocess.modes.reference import ModeError
 from plymotion.preprocess.products import BodyPackages
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.body.body import shell_model, shell_modes, shell_package

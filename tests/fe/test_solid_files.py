@@ -25,10 +25,10 @@ from samples.solid_samples import (
 )
 
 from plymotion.preprocess.fenicsx import gmsh_session
-from plymotion.preprocess.materials import rotated
 from plymotion.preprocess.solid.analysis import free_hertz
 from plymotion.preprocess.solid.errors import SolidError
 from plymotion.preprocess.solid.model import SolidModel
+from plymotion.solver.package.common.materials import rotated
 
 RTOL = 1e-4  # of mass, centre over the radius of gyration, inertia over its largest entry
 NORMAL = {"normal": [0.0, 0.0, 1.0]}

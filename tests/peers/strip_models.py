@@ -12,11 +12,11 @@ from samples.section_specs import rectangle_spec
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.beam.line import straight_line
-from plymotion.preprocess.beam.theory import section_stiffness
+from plymotion.preprocess.beam.sections import section_stiffness
 from plymotion.preprocess.fenicsx.spaces import dof_coordinates, vector_space
 from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
-from plymotion.preprocess.materials import material_from_dict, ply_rotation, rotated
-from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.solver.package.common.materials import material_from_dict, ply_rotation, rotated
 
 FILE = Path(__file__).resolve().parents[1] / "reference/beams/strip_30_cantilever.toml"
 STRIP = tomllib.loads(FILE.read_text(encoding="utf-8"))

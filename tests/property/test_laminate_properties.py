@@ -7,8 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from samples.laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS
 
-from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
-from plymotion.preprocess.laminate.shear import CORRECTIONS
+from plymotion.preprocess.laminate.stiffness import (
+    CORRECTIONS,
+    Lamina,
+    Laminate,
+    laminate_stiffness,
+)
 
 lamina = st.builds(
     Lamina,

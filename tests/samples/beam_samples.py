@@ -10,11 +10,10 @@ import scipy.linalg
 from samples.body_specs import CLAMPED, beam_body
 
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
-from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import LineSection, SectionMass
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.beam.stations import Stations
-from plymotion.preprocess.modes import Modes
+from plymotion.preprocess.modes.reduced import Modes
 from plymotion.solver.package import Interface, ModalPackage, SectionData, write_package
 from plymotion.solver.package.body.invariants import rigid_motions
 

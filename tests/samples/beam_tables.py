@@ -7,7 +7,7 @@ import scipy.linalg
 import scipy.optimize
 from samples.beam_samples import coupled_stiffness
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.inputs.case.bodies.beams import line_of
 from plymotion.solver.inputs.case.tables.beams import (
     COLUMNS,

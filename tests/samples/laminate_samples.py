@@ -4,8 +4,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from plymotion.preprocess.laminate import Lamina, Laminate
-from plymotion.preprocess.materials import Orthotropic, isotropic
+from plymotion.preprocess.laminate.stiffness import Lamina, Laminate
+from plymotion.solver.package.common.materials import Orthotropic, isotropic
 
 FOLDER = Path(__file__).parents[1] / "reference" / "laminates"
 

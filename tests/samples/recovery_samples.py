@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from plymotion.preprocess.beam.line import BeamLine
-from plymotion.preprocess.beam.resultants import shape_resultants
+from plymotion.preprocess.beam.mode_fields import shape_resultants
 from plymotion.solver.package.body.schema import BodyRecovery
 from plymotion.solver.package.common.materials import bond, material_from_dict
 from plymotion.solver.package.section.schema import Ply, SectionRecovery

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from samples.laminate_samples import ALUMINIUM, CFRP
 
-from plymotion.preprocess.laminate import (
+from plymotion.preprocess.laminate.report import report
+from plymotion.preprocess.laminate.stiffness import (
     Lamina,
     Laminate,
     laminate_stiffness,
-    report,
     stress_operators,
 )
-from plymotion.preprocess.materials import Orthotropic
+from plymotion.solver.package.common.materials import Orthotropic
 from plymotion.solver.package.shell.schema import (
     ShellBuckling,
     ShellCases,

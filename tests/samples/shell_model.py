@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plymotion.preprocess.laminate import stress_operators
+from plymotion.preprocess.laminate.stiffness import stress_operators
 from plymotion.preprocess.shell.analyses.frequencies import Frequencies, natural_modes
 from plymotion.preprocess.shell.analyses.statics import Statics, solve_cases
 from plymotion.preprocess.shell.mesh.groups import group

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from samples.beam_samples import Beam, reduced
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
 from plymotion.solver.dynamics.evaluation.derivative import derivative
 from plymotion.solver.dynamics.model.model import Model

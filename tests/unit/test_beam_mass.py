@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from samples.beam_samples import modal_mass
 
-from plymotion.preprocess.beam.line import BeamLine, section_axes, straight_line
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import BeamLine, SectionMass, section_axes, straight_line
 from plymotion.preprocess.beam.stations import Stations, mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import skew
 from plymotion.solver.package.body.division import node_positions

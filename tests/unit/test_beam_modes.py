@@ -10,15 +10,9 @@ from samples.beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, d
 from plymotion.preprocess.beam.line import section_axes, straight_line
 from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
 from plymotion.preprocess.beam.stations import mass_stations
-from plymotion.preprocess.modes import (
-    KINDS,
-    EigenSolver,
-    HeldDofs,
-    ModeError,
-    ModeRequest,
-    Modes,
-    reduced_modes,
-)
+from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest
+from plymotion.preprocess.modes.reduced import Modes, reduced_modes
+from plymotion.preprocess.modes.reference import EigenSolver, HeldDofs, ModeError
 from plymotion.solver.package.specification import DIRECTIONS
 
 STIFFNESS = np.diag([7e7, 2e7, 2e7, 3e3, 6e3, 1.5e3])

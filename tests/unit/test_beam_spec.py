@@ -9,7 +9,7 @@ from samples.body_specs import beam_body
 from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import ModeSpec, Reference, read_spec
-from plymotion.preprocess.modes import ModeRequest
+from plymotion.preprocess.modes.eigenmodes import ModeRequest
 from plymotion.solver.package.common.table_form import SpecError
 from plymotion.solver.package.fingerprint import fingerprint
 

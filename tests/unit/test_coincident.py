@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.preprocess.coincident import coincident
+from plymotion.preprocess.mesh_input import coincident
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

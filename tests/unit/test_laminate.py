@@ -7,18 +7,19 @@ import numpy as np
 import pytest
 from samples.laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS, hybrid, stack
 
-from plymotion.preprocess.laminate import (
+from plymotion.preprocess.laminate.report import report
+from plymotion.preprocess.laminate.spec import laminate_from_dict
+from plymotion.preprocess.laminate.stiffness import (
     Lamina,
     Laminate,
     LaminateError,
-    laminate_from_dict,
+    equilibrium_shear,
     laminate_stiffness,
-    report,
+    shear_factors,
     strain_stress_at,
     stress_operators,
 )
-from plymotion.preprocess.laminate.shear import equilibrium_shear, shear_factors
-from plymotion.preprocess.materials import isotropic
+from plymotion.solver.package.common.materials import isotropic
 
 
 def test_isotropic_plate_is_the_textbook_one() -> None:
@@ -36,7 +37,7 @@ def test_isotropic_plate_is_the_textbook_one() -> None:
 
 def test_printed_pairing_of_eq_29_gives_a_plate_without_bending_stiffness() -> None:
     """H_2 about the middle of a plate is 0: D_b with H_2, as printed, is then 0."""
-    from plymotion.preprocess.laminate.stack import moments
+    from plymotion.preprocess.laminate.stiffness import moments
 
     plate = stack(0.0, 90.0, 90.0, 0.0)
     H = moments(plate)
@@ -113,7 +114,7 @@ def test_parabola_of_a_homogeneous_plate() -> None:
 
 def test_ply_stresses_add_up_to_the_resultants() -> None:
     """Rotated back to laminate axes and integrated, they are N, M and T."""
-    from plymotion.preprocess.materials import bond, ply_rotation
+    from plymotion.solver.package.common.materials import bond, ply_rotation
 
     laminate = replace(hybrid(), offset=1e-3)
     points, weights = np.polynomial.legendre.leggauss(3)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.materials import (
+from plymotion.solver.package.common.materials import (
     MaterialError,
     Orthotropic,
     bond,

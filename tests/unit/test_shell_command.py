@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from samples.shell_file_samples import STRENGTH, laminate_of, plate
 
-from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
+from plymotion.preprocess.laminate.stiffness import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.report.shell.figures import feature_edges, magnification, view_axes

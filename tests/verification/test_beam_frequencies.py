@@ -20,7 +20,9 @@ from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine, straight_line
 from plymotion.preprocess.beam.reduction import frequency_error
 from plymotion.preprocess.beam.stations import mass_stations
-from plymotion.preprocess.modes import KINDS, HeldDofs, ModeRequest, Modes, reduced_modes
+from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest
+from plymotion.preprocess.modes.reduced import Modes, reduced_modes
+from plymotion.preprocess.modes.reference import HeldDofs
 
 LENGTH = 0.5
 E, NU, RHO, WIDTH, HEIGHT = 7e10, 0.3, 2700.0, 0.02, 0.05  # along x2, x3

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from samples.segment_samples import cantilever, run_of
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.studies.modes.found import find_modes
 from plymotion.solver.studies.modes.place import at_of
 from plymotion.solver.studies.modes.state import States

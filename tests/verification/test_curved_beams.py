@@ -10,8 +10,7 @@ import scipy.special
 from samples.beam_samples import CLAMPED, coupled_stiffness, reduced
 from samples.curved_samples import BAR, meshed
 
-from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import LineSection, SectionMass
 from plymotion.solver.inputs.case.bodies.beams import line_of
 from plymotion.solver.inputs.case.tables.beams import BeamBody
 from plymotion.solver.math.rotations import matrix_to_vector, skew, vector_to_matrix

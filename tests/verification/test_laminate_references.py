@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 from samples.laminate_samples import reference, reference_laminates
 
-from plymotion.preprocess.laminate import Laminate, laminate_stiffness
-from plymotion.preprocess.laminate.shear import shear_factors, uncorrected
+from plymotion.preprocess.laminate.stiffness import (
+    Laminate,
+    laminate_stiffness,
+    shear_factors,
+    uncorrected,
+)
 
 TABLES = reference("laminate.toml")
 LAMINATES = reference_laminates()
@@ -65,8 +69,8 @@ def test_homogeneous_plates_have_five_sixths() -> None:
 @pytest.mark.parametrize("contrast", [10, 100, 1000])
 def test_isotropic_sandwich(contrast: int) -> None:
     """Faces of 0.1 on a core of 0.8; both methods agree there."""
-    from plymotion.preprocess.laminate import Lamina
-    from plymotion.preprocess.materials import isotropic
+    from plymotion.preprocess.laminate.stiffness import Lamina
+    from plymotion.solver.package.common.materials import isotropic
 
     table = TABLES["shear_correction_theory"]["isotropic_sandwich_01_08_01"]
     face, core = isotropic(float(contrast), 0.3, 1.0), isotropic(1.0, 0.3, 1.0)

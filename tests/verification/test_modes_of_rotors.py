@@ -7,7 +7,7 @@ import pytest
 from samples.beam_samples import CHORD, reduced
 from samples.modes_samples import modes_at, rates
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.package import write_package
 
 

@@ -8,7 +8,7 @@ from samples.beam_samples import CLAMPED, reduced
 from samples.case_samples import run_text
 from samples.modes_samples import modes_at, rates
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import write_package
 

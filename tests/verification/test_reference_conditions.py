@@ -21,7 +21,7 @@ from samples.beam_samples import (
 )
 from samples.flexible_samples import momenta, simulate, total_energy
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble
 from plymotion.solver.dynamics.model.model import Model

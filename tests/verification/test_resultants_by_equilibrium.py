@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from samples.segment_samples import MATERIAL, SECTION, cantilever, run_of
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism

@@ -15,9 +15,9 @@ from samples.beam_samples import (
 )
 
 from plymotion.preprocess.beam.element import Z, gauss
+from plymotion.preprocess.beam.line import SectionMass
+from plymotion.preprocess.beam.mode_fields import second_order_fields
 from plymotion.preprocess.beam.reduction import held_dofs
-from plymotion.preprocess.beam.second_order import second_order_fields
-from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
 from plymotion.solver.package.body.invariants import rigid_motions

@@ -17,7 +17,7 @@ from samples.beam_samples import (
     reduced,
 )
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.modes.reference import solve_definite
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble
 from plymotion.solver.dynamics.model.model import GROUND

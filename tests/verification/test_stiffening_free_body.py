@@ -18,7 +18,7 @@ from samples.curved_samples import meshed
 from samples.flexible_samples import momenta, total_energy
 from samples.stiffening_samples import on_interface
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.dynamics.analysis.recovery import momentum_balance
 from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
 from plymotion.solver.dynamics.elements.bodies.second_order import stiffening_matrices

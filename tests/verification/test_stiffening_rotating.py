@@ -8,7 +8,7 @@ import scipy.linalg
 from samples.beam_samples import CHORD, CLAMPED, NAMES, REFERENCES, reduced
 from samples.stiffening_samples import rectangle, steady_spin
 
-from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.dynamics.evaluation.derivative import derivative
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import flexible_body

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ...known_keys import check_keys
+from ....solver.errors import check_keys
 from ..errors import SectionError
 
 REQUIRED = ("mesh", "materials", "regions")

@@ -18,7 +18,7 @@ from ....solver.math.arrays import Array
 from ....solver.package.common.plain_data import canonical
 from ... import fenicsx
 from ...fenicsx import PlainMesh
-from ...python_script import is_refused, load_script
+from ...mesh_input import is_refused, load_script
 from ..errors import SectionError
 from .cells import FULL, CellMesh, cells_of_plain, filling, patterns
 from .mesh_checks import checked

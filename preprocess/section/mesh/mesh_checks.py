@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from ....solver.errors import few
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from ...coincident import coincident
+from ...mesh_input import coincident
 from ..errors import SectionError
 from .cells import CORNERS, KINDS, CellMesh, full_basis
 

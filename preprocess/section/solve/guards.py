@@ -8,7 +8,7 @@ import numpy as np
 from ....solver.errors import few
 from ....solver.math.arrays import Array
 from ....solver.package.common.anisotropic import Anisotropic
-from ...materials import Orthotropic
+from ....solver.package.common.materials import Orthotropic
 from ..errors import SectionError
 from ..mesh.cells import CellMesh
 from ..mesh.mesh import OF_MESH

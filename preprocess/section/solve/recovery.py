@@ -3,8 +3,8 @@
 import numpy as np
 
 from ....solver.math.arrays import Array
+from ....solver.package.common.materials import bond
 from ....solver.package.section.schema import SectionRecovery
-from ...materials import bond
 from ..space.layers import Layup
 from ..space.space import SectionSpace
 from .helical import CentralSolutions

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg as la
 
 from ....solver.math.arrays import Array, IntArray
-from ...materials import rotated
+from ....solver.package.common.materials import rotated
 from ..mesh.cells import CORNERS, CellMesh
 
 WIDEST = np.radians(30.0)  # element along the circle

@@ -19,7 +19,8 @@ from ....solver.package.shell.schema import (
     ShellProbes,
 )
 from ... import fenicsx
-from ...laminate import computed, report, stress_operators
+from ...laminate.report import report
+from ...laminate.stiffness import computed, stress_operators
 from ..mesh.mesh import ShellMesh
 from ..model.guards import check_supported
 from ..model.link_distortion import link_warnings

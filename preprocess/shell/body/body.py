@@ -11,7 +11,7 @@ from ....solver.package.body.second_order import MOST_MODES, second_order_from_s
 from ....solver.package.body.selection import ALONG
 from ....solver.package.shell.cells import vtk_cells
 from ...beam.stations import Stations
-from ...modes import Modes, reduced_modes
+from ...modes.reduced import Modes, reduced_modes
 from ...provenance import body_provenance
 from ..mesh.body_spec import ShellBodySpec, read_shell_body
 from ..model.link_distortion import interface_warnings

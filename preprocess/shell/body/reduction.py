@@ -14,15 +14,8 @@ from ....solver.package.body.invariants import rigid_motions
 from ....solver.package.common.table_form import SpecError, expected
 from ....solver.package.specification import DIRECTIONS
 from ... import fenicsx
-from ...modes import (
-    Algebra,
-    Condition,
-    HeldDofs,
-    MeanAxis,
-    StaticLoad,
-    accelerations,
-    inertia_loads,
-)
+from ...modes.reduced import StaticLoad, accelerations, inertia_loads
+from ...modes.reference import Algebra, Condition, HeldDofs, MeanAxis
 from ..analyses.frequencies import TOLERANCE
 from ..mesh.body_spec import ShellBodySpec
 from ..model.assembly import DOFS

@@ -18,8 +18,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ...modes import Condition
-from ...modes.second_order import pairs, square, turned
+from ...modes.reduced import pairs, square, turned
+from ...modes.reference import Condition
 from ..elements.choice import Choice
 from ..elements.pairs import geometric_kernel, stiffness_kernel
 from ..elements.single_cells import cell_rows

@@ -19,7 +19,7 @@ from ....solver.math.arrays import Array
 from ....solver.package.common.table_form import SpecError
 from ....solver.package.shell.cells import corner_areas
 from ...beam.element import MASS_POINTS, BeamElement, gauss
-from ...beam.section_mass import SectionMass
+from ...beam.line import SectionMass
 from ...beam.stations import Stations
 from ..mesh.mesh import ShellMesh
 from ..model.links import carried, cross_matrix

@@ -21,7 +21,7 @@ from ....solver.package.common.plain_data import canonical
 from ....solver.package.shell import cells as tables
 from ... import fenicsx
 from ...fenicsx import NamedNodes, PlainMesh
-from ...python_script import is_refused, load_script
+from ...mesh_input import is_refused, load_script
 from ..errors import ShellError
 from .edges import Edges
 from .pairing import Unpaired, paired

@@ -10,7 +10,7 @@ from ....solver.errors import few
 from ....solver.math.arrays import Array
 from ....solver.package.shell import elements
 from ....solver.package.shell.cells import NONE, corner_counts
-from ...coincident import coincident
+from ...mesh_input import coincident
 from ..elements.choice import Choice
 from ..elements.drilling import DRILLINGS
 from ..elements.membranes import MEMBRANES

@@ -12,16 +12,11 @@ import numpy as np
 
 from ....solver.errors import did_you_mean, few
 from ....solver.math.arrays import Array, IntArray
+from ....solver.package.common.materials import Orthotropic, material_from_dict
 from ....solver.package.shell.cells import NONE, corner_counts
 from ... import fenicsx
-from ...laminate import (
-    LaminateSpec,
-    LaminateStiffness,
-    computed,
-    laminate_from_dict,
-    laminate_stiffness,
-)
-from ...materials import Orthotropic, material_from_dict
+from ...laminate.spec import LaminateSpec, laminate_from_dict
+from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
 from ..errors import CellError, ShellError
 from ..mesh.axes import KEYS as AXES
 from ..mesh.axes import cell_directions

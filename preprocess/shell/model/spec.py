@@ -19,9 +19,8 @@ SI and degrees; docs/shell-description.md explains each key.
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ....solver.errors import did_you_mean
+from ....solver.errors import check_keys, did_you_mean
 from ....solver.package.body.schema import MASS_FORMS
-from ...known_keys import check_keys
 from ..elements.choice import Choice
 from ..errors import ShellError
 from ..mesh.mesh import KEYS as MESH
