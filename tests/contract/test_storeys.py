@@ -15,7 +15,6 @@ MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it 
 # Folders above that limit, and what they have: no number here may grow.
 LARGE = {
     "preprocess/exchange/formats": 13,
-    "preprocess/shell/model": 13,
     "solver/package/common": 21,
 }
 LONGEST_CHAIN = {"solver": 42, "preprocess": 29}  # of imports, file by file; may not grow either
