@@ -80,7 +80,7 @@ export FENICSX_PYTHON
 ifneq ($(filter fenicsx,$(MAKECMDGOALS)),)
 $(FENICSX): FORCE
 endif
-FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpreters.py) \
+FENICSX_TOOLS := tools/find_fenicsx.py \
     $(addprefix solver/workers/,interpreter.py fenicsx_probe.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(EMPTY)
 	@PYTHONPATH=. $(PY) tools/find_fenicsx.py $@
@@ -268,8 +268,8 @@ test-light: $(TESTS) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 3 --dist worksteal -q --durations=10
 
 # The tests of tests/hostile with many more tries. It goes on where it was interrupted; ATTACK_OPTIONS
-# are those of pytest. `python tools/attack_table.py build/attack/counts.jsonl` then writes the table
-# of what became of the tries into docs/security.md.
+# are those of pytest. `python tools/attack.py --write` then writes the table of what became of the
+# tries into docs/security.md.
 ATTACK_OPTIONS ?=
 .PHONY: attack
 attack: $(TESTS) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (seven minutes)

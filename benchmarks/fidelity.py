@@ -27,11 +27,10 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.body.selection import vibrations
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.studies.fidelity.base.comparison import difference, scales
-from plymotion.solver.studies.fidelity.base.model import with_values
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.studies.fidelity.check.trial import Trial, attempted, tried
-from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of, read_planned
+from plymotion.solver.studies.fidelity.execution import checked, plan_of, read_planned
+from plymotion.solver.studies.fidelity.motions import difference, scales
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan, with_values
+from plymotion.solver.studies.fidelity.trial import Trial, attempted, tried
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 OUTPUTS = ("tip", "deflection", "force", "moment")

@@ -42,7 +42,7 @@ _PUBLIC = {
     "modes": "api.modes",
     "norm": "api.signal",
     "plan": "api.planning",
-    "run": "api.running",
+    "run": "api.result",
     "section": "api.section",
     "shell": "api.bodies",
     "solid": "api.bodies",

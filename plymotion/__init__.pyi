@@ -18,7 +18,7 @@ from .api.modes import modes as modes
 from .api.planning import Plan as Plan
 from .api.planning import plan as plan
 from .api.result import Result as Result
-from .api.running import run as run
+from .api.result import run as run
 from .api.section import Section as Section
 from .api.section import section as section
 from .api.signal import Signal as Signal

@@ -1,7 +1,8 @@
-"""The attack of tests/hostile: python tools/attack.py [WORDS OF PYTEST].
+"""The attack of tests/hostile: python tools/attack.py [--write | WORDS OF PYTEST].
 
 Tells every half minute how far it is. Interrupted, the same command goes on after the last test
-that was over, as long as no source has changed. The last thing that it prints is its table.
+that was over, as long as no source has changed. The last thing that it prints is its table, which
+`--write` puts into docs/security.md.
 """
 
 import hashlib
@@ -10,17 +11,24 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from attack_table import table  # noqa: E402
-from harness.hostile_profile import BAD, recorded  # type: ignore[import-not-found]  # noqa: E402
+from harness.hostile_profile import (  # type: ignore[import-not-found]  # noqa: E402
+    BAD,
+    GOOD,
+    MISSED,
+    recorded,
+)
 
 FOLDER = ROOT / "build/attack"
 COUNTS, SOURCES, OUTPUT = (FOLDER / name for name in ("counts.jsonl", "sources", "pytest.log"))
 TOLD_S = 30.0
+PAGE = ROOT / "docs/security.md"
+BEGIN, END = "<!-- attack: begin -->\n", "<!-- attack: end -->\n"
 
 
 def sources() -> str:
@@ -31,6 +39,33 @@ def sources() -> str:
             if file.suffix in (".py", ".toml", ".geo", ".vtkhdf"):
                 digest.update(f"{file.relative_to(ROOT)}\0".encode() + file.read_bytes())
     return digest.hexdigest()
+
+
+def table(counts: Counter[tuple[str, str]]) -> str:
+    """Return the table: a line for each kind of try, a column for each end.
+
+    Faults that came too late are in the last column only.
+    """
+    bad = [end for end in BAD if end != "other"]
+    ends = (*GOOD, *bad)
+    lines = [
+        f"| tries | number | {' | '.join(ends)} | {MISSED} |",
+        f"|---|{'---:|' * (2 + len(ends))}",
+    ]
+    kinds = sorted({kind for kind, _ in counts})
+    for name, own in [*((kind, [kind]) for kind in kinds), ("all", kinds)]:
+        found = [sum(counts[kind, end] for kind in own) for end in (*ends, MISSED)]
+        number = sum(counts[kind, end] for kind in own for end in (*GOOD, *BAD))
+        lines.append(f"| {name} | {number} | {' | '.join(map(str, found))} |")
+    return "\n".join(lines) + "\n"
+
+
+def write_page() -> None:
+    """Replace the table of docs/security.md by that of the last attack."""
+    _, counts = recorded(COUNTS)
+    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+    _, after = rest.split(END)
+    PAGE.write_text(before + BEGIN + table(counts) + END + after, encoding="utf-8")
 
 
 def main() -> int:
@@ -87,4 +122,7 @@ def _tell(seconds: float) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    if sys.argv[1:] == ["--write"]:
+        write_page()
+    else:
+        sys.exit(main())

@@ -22,18 +22,20 @@ from core_types import Choice, Tests, choice
 from core_types import job as job_of_type
 from core_types import summary as summary_of_types
 from fe_numbers import differences, pairs
-from fenicsx_sources import (
+from find_fenicsx import (
     APT_INSTALL,
     ROOT,
     SYSTEM_PYTHON,
     Report,
     from_system,
     from_wheel,
+    output,
     probe,
     reasons,
+    run,
+    say,
     usable,
 )
-from interpreters import output, run, say
 from side_by_side import Done, Job, run_all
 
 AT_ONCE = 2  # programs: the cores that CI has

@@ -23,9 +23,9 @@ from ..solver.math.cores import cores
 from ..solver.workers.described import Entry, Made, make_files, write_specs
 from ..solver.workers.executors import Local
 from ..solver.workers.launch import keep_preprocessors
-from .frames import pandas
-from .running import named
+from .result import named
 from .section import Section
+from .signal import pandas
 
 
 class Blade:

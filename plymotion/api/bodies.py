@@ -22,10 +22,9 @@ from ..solver.studies.cases import turn
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import prepared
-from .case import Case, as_case
-from .html import table
-from .names import ByName
-from .running import folder_of, named, run_named
+from .case import ByName, Case, as_case
+from .result import folder_of, named, run_named
+from .signal import table
 
 FMU = "fmu"
 

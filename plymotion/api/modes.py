@@ -16,10 +16,8 @@ from ..solver.studies.modes.found import find_modes, response_of
 from ..solver.studies.modes.place import At, at_of
 from ..solver.studies.modes.state import States, spec_of_run
 from .case import Case, as_case
-from .frames import pandas
-from .html import table
-from .running import folder_of, named, run_named
-from .signal import pyplot
+from .result import folder_of, named, run_named
+from .signal import pandas, pyplot, table
 
 
 class Modes:

@@ -14,13 +14,17 @@ from ..solver.package.common.temporary import write_text
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
 from ..solver.studies.cases import turn
-from ..solver.studies.fidelity.delivery.execution import answered, read_planned
-from ..solver.studies.fidelity.delivery.members import checked_member, member_spec, of_model
-from ..solver.studies.fidelity.delivery.words import answer_text
-from .case import Case, as_case
-from .names import ByName
-from .plain import plain
-from .running import build_packages_of, folder_of, named, run_named
+from ..solver.studies.fidelity.answer import answer_text
+from ..solver.studies.fidelity.execution import (
+    answered,
+    checked_member,
+    member_spec,
+    of_model,
+    read_planned,
+)
+from .case import ByName, Case, as_case
+from .keys import plain
+from .result import build_packages_of, folder_of, named, run_named
 from .signal import Signal
 
 CHECKED = 0.05  # of the designs, drawn at random

@@ -1,24 +1,54 @@
-"""A cross-section in Python: stiffness, mass, centres."""
+"""A cross-section in Python: stiffness, mass, centres, a small picture of its plies."""
 
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..solver.inputs.section.specification import BUILD
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import data_sha256
 from ..solver.package.section.io import read_section
-from ..solver.package.section.schema import RESULTANTS, SectionFile
+from ..solver.package.section.schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData
 from ..solver.report.section.codes import SectionResults, read_results
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
-from .frames import pandas
-from .html import table
-from .plain import plain
-from .running import named
-from .section_picture import picture
+from .keys import plain
+from .result import named
+from .signal import Markup, pandas, table
+
+MOST_CELLS = 6000  # of a picture that a notebook keeps
+SIZE = 260  # pixels
+# Okabe and Ito, as the figures of reports
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
+
+
+def picture(mesh: SectionMeshData) -> Markup:
+    """Return the cells of a section as SVG, coloured by ply; nothing for a very fine mesh."""
+    cells = len(mesh.cell_types)
+    if cells > MOST_CELLS:
+        return Markup("")
+    nodes = mesh.nodes
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    scale = (SIZE - 8) / float(np.max(high - low) or 1.0)
+    x = 4 + (nodes[:, 0] - low[0]) * scale
+    y = 4 + (high[1] - nodes[:, 1]) * scale
+    paths: dict[int, list[str]] = {}
+    for c in range(cells):
+        first = int(mesh.offsets[c])
+        corners = mesh.connectivity[first : first + CORNERS[int(mesh.cell_types[c])]]
+        points = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in corners)
+        paths.setdefault(int(mesh.ply[c]), []).append(f"M{points}Z")
+    parts = [
+        f'<path d="{"".join(found)}" fill="{COLOURS[ply % len(COLOURS)]}" stroke="white" '
+        'stroke-width="0.2"/>'
+        for ply, found in sorted(paths.items())
+    ]
+    height = 8 + float(high[1] - low[1]) * scale
+    return Markup(f'<svg width="{SIZE}" height="{height:.0f}">{"".join(parts)}</svg>')
 
 
 class Section:

@@ -19,13 +19,10 @@ from ..solver.studies.sweep.member import FINISHED
 from ..solver.studies.sweep.plan import read_plan
 from ..solver.studies.sweep.work import Work, settled
 from ..solver.workers.executors import Here, Local
-from .case import Case, as_case
-from .frames import pandas
-from .html import table
-from .names import ByName
-from .plain import plain
-from .running import build_packages_of, folder_of, named, only_run
-from .signal import pyplot
+from .case import ByName, Case, as_case
+from .keys import plain
+from .result import build_packages_of, folder_of, named, only_run
+from .signal import pandas, pyplot, table
 
 
 class SweepSignal:

@@ -141,7 +141,7 @@ def add_shell(parser: Any) -> None:
     add_executor(parser, "shells")
 
 
-@command("solid", "bodies.solid:run_solid")
+@command("solid", "bodies.shell:run_solid")
 def add_solid(parser: Any) -> None:
     """Inertia, frequencies and load cases of solids from CAD.
 
@@ -221,7 +221,7 @@ def add_blade(parser: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
-@command("import", "bodies.exchange:run_import")
+@command("import", "bodies.packages:run_import")
 def add_import(parser: Any) -> None:
     """Make a modal package from a body of another code.
 
@@ -237,7 +237,7 @@ def add_import(parser: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
-@command("export", "bodies.exchange:run_export")
+@command("export", "bodies.packages:run_export")
 def add_export(parser: Any) -> None:
     """Write a modal package in the format of another code.
 

@@ -20,7 +20,7 @@ from .arguments import (
     whole_number,
 )
 
-# Starter cases: the folders of new/starters/, and what each shows.
+# Starter cases: the folders of starters/, and what each shows.
 STARTERS = {
     "arm": "a driven laminated link with a payload",
     "robot-arm": "two laminated tubes with two drives, torques and ply strength",
@@ -37,7 +37,7 @@ NEW = "starters:\n" + "\n".join(f"  {name:10} {text}" for name, text in STARTERS
 _vector = expecting(numbers, lambda v: len(v) == 3 and any(v), "three numbers X,Y,Z, not all zero")
 
 
-@command("new", "new.command:run_new", NEW)
+@command("new", "setup:run_new", NEW)
 def add_new(parser: Any) -> None:
     """Write a starter case, which runs as it is."""
     parser.add_argument("starter", metavar=f"{{{','.join(STARTERS)}}}", help="see below")
@@ -45,7 +45,7 @@ def add_new(parser: Any) -> None:
     parser.add_argument("folder", type=Path, nargs="?", metavar="DIR", help=text)
 
 
-@command("check", "cases.check:run_check")
+@command("check", "case:run_check")
 def add_check(parser: Any) -> None:
     """Check a case file; with --out, write the input of the other commands."""
     parser.add_argument("case", type=Path, nargs="?", metavar="CASE", help="CASE.toml")
@@ -56,7 +56,7 @@ def add_check(parser: Any) -> None:
     flag(parser, "reference", "print docs/case-reference.md")
 
 
-@command("run", "cases.command:run_any")
+@command("run", "case:run_any")
 def add_run(parser: Any) -> None:
     """Run a case file from check to report, or integrate run files.
 
@@ -99,7 +99,7 @@ def add_run(parser: Any) -> None:
     flag(several, "update", "only runs whose inputs or solver have changed")
 
 
-@command("report", "cases.report:run_report")
+@command("report", "case:run_report")
 def add_report(parser: Any) -> None:
     """Write report.html and the table of a case."""
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a case, build/CASE")
@@ -109,7 +109,7 @@ def add_report(parser: Any) -> None:
     flag(parser, "vtk", text)
 
 
-@command("modes", "cases.modes:run_modes")
+@command("modes", "modes:run_modes")
 def add_modes(parser: Any) -> None:
     """Frequencies, damping and shapes about a state; Campbell diagram.
 
@@ -167,7 +167,7 @@ def add_modes(parser: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
-@command("plan", "cases.plan:run_plan")
+@command("plan", "plan:run_plan")
 def add_plan(parser: Any) -> None:
     """Choose the model of a run by its accuracy.
 
@@ -181,7 +181,7 @@ def add_plan(parser: Any) -> None:
     flag(parser, "json", "print the answer as JSON")
 
 
-@command("chart", "cases.plan:run_chart")
+@command("chart", "plan:run_chart")
 def add_chart(parser: Any) -> None:
     """Draw error against CPU time of the models of a run with [fidelity]."""
     _add_run_of_case(parser)
@@ -206,7 +206,7 @@ def add_packages_command(parser: Any) -> None:
     flag(parser, "quiet", "print warnings and errors only")
 
 
-@command("sweep", "cases.sweep:run_sweep")
+@command("sweep", "sweep:run_sweep")
 def add_sweep(parser: Any) -> None:
     """Integrate the members of a sweep.
 
@@ -230,7 +230,7 @@ def add_sweep(parser: Any) -> None:
     flag(parser, "quiet", "no progress bar")
 
 
-@command("merge", "cases.sweep:run_merge")
+@command("merge", "sweep:run_merge")
 def add_merge(parser: Any) -> None:
     """Merge the shards of a sweep into one file.
 

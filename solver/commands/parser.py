@@ -24,20 +24,20 @@ Ctrl-C, TERM or HUP.
 """
 
 
-@command("compile", "compile:run_compile")
+@command("compile", "setup:run_compile")
 def add_compile(parser: Any) -> None:
     """Compile before the first run."""
     flag(parser, "all", "also that of generalized-alpha, and what FEniCSx needs of bodies")
 
 
-@command("schema", "schema:run_schema")
+@command("schema", "setup:run_schema")
 def add_schema(parser: Any) -> None:
     """Print the JSON schema of a file, by which editors complete and check it."""
     kinds = ["case", "section", "shell", "solid"]
     parser.add_argument("kind", nargs="?", choices=kinds, default="case", help="see docs/runs.md")
 
 
-@command("completion", "completion:run_completion")
+@command("completion", "setup:run_completion")
 def add_completion(parser: Any) -> None:
     """Print the completion of commands and options for a shell."""
     parser.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")

@@ -60,7 +60,7 @@ def _planned(
     file: Path, allow_doubtful: bool, spec: RunSpec, digest: str
 ) -> tuple[RunResult, dict[str, Any]]:
     """Execute a run with `[fidelity]`."""
-    from .fidelity.delivery.execution import delivered  # most runs need no planner
+    from .fidelity.execution import delivered  # most runs need no planner
 
     return delivered(file, spec, digest, allow_doubtful=allow_doubtful)
 
@@ -182,7 +182,7 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
     if "fidelity" in summary:
-        from .fidelity.delivery.words import fidelity_line
+        from .fidelity.answer import fidelity_line
 
         text.append(f"  {fidelity_line(summary['fidelity'])}")
     text += [f"  {line}" for line in damping_lines(summary["damping"])]

@@ -15,7 +15,8 @@ from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep import work
 from plymotion.solver.studies.sweep.file import read_sweep
-from plymotion.solver.studies.sweep.member import Packages, compute
+from plymotion.solver.studies.sweep.member import compute
+from plymotion.solver.studies.sweep.plan import Packages
 
 BRIEF = """
 [variants.brief.solver]

@@ -12,7 +12,8 @@ from samples.sweep_samples import FORCE, MASS, ball, ball_plan
 from plymotion.solver.__main__ import main
 from plymotion.solver.studies.sweep import work
 from plymotion.solver.studies.sweep.file import read_sweep
-from plymotion.solver.studies.sweep.member import Packages, compute
+from plymotion.solver.studies.sweep.member import compute
+from plymotion.solver.studies.sweep.plan import Packages
 
 
 def sweep(file, *options) -> int:

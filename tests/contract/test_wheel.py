@@ -53,7 +53,7 @@ def test_what_the_wheel_holds(wheel: Path) -> None:
     assert "plymotion/py.typed" in names
     for part in ("solver/__main__.py", "preprocess/__main__.py", "solver/report/page.css"):
         assert f"plymotion/{part}" in names
-    assert "plymotion/solver/commands/new/starters/panel/panel.geo" in names
+    assert "plymotion/solver/commands/starters/panel/panel.geo" in names
     assert "plymotion/meshes/tube.geo" in names
     assert not [n for n in names if n.startswith(("tests/", "cases/")) or n.endswith(".pyc")]
 

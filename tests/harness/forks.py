@@ -66,7 +66,7 @@ MODULES = [
     *("numpy.ma", "h5py", "concurrent.futures.process", "matplotlib.backends.backend_agg"),
     *("plymotion.solver.__main__", "plymotion.solver.run.execution"),
     *("plymotion.solver.inputs.case.load", "plymotion.solver.inputs.case.write"),
-    *("plymotion.solver.studies.runs", "plymotion.solver.commands.cases.sweep"),
+    *("plymotion.solver.studies.runs", "plymotion.solver.commands.sweep"),
     *("plymotion.solver.studies.sweep.work", "plymotion.solver.studies.sweep.show"),
     "plymotion.solver.report.build",
 ]

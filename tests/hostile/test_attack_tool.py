@@ -29,7 +29,7 @@ def test_second():
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM][:LONG])
 def test_a_signal_to_the_tool_alone(repository, tmp_path, number):
-    for name in ("tools/attack.py", "tools/attack_table.py", "tests/harness/hostile_profile.py"):
+    for name in ("tools/attack.py", "tests/harness/hostile_profile.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(repository / name, tmp_path / name)
     (tmp_path / "tests/hostile").mkdir()

@@ -19,12 +19,13 @@ from samples.fmu_samples import SLIDER
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.extras.blade.stations import TEXT
-from plymotion.solver.package import ModalPackage, write_package
+from plymotion.solver.package.body.io import write_package
+from plymotion.solver.package.body.schema import ModalPackage
 from plymotion.solver.package.common.toml_text import toml_text, toml_value
 from plymotion.solver.report.section.codes import write_beamdyn, write_hawc2
 from plymotion.solver.report.section.show import Row, write_summary
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.studies.fidelity.choice.plan_file import write_plan
+from plymotion.solver.studies.fidelity.choice import write_plan
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan
 
 # Ends of a string, of a comment, of a line, of a docstring; what an f-string or a format takes.
 NAMES = [

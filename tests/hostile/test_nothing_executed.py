@@ -22,7 +22,7 @@ folder, commands = sys.argv[1], json.loads(sys.argv[2])
 STARTED = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork",
            "os.forkpty", "pty.spawn", "os.startfile"}
 from plymotion.solver.__main__ import main
-import plymotion.solver.run.execution, plymotion.solver.commands.cases.sweep
+import plymotion.solver.run.execution, plymotion.solver.commands.sweep
 def watch(event, arguments):
     if event in STARTED or event == "pickle.find_class":
         print("FOUND", event, arguments, flush=True)

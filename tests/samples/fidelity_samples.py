@@ -13,7 +13,7 @@ from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.selection import selected
 from plymotion.solver.run.execution import execute
 from plymotion.solver.run.outcome import RunSpec
-from plymotion.solver.studies.fidelity.base.model import with_values
+from plymotion.solver.studies.fidelity.plan import with_values
 
 Table = dict[str, Any]
 Z = [0.0, 0.0, 1.0]

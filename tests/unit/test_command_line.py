@@ -9,7 +9,7 @@ import pytest
 
 import plymotion
 from plymotion.solver.__main__ import main, parser
-from plymotion.solver.commands.completion import completion
+from plymotion.solver.commands.setup import completion
 
 
 @pytest.mark.parametrize("module", ["plymotion", "plymotion.solver"])

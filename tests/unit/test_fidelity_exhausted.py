@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan, outline
-from plymotion.solver.studies.fidelity.check.checking import exhausted, power_of, tail
+from plymotion.solver.studies.fidelity.checking import exhausted, power_of, tail
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan, outline
 
 RANKED = {"arm": ("bending-xy 1", "bending-xy 2", "axial 1")}
 PACKAGE = {"arm": ("bending-xy 1", "bending-xy 2", "bending-xy 3", "axial 1", "torsion 1")}

@@ -5,10 +5,9 @@ from functools import cache
 
 from samples.fidelity_samples import pendulum, planned_run
 
-from plymotion.solver.studies.fidelity.base.model import check_plan, covers
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan, kind_of
-from plymotion.solver.studies.fidelity.check.shares import Share, promoted, promotions
-from plymotion.solver.studies.fidelity.delivery.execution import plan_of
+from plymotion.solver.studies.fidelity.execution import plan_of
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan, check_plan, covers, kind_of
+from plymotion.solver.studies.fidelity.trial import Share, promoted, promotions
 
 BENDING = tuple(f"bending-xy {i}" for i in (1, 2, 3, 4))
 RANKED = {"crank": BENDING, "rocker": BENDING}

@@ -39,7 +39,7 @@ def kind_of(table: dict[str, Any]) -> str:
 
 FILES = sorted(
     file
-    for folder in ("cases", "solver/commands/new", "benchmarks", "tests")
+    for folder in ("cases", "solver/commands/starters", "benchmarks", "tests")
     for file in (ROOT / folder).rglob("*.toml")
     if "build" not in file.parts
 )

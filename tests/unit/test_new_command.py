@@ -8,7 +8,7 @@ import pytest
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.case_arguments import STARTERS
-from plymotion.solver.commands.new.command import HOME
+from plymotion.solver.commands.setup import HOME
 from plymotion.solver.errors import counted
 
 # Runs of each starter that must end without warnings; notes may be.

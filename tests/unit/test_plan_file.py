@@ -11,13 +11,8 @@ from hypothesis import strategies as st
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.run.inputs_digest import plan_sha256
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.studies.fidelity.choice.plan_file import (
-    kept_plan,
-    plan_of_table,
-    read_plan,
-    write_plan,
-)
+from plymotion.solver.studies.fidelity.choice import kept_plan, plan_of_table, read_plan, write_plan
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan
 
 KNOWN = {"link": {"model": ("bending-xy 1", "torsion 1"), "check": ("bending-xy 1",)}}
 PLAN = Plan({"link": BodyPlan(("bending-xy 1",), 2, True)}, True, 1e-4, "digest")

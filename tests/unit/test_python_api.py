@@ -12,7 +12,7 @@ from samples.case_samples import HEAD, SOLVER, rigid
 
 import plymotion as pm
 from plymotion.solver.__main__ import main as command
-from plymotion.solver.commands.cases.report import report_case
+from plymotion.solver.commands.case import report_case
 from plymotion.solver.inputs.case.tables.schema import CaseFile, Mechanism
 from plymotion.solver.studies.cases import turn
 

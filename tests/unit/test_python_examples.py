@@ -13,7 +13,7 @@ from samples.section_samples import rectangle
 from samples.shell_file_samples import plate
 
 import plymotion
-from plymotion.api.names import ByName
+from plymotion.api.case import ByName
 from plymotion.api.sweeping import SweepSignal
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.section.io import write_section

@@ -9,9 +9,8 @@ from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.inputs.case.tables.bodies import DescribedSection
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.studies.fidelity.base.model import with_values
-from plymotion.solver.studies.fidelity.delivery.execution import plan_of
-from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.studies.fidelity.answer import answer_text, entry
+from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.indicators.beam_theory import (
     Walls,
     held_lengths,
@@ -21,6 +20,7 @@ from plymotion.solver.studies.fidelity.indicators.beam_theory import (
     short_waves,
     warping_decay,
 )
+from plymotion.solver.studies.fidelity.plan import with_values
 
 E, NU, RHO = 70e9, 0.3, 2700.0
 

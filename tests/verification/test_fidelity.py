@@ -9,15 +9,13 @@ from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.math.compiled import statistics
 from plymotion.solver.mechanism import build
-from plymotion.solver.studies.fidelity.base.comparison import difference, scales
-from plymotion.solver.studies.fidelity.base.model import Rich
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan
-from plymotion.solver.studies.fidelity.check.answer import Answer
-from plymotion.solver.studies.fidelity.check.checking import Checking
-from plymotion.solver.studies.fidelity.check.horizon import horizon
-from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.studies.fidelity.answer import Answer, answer_text, entry
+from plymotion.solver.studies.fidelity.checking import Checking
+from plymotion.solver.studies.fidelity.execution import checked, plan_of
 from plymotion.solver.studies.fidelity.indicators.response import modal_loads
+from plymotion.solver.studies.fidelity.motions import difference, scales
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Rich
+from plymotion.solver.studies.fidelity.trial import horizon
 
 SCENES = {
     "stiff": (pendulum(t_end=0.2), "stiff"),

@@ -6,11 +6,11 @@ from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.dynamics.evaluation.derivative import residuals
 from plymotion.solver.mechanism import build
-from plymotion.solver.studies.fidelity.base.comparison import difference, scales
-from plymotion.solver.studies.fidelity.base.model import with_values
-from plymotion.solver.studies.fidelity.delivery.execution import plan_of
+from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.indicators.loaded import without_second_order
 from plymotion.solver.studies.fidelity.indicators.response import samples
+from plymotion.solver.studies.fidelity.motions import difference, scales
+from plymotion.solver.studies.fidelity.plan import with_values
 
 
 @pytest.mark.parametrize("signal", ["force", "bending", "tip_y"])

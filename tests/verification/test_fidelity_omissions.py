@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from samples.fidelity_samples import Table, pendulum, planned_run, true_signals
 
-from plymotion.solver.studies.fidelity.base.comparison import difference, scales
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.studies.fidelity.check.answer import Answer
-from plymotion.solver.studies.fidelity.check.checking import Checking
-from plymotion.solver.studies.fidelity.delivery.execution import plan_of
+from plymotion.solver.studies.fidelity.answer import Answer
+from plymotion.solver.studies.fidelity.checking import Checking
+from plymotion.solver.studies.fidelity.execution import plan_of
+from plymotion.solver.studies.fidelity.motions import difference, scales
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan
 
 ACCURACY = 1e-5
 T_END = 0.025  # [s] of the scene

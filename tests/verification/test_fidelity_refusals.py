@@ -6,12 +6,17 @@ import numpy as np
 from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.dynamics.evaluation.dense_equations import assemble, masses_and_jacobians
-from plymotion.solver.studies.fidelity.base.model import check_plan, vibration_labels
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan, kind_of
-from plymotion.solver.studies.fidelity.check.checking import Checking
-from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry, fidelity_line
-from plymotion.solver.studies.fidelity.indicators.responding import telling_times
+from plymotion.solver.studies.fidelity.answer import answer_text, entry, fidelity_line
+from plymotion.solver.studies.fidelity.checking import Checking
+from plymotion.solver.studies.fidelity.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.indicators.loaded import telling_times
+from plymotion.solver.studies.fidelity.plan import (
+    BodyPlan,
+    Plan,
+    check_plan,
+    kind_of,
+    vibration_labels,
+)
 
 
 def short(**fidelity):

@@ -4,8 +4,8 @@ from samples.fidelity_samples import Table, pendulum, planned_run
 
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.outcome import RunSpec
-from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
-from plymotion.solver.studies.fidelity.delivery.words import answer_text, entry
+from plymotion.solver.studies.fidelity.answer import answer_text, entry
+from plymotion.solver.studies.fidelity.execution import checked, plan_of
 
 
 def rigid_pendulum() -> Table:

@@ -11,11 +11,10 @@ import pytest
 from samples.fidelity_samples import INTERFACES, pendulum, planned_run, true_signals
 
 from plymotion.solver.inputs.case.tables.bodies import ShellBody
-from plymotion.solver.studies.fidelity.base.comparison import difference, scales
-from plymotion.solver.studies.fidelity.base.model import with_values
-from plymotion.solver.studies.fidelity.base.plan import BodyPlan, Plan
-from plymotion.solver.studies.fidelity.check.answer import Answer
-from plymotion.solver.studies.fidelity.delivery.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.answer import Answer
+from plymotion.solver.studies.fidelity.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.motions import difference, scales
+from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan, with_values
 
 SHELL = ShellBody.model_validate(
     {

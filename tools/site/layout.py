@@ -28,7 +28,7 @@ def lay_out(folder: Path) -> None:
     """Write all sources of the site to `folder`; earlier ones are removed."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ROOT / "docs", folder)
-    for name in ("conf.py", "docstrings.py", "mathml.py", "site.css"):
+    for name in ("conf.py", "site.css"):
         shutil.copy(Path(__file__).parent / name, folder / name)
     (folder / "README.md").unlink()
     wanted: set[str] = set()

@@ -6,14 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from ...errors import InputError
-from ...extras.blade.analysis import (
-    TABLE,
-    Meshed,
-    collected,
-    folder_of,
-    read_and_mesh,
-    write_whole,
-)
+from ...extras.blade.analysis import TABLE, Meshed, collected, folder_of, read_and_mesh, write_whole
 from ...extras.blade.stations import (
     COUNT,
     Station,
@@ -28,7 +21,7 @@ from ...package.common.temporary import write_text
 from ...studies.exit_codes import DEFECT, report, worst
 from ..body_arguments import add_section
 from ..case_arguments import add_modes
-from ..cases.modes import run_modes
+from ..modes import run_modes
 from .described import USER_ERROR
 from .section import run_section
 

@@ -1,15 +1,19 @@
-"""The commands on modal packages: packages, info, validate, experimental."""
+"""The commands on modal packages: packages, info, validate, experimental, import, export."""
 
 import argparse
 import math
 import sys
+from pathlib import Path
 
+from ...errors import InputError
+from ...extras.exchange import export_body, import_body
 from ...extras.measured_modes import experimental_package, load_measurement, write_measured
 from ...package import validate
 from ...package.body.io import read_package
+from ...studies.cases import build_folder, chosen_run
 from ...studies.exit_codes import INCOMPLETE
 from ...workers.executors import executor_of
-from ...workers.packages import BodiesFailed, build_packages, named_packages, needed_specs
+from ...workers.packages import BodiesFailed, build_packages, named_packages, needed_specs, prepared
 
 
 def run_packages(options: argparse.Namespace) -> int:
@@ -62,4 +66,45 @@ def run_experimental(options: argparse.Namespace) -> int:
     """Make a package from measured modes."""
     package = experimental_package(load_measurement(options.file))
     print(write_measured(options.out, package, options.file))
+    return 0
+
+
+def run_import(options: argparse.Namespace) -> int:
+    """Run `plymotion import`; returns the exit code."""
+    return _told(*import_body(options.file, options.out, options.source, quiet=options.quiet))
+
+
+def run_export(options: argparse.Namespace) -> int:
+    """Run `plymotion export`; returns the exit code."""
+    if options.target == "fmu":
+        return export_fmu(options)
+    for name in ("run", "inputs", "coarse", "packages"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: expected with --to fmu only")
+    return _told(*export_body(options.file, options.target, options.out))
+
+
+def _told(code: int, text: str) -> int:
+    if text:
+        print(text, file=sys.stderr if code else sys.stdout)
+    return code
+
+
+def export_fmu(options: argparse.Namespace) -> int:
+    """Write a run of a case as an FMU; return the exit code."""
+    from ...extras.fmu.write import write_fmu  # these take 0.2 s to import
+    from ...inputs.case.load import load_case
+
+    file: Path = options.file
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: expected a case file, CASE.toml, with --to fmu")
+    case = load_case(file, coarse=options.coarse, sweeps=())
+    run = chosen_run(case, options.run, only=True)
+    folder = build_folder(file, coarse=options.coarse)
+    run_file = prepared(case, folder, f"runs/{run}.json", options.packages)
+    out: Path = options.out or folder / f"{run}.fmu"
+    stepper = write_fmu(run_file, out, options.inputs)
+    for name in stepper.left_out:
+        print(f"signals.{name}: no output: it is known at the end of a run only")
+    print(f"{out}: {len(stepper.inputs)} inputs, {len(stepper.outputs)} outputs")
     return 0

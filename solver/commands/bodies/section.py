@@ -29,14 +29,7 @@ from ...report.section.show import (
 )
 from ...workers.described import Entry, Made, Request, entries_of
 from ..arguments import FOLDERS
-from .described import (
-    USER_ERROR,
-    drawn,
-    file_lines,
-    run_described,
-    show_each,
-    tell_failure,
-)
+from .described import USER_ERROR, drawn, file_lines, run_described, show_each, tell_failure
 
 # The sections of a batch: a folder, a pattern, a list, or a study.
 
@@ -203,9 +196,7 @@ def figures_of(file: Path) -> list[Path]:
     """Draw the figures of a section file beside it, or return those that are up to date."""
 
     def draw() -> list[Path]:
-        from ...report.section.figures import (
-            draw_section,  # imported here: matplotlib is slow to import
-        )
+        from ...report.section.figures import draw_section
 
         return draw_section(read_section(file), file.parent)
 

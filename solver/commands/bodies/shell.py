@@ -1,23 +1,21 @@
-"""The command `plymotion shell`: numbers, shell files and figures from descriptions."""
+"""The commands `plymotion shell` and `solid`: numbers, files and figures from descriptions."""
 
 import argparse
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
+from ...errors import InputError
 from ...inputs.shell_specification import load_shell
+from ...inputs.solid_specification import solid_spec
 from ...package.shell.schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.show import shell_text
+from ...report.solid import solid_table, solid_text
 from ...workers.described import Made, entries_of
-from .described import (
-    drawn,
-    each,
-    file_lines,
-    run_described,
-)
+from .described import drawn, each, file_lines, run_described
 
 MOST_MODES = 6  # with a figure of their own
 
@@ -53,10 +51,7 @@ def figures_of(shell: ShellFile, file: Path) -> list[Path]:
         return []
 
     def draw() -> list[Path]:
-        from ...report.shell.figures import (  # imported here: matplotlib is slow to import
-            Picture,
-            draw_shapes,
-        )
+        from ...report.shell.figures import Picture, draw_shapes
 
         shapes = [*((case, "m") for case in shell.cases.displacements_G)]
         titles = [f"{shell.name}: {name}" for name in shell.cases.names]
@@ -104,3 +99,23 @@ def _figure_names(shell: ShellFile) -> list[str]:
         buckled = [f"{cases[row]}-buckling" for row in _drawn_buckling(shell)]
     parts = (f"{shell.name}-{name}" for name in (*shell.cases.names, *modes, *buckled))
     return [re.sub(r"[^\w.+-]+", "-", part).strip("-.") for part in parts]
+
+
+def run_solid(options: argparse.Namespace) -> int:
+    """Make and show the requested results; returns the exit code."""
+    if options.size is not None and not options.size > 0.0:
+        raise InputError(f"--size {options.size:g}: expected a length above 0")
+
+    def text_of(one: Made) -> str:
+        return f"{solid_text(solid_table(one.file))}\n{file_lines(one, [])}"
+
+    return run_described(
+        "solid",
+        entries_of(options.files),
+        options,
+        ["--force"] if options.force else [],
+        spec_of=lambda entry: cast(
+            dict[str, Any], solid_spec(entry.file, options.material, options.size)
+        ),
+        show=each(lambda one: solid_table(one.file), text_of, options),
+    )

@@ -14,7 +14,6 @@ from ...errors import InputError, PackageError
 from ...inputs.case.messages import ERRORS, out_of_range
 from ...inputs.case.record import with_parts
 from ...math.arrays import Array
-from ...package import ModalPackage
 from ...results import Signal, signal_summary
 from ...results.codes import DEFECT, INPUT, PACKAGE
 from ...run.integration import histories_of, integrated, output_times
@@ -22,7 +21,7 @@ from ...run.outcome import RunSpec
 from ...run.preparation import prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
-from .plan import Plan, Variant
+from .plan import Packages, Plan
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
 INTERRUPTED = "interrupted"
@@ -59,33 +58,6 @@ class Row:
     def done(self) -> bool:
         """Whether there is nothing left to compute."""
         return self.status != PENDING
-
-
-class Packages:
-    """Packages of a plan, each read once; one that cannot be read fails its members."""
-
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self._known: dict[int, ModalPackage | PackageError] = {}
-
-    def of(self, variant: Variant) -> dict[str, ModalPackage]:
-        """Return the packages of a member, or of another run of it. Raises PackageError."""
-        return self.named(variant.packages)
-
-    def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
-        """Return packages by body, given by their numbers in the plan. Raises PackageError."""
-        found = {}
-        for body, k in numbers.items():
-            if k not in self._known:
-                try:
-                    self._known[k] = self.plan.package(k)
-                except PackageError as error:
-                    self._known[k] = error
-            package = self._known[k]
-            if isinstance(package, PackageError):
-                raise PackageError(str(package))
-            found[body] = package
-        return found
 
 
 def compute(
@@ -132,8 +104,8 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     read = with_parts(kept, mechanism.signals)
     own = RunSpec(plan.case, plan.run, mechanism, packages.of(member))
     if plan.fidelity is not None:
-        from ..fidelity.delivery.members import member_spec  # most sweeps need no planner
-        from .model_plan import model_plan
+        from ..fidelity.execution import member_spec  # most sweeps need no planner
+        from .fidelity import model_plan
 
         own = member_spec(own, model_plan(plan, packages.named(plan.fidelity.base)))
     prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))

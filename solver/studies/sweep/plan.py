@@ -234,3 +234,30 @@ def _content(file: Path) -> str:
         return hashlib.sha256(file.read_bytes()).hexdigest()
     except OSError:
         return ""
+
+
+class Packages:
+    """Packages of a plan, each read once; one that cannot be read fails its members."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self._known: dict[int, ModalPackage | PackageError] = {}
+
+    def of(self, variant: Variant) -> dict[str, ModalPackage]:
+        """Return the packages of a member, or of another run of it. Raises PackageError."""
+        return self.named(variant.packages)
+
+    def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
+        """Return packages by body, given by their numbers in the plan. Raises PackageError."""
+        found = {}
+        for body, k in numbers.items():
+            if k not in self._known:
+                try:
+                    self._known[k] = self.plan.package(k)
+                except PackageError as error:
+                    self._known[k] = error
+            package = self._known[k]
+            if isinstance(package, PackageError):
+                raise PackageError(str(package))
+            found[body] = package
+        return found

@@ -22,8 +22,8 @@ from ...results import ResultError
 from ...results.codes import WORKER_LOST
 from ...workers.executors import Executor, Local, Task, distribute
 from .file import believed_rows, result_of, write_sweep
-from .member import FAILED, Packages, Row, compute
-from .plan import Member, Plan, read_plan
+from .member import FAILED, Row, compute
+from .plan import Member, Packages, Plan, read_plan
 
 # A portion of the members of a sweep: what a worker computes at a time.
 

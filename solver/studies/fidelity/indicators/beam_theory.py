@@ -10,8 +10,7 @@ from ....inputs.section.shapes.library import walls
 from ....math.arrays import Array
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
-from ..base.model import Rich
-from ..base.plan import BodyPlan, kind_of
+from ..plan import BodyPlan, Rich, kind_of
 from .indicators import Indicators
 
 if TYPE_CHECKING:

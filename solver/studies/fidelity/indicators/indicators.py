@@ -18,9 +18,8 @@ from ....package.body.selection import vibrations
 from ....run.outcome import RunSpec
 from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
-from ..base.base import Base, base_motion
-from ..base.comparison import difference, kind_of_signal, relatives, scales
-from ..base.model import Rich
+from ..motions import Base, base_motion, difference, kind_of_signal, relatives, scales
+from ..plan import Rich
 from .effects import Effects, effects
 from .loaded import Loaded, fixed_packages, loaded
 from .response import Response, elastic_columns, response

@@ -5,20 +5,20 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
-from ...inputs.case.load import load_case
-from ...inputs.case.record import case_file
-from ...package.common.replaceable import refuse_foreign
-from ...package.common.temporary import write_text
-from ...report.fidelity import ladder_file
-from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
-from ...run.inputs_digest import plan_file
-from ...studies.cases import build_folder, chosen_run
-from ...studies.exit_codes import INCOMPLETE
-from ...studies.fidelity.delivery.execution import answered
-from ...studies.fidelity.delivery.ladder import Ladder, Rung, ladder
-from ...studies.fidelity.delivery.words import answer_text, entry
-from ...workers.packages import prepared
+from ..errors import InputError
+from ..inputs.case.load import load_case
+from ..inputs.case.record import case_file
+from ..package.common.replaceable import refuse_foreign
+from ..package.common.temporary import write_text
+from ..report.fidelity import ladder_file
+from ..report.style import GREY, INK, WARNING, Canvas, colour, house_style
+from ..run.inputs_digest import plan_file
+from ..studies.cases import build_folder, chosen_run
+from ..studies.exit_codes import INCOMPLETE
+from ..studies.fidelity.answer import answer_text, entry
+from ..studies.fidelity.execution import answered
+from ..studies.fidelity.ladder import Ladder, Rung, ladder
+from ..workers.packages import prepared
 
 # The command `plymotion plan`: the model of a run, chosen by its accuracy.
 

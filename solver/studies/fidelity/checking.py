@@ -6,24 +6,24 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ....math.arrays import Array
-from ....run.timing import work_s
-from ..base.comparison import kind_of_signal
-from ..base.model import (
+from ...math.arrays import Array
+from ...run.timing import work_s
+from .answer import Answer, not_compared
+from .choice import accuracy_over_rtol
+from .motions import kind_of_signal
+from .plan import (
     STATIC,
     TIGHTER,
     TIGHTER_AMPLIFIED,
+    Plan,
     Rich,
     check_plan,
     covers,
+    kind_of,
+    outline,
     vibration_labels,
 )
-from ..base.plan import Plan, kind_of, outline
-from ..choice.choice import accuracy_over_rtol
-from .answer import Answer, not_compared
-from .horizon import horizon
-from .shares import promoted, promotions, split
-from .trial import Trial, attempted, distance
+from .trial import Trial, attempted, distance, horizon, promoted, promotions, split
 
 POWER, POWER_OF_REACTIONS = 3.0, 2.5
 

@@ -6,18 +6,18 @@ import sys
 import time
 from pathlib import Path
 
-from ...errors import InputError
-from ...interrupts import INTERRUPTED
-from ...package.common.replaceable import refuse_foreign, refuse_link
-from ...package.common.shares import share
-from ...package.common.temporary import write_text
-from ...studies.exit_codes import INCOMPLETE
-from ...studies.sweep.file import CSV, FILE, SweepResult, result_of, sweep_csv
-from ...studies.sweep.member import FAILED, PENDING, STOPPED
-from ...studies.sweep.plan import read_plan
-from ...studies.sweep.show import draw_sweep, outcome_lines
-from ...studies.sweep.work import Work, settled
-from ...workers.executors import executor_of
+from ..errors import InputError
+from ..interrupts import INTERRUPTED
+from ..package.common.replaceable import refuse_foreign, refuse_link
+from ..package.common.shares import share
+from ..package.common.temporary import write_text
+from ..studies.exit_codes import INCOMPLETE
+from ..studies.sweep.file import CSV, FILE, SweepResult, result_of, sweep_csv
+from ..studies.sweep.member import FAILED, PENDING, STOPPED
+from ..studies.sweep.plan import read_plan
+from ..studies.sweep.show import draw_sweep, outcome_lines
+from ..studies.sweep.work import Work, settled
+from ..workers.executors import executor_of
 
 SHARDS = "sweep-*-of-*.h5"
 

@@ -1,21 +1,22 @@
-"""`plymotion case.toml`: check the case, build its bodies, integrate its runs, write the report."""
+"""The commands `check`, `run` and `report`: a case from its file to its report."""
 
 import argparse
+import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
-from ...inputs.case.record import case_file
-from ...interrupts import INTERRUPTED
-from ...math.cores import cores
-from ...math.disk_cache import state_of, state_since
-from ...package.common.replaceable import RECORD as FILES
-from ...studies.cases import build_folder, chosen_runs, chosen_sweeps, turn
-from ...studies.exit_codes import INCOMPLETE, INPUT, worst
-from ...studies.finished import (
+from ..errors import InputError, counted
+from ..inputs.case.record import case_file
+from ..interrupts import INTERRUPTED
+from ..math.cores import cores
+from ..math.disk_cache import state_of, state_since
+from ..package.common.replaceable import RECORD as FILES
+from ..studies.cases import build_folder, chosen_runs, chosen_sweeps, turn
+from ..studies.exit_codes import INCOMPLETE, INPUT, worst
+from ..studies.finished import (
     RECORD,
     finished_before,
     note_finished,
@@ -62,7 +63,7 @@ def run_any(options: argparse.Namespace) -> int:
     """Take a case to its report, or integrate run files; return the worst exit code."""
     if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
         return run_case(options)
-    from .run import run_runs
+    pass  # merged
 
     return run_runs(options)
 
@@ -92,10 +93,9 @@ def run_case(options: argparse.Namespace) -> int:
 
 def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> int:
     """Do all stages; return the exit code."""
-    # Here: these take 0.5 s to import, longer than a command with nothing to do.
-    from ...inputs.case.load import load_case, source_files
-    from ...inputs.case.write import MANIFEST, write_case
-    from ...workers.packages import named_packages
+    from ..inputs.case.load import load_case, source_files
+    from ..inputs.case.write import MANIFEST, write_case
+    from ..workers.packages import named_packages
 
     def say(text: str) -> None:
         """Tell of a stage, so that a long one is not silent."""
@@ -141,8 +141,8 @@ def _build(
     keep_going: bool,
 ) -> None:
     """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
-    from ...workers.executors import Local
-    from ...workers.packages import BodiesFailed, build_packages, needed_specs
+    from ..workers.executors import Local
+    from ..workers.packages import BodiesFailed, build_packages, needed_specs
 
     for folder, specs in needed_specs(named).items():
         say(f"bodies: {len(specs)}")
@@ -159,7 +159,7 @@ def _integrated(
     out: Path, runs: Sequence[str], options: argparse.Namespace, jobs: int, say: Say
 ) -> tuple[int, str]:
     """Integrate runs and write their report; return the exit code and what was written."""
-    from .run import integrated
+    pass  # merged
 
     say(f"runs: {len(runs)}")
     files = [out / "runs" / f"{name}.json" for name in runs]
@@ -169,7 +169,7 @@ def _integrated(
     finished = [name for name in runs if (out / name / "summary.json").is_file()]
     if not finished:
         return code or INPUT, str(out)
-    from .report import report_case
+    pass  # merged
 
     say("report")
     print(report_case(out, finished, figures=options.figures))
@@ -188,3 +188,117 @@ def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[
                 for file in folder.iterdir()
                 if file.is_file() and file.name not in (RECORD, FILES)
             )
+
+
+def run_runs(options: argparse.Namespace) -> int:
+    """Integrate the runs of run files; return the exit code of the worst."""
+    files: list[Path] = options.files
+    for name in ("run", "sweep", "packages", "coarse", "force", "no_report", "figures"):
+        if getattr(options, name):
+            raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
+    if options.out is not None and len(files) > 1:
+        raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
+    return integrated(files, options, options.jobs or 1, update=options.update)
+
+
+def integrated(
+    files: Sequence[Path], options: argparse.Namespace, jobs: int, *, update: bool
+) -> int:
+    """Integrate run files with the options of `run`; print what became of them."""
+    from ..studies.runs import run_files
+
+    outcomes = run_files(
+        files,
+        out=options.out if options.files == files else None,
+        out_dir=options.out_dir,
+        update=update,
+        jobs=jobs,
+        timing=options.timing,
+        quiet=options.quiet,
+        allow_python=options.allow_python,
+        allow_doubtful=options.allow_doubtful,
+    )
+    codes = []
+    for outcome in outcomes:
+        for line in outcome.text:
+            print(line, flush=True)
+        for line in outcome.errors:
+            print(f"error: {line}", file=sys.stderr, flush=True)
+        codes.append(outcome.code)
+    return worst(codes)
+
+
+def run_check(options: argparse.Namespace) -> int:
+    """Check a case file; with --out, write the input of the other commands."""
+    from ..inputs.case.load import load_case, load_whole_case
+    from ..inputs.case.write import write_case
+
+    if options.reference:
+        from ..inputs.manual import case_page
+
+        print(case_page(), end="")
+        return 0
+    if options.case is None:
+        raise InputError("check: no case file given; expected CASE.toml")
+    file = options.case
+    case = load_case(file, coarse=True) if options.coarse else load_whole_case(file)
+    if options.out is None:
+        print(f"{file}: {counted(len(case.runs), 'run')}, no errors")
+    else:
+        write_case(case, options.out, options.packages)
+    return 0
+
+
+def run_report(options: argparse.Namespace) -> int:
+    """Write the report of a folder and print the table of its runs."""
+    print(report_case(options.folder, figures=options.figures, glb=options.glb, vtk=options.vtk))
+    return 0
+
+
+def report_case(
+    folder: Path,
+    runs: Sequence[str] | None = None,
+    *,
+    figures: bool = False,
+    glb: bool = False,
+    vtk: bool = False,
+) -> str:
+    """Write report.html of a folder that `check` wrote; return a table of its runs.
+
+    Parameters
+    ----------
+    runs : names of finished runs; None: all that have a summary
+    figures : draw the figures as PNG files too
+    glb, vtk : write motion.glb, motion.vtkhdf of each run too
+
+    Raises
+    ------
+    InputError
+        Not the folder of a case; no finished run; figures without matplotlib.
+    """
+    from ..report.animation import write_glb, write_vtk
+    from ..report.build import make_report
+    from ..report.story import case_table
+    from ..report.table import summary_table
+    from ..results import read_result, read_summary
+
+    try:
+        case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(
+            f"{folder}: no case.json ({error}); expected the folder of a case"
+        ) from error
+    if runs is None:
+        runs = [r for r in case["runs"] if (folder / r / "summary.json").is_file()]
+    if not runs:
+        raise InputError(f"{folder}: no finished run; expected <run>/summary.json")
+    page = make_report(folder, list(runs), case, figures=figures)
+    summaries = [read_summary(folder / run / "summary.json") for run in runs]
+    text = f"{summary_table(summaries)}\nReport: {page}"
+    for run in runs:
+        result = folder / run / "result.vtkhdf"
+        if glb:
+            text += f"\nAnimation: {write_glb(folder / run / 'motion.glb', read_result(result))}"
+        if vtk:
+            text += f"\nAnimation: {write_vtk(folder / run / 'motion.vtkhdf', result)}"
+    return text

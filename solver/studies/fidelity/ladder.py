@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ....math.arrays import Array, front
-from ....package.body.selection import vibrations
-from ..base.comparison import difference
-from ..base.plan import BodyPlan, Plan
-from ..check.answer import Answer
-from ..check.trial import Trial, attempted
+from ...math.arrays import Array, front
+from ...package.body.selection import vibrations
+from .answer import Answer
+from .motions import difference
+from .plan import BodyPlan, Plan
+from .trial import Trial, attempted
 
 COUNTS = (1, 2, 4)  # vibrations of each kind
 STATIC = 4

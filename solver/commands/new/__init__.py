@@ -1,1 +1,0 @@
-"""The command `plymotion new`: starter cases."""

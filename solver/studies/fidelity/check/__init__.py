@@ -1,1 +1,0 @@
-"""Runs of a plan and of its check, and what they say of its error."""

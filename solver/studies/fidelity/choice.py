@@ -1,0 +1,292 @@
+"""Choice of a plan from the indicators, and the file of a plan (TOML), which may be edited.
+
+The cheapest additions come first, until the losses are small.
+"""
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError, nearest, printable
+from ...inputs.common.text_file import read_toml
+from ...math.arrays import Array
+from ...package.common.temporary import write_text
+from ...package.common.toml_text import toml_value
+from ...run.inputs_digest import plan_sha256, text_sha256
+from .indicators.indicators import Indicators
+from .plan import LEAST_RTOL, MOST_RTOL, BodyPlan, Plan, Rich
+from .plan import rows as rows_of
+
+SHARE = 0.5  # of the accuracy, for all modes that are left out
+STIFFENING_SHARE = 0.25  # of the accuracy: loss from which stiffening is on
+STIFFENING_SPIN = 0.5  # of the first clamped frequency: spin from which it is on
+SHAPE_SHARE = 0.1  # of the accuracy, for static shapes that are left out
+COST = {"vibration": 1.0, "static": 1.5, "ringing": 6.0}  # of an addition, relative
+# Damped static shapes damp the vibrations that joints couple them with: a frequency changes by
+# little, but the phase by more with every period. The indicators take modes one by one.
+DAMPED_ABOVE = 3e-4
+MOTIONS = ("position", "velocity", "angular_velocity", "orientation", "joint")
+MOTION_RTOL, OTHER_RTOL = 3.0, 30.0  # accuracy over tolerance, by the kind of signal
+
+
+def chosen(
+    indicators: Indicators,
+    rich: Mapping[str, Rich],
+    accuracy: float,
+    kinds: Mapping[str, str],
+    least: Mapping[str, BodyPlan],
+) -> tuple[Plan, Array]:
+    """Return a plan whose losses are below SHARE of the accuracy, and its losses (o,).
+
+    Parameters
+    ----------
+    kinds : of the signals
+    least : what each body has at least
+    """
+    spin = max(indicators.spin.values(), default=0.0)
+    stiffening = bool(
+        (indicators.stiffening > STIFFENING_SHARE * accuracy).any() or spin > STIFFENING_SPIN
+    )
+    by = max(accuracy_over_rtol(indicators, kinds))
+    rtol = min(max(accuracy / by, LEAST_RTOL), MOST_RTOL)
+    plan = Plan(dict(least), stiffening, rtol)
+    omitted = _omitted(indicators, plan)
+    loss = indicators.loss(omitted.sum(axis=2))
+    while loss.max(initial=0.0) > SHARE * accuracy:
+        additions = list(_additions(indicators, plan, omitted))
+        if not additions:
+            break
+        lost = omitted.sum(axis=2) - np.array([gained for _, _, gained in additions])
+        after = indicators.loss(lost)  # (additions, o)
+        gain = np.maximum(loss, SHARE * accuracy).sum()
+        gain = gain - np.maximum(after, SHARE * accuracy).sum(axis=1)
+        best = int(np.argmax(gain / np.array([COST[kind] for kind, _, _ in additions])))
+        plan, loss = additions[best][1], after[best]
+        omitted = _omitted(indicators, plan)
+    tight = any(kinds[name] not in MOTIONS for name in indicators.names)
+    for name, body in plan.bodies.items():
+        if body.static:
+            count = _shapes(indicators, plan, name, rich[name], SHAPE_SHARE * accuracy)
+            ringing = body.ringing or (tight and accuracy < DAMPED_ABOVE)
+            plan = plan.with_body(name, static=max(count, least[name].static), ringing=ringing)
+    return plan, loss
+
+
+def accuracy_over_rtol(indicators: Indicators, kinds: Mapping[str, str]) -> tuple[float, float]:
+    """Return the accuracy over the tolerance of a plan: by the kinds of the signals, and by the
+    size of the deflections that they follow from."""
+    by = MOTION_RTOL if all(kinds[n] in MOTIONS for n in indicators.names) else OTHER_RTOL
+    return by, MOTION_RTOL * float(indicators.amplified.max(initial=0.0))
+
+
+def _additions(
+    indicators: Indicators, plan: Plan, omitted: Array
+) -> Iterator[tuple[str, Plan, Array]]:
+    """Return kind, plan and regained contributions (o, k) of each addition to a plan."""
+    parts = indicators.effects
+    for j, mode in enumerate(indicators.modes):
+        body = plan.bodies[mode.body]
+        if mode.vibration and mode.label not in body.vibrations:
+            more = plan.with_body(mode.body, vibrations=(*body.vibrations, mode.label))
+            yield "vibration", more, omitted[:, :, j]
+    for name, body in plan.bodies.items():
+        left = [
+            j
+            for j, mode in enumerate(indicators.modes)
+            if mode.body == name and mode.label not in body.vibrations
+        ]
+        if not body.static:
+            more = plan.with_body(name, static=1)
+            yield "static", more, parts.static[:, :, left].sum(axis=2)
+        elif not body.ringing:
+            more = plan.with_body(name, ringing=True)
+            yield "ringing", more, omitted[:, :, left].sum(axis=2)
+
+
+def _omitted(indicators: Indicators, plan: Plan) -> Array:
+    """Return the contributions of the modes (o, k, m) that a plan leaves out."""
+    parts = indicators.effects
+    kept, static = np.zeros((2, len(indicators.modes)), dtype=bool)
+    for j, mode in enumerate(indicators.modes):
+        body = plan.bodies[mode.body]
+        of_plan = mode.vibration and mode.label in body.vibrations
+        kept[j], static[j] = of_plan or (body.static and body.ringing), body.static > 0
+    return np.where(kept, 0.0, parts.response - np.where(static, parts.static, 0.0))
+
+
+def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: float) -> int:
+    """Return how many static shapes of a body keep the quasi-static response to `allowed`."""
+    kept = rows_of(rich.package, plan.bodies[name].vibrations)
+    shapes = rich.rest(kept, stiffening=plan.stiffening)
+    worth = rich.energies(shapes)
+    eta, K = rich.eta, rich.package.stiffness
+    mine = [j for j, mode in enumerate(indicators.modes) if mode.body == name]
+    labels = {label: i for i, label in _static_rows(rich)}
+    own = [labels[indicators.modes[j].label] for j in mine]
+    usable = int(np.sum(worth > 1e-6 * max(float(worth.max(initial=0.0)), 1e-300)))
+    unit = shapes[:, :usable] / worth[:usable]
+    along = eta @ K @ unit  # (k, r) coordinates of the response in the shapes
+    static = indicators.effects.static[:, :, mine]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.where(eta[None, :, own] != 0.0, static / eta[None, :, own], 0.0)
+    for count in range(1, usable + 1):
+        left = along[:, count:] @ unit[own, count:].T  # (k, m)
+        lost = np.einsum("okm,km->ok", slope, left)
+        if float(indicators.loss(lost).max(initial=0.0)) <= allowed:
+            return count
+    return usable
+
+
+def _static_rows(rich: Rich) -> list[tuple[int, str]]:
+    return list(enumerate(rich.package.mode_labels))
+
+
+FORMAT = 1
+BOUNDS_RTOL = 1e-15, 0.1  # those of the solver
+MOST_SHAPES = 20
+MESHES = "model", "check"
+BODY_KEYS: dict[str, type] = {
+    "vibrations": list,
+    "static_shapes": int,
+    "ringing": bool,
+    "mesh": str,
+}
+KEYS: dict[str, type] = {
+    "format": int,
+    "inputs_sha256": str,
+    "rtol": float,
+    "geometric_stiffening": bool,
+    "bodies": dict,
+}
+WORDS: dict[type, str] = {
+    list: "a list",
+    int: "an integer",
+    float: "a number",
+    bool: "true or false",
+    str: "text",
+    dict: "a table",
+}
+Known = Mapping[str, Mapping[str, tuple[str, ...]]]
+Table = Mapping[str, Any]
+
+
+def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
+    """Write a plan as TOML with remarks, under a temporary name that is then renamed.
+
+    Another plan of this name, which may have been edited, is kept as NAME.previous.toml.
+    """
+    lines = [*(f"# {printable(remark)}" for remark in remarks), "format = 1"]
+    lines += [f'inputs_sha256 = "{plan.inputs_sha256}"', f"rtol = {plan.rtol:.6g}"]
+    lines += [f"geometric_stiffening = {str(plan.stiffening).lower()}"]
+    lines += [] if plan.bodies else ["", "[bodies]"]
+    for name, body in plan.bodies.items():
+        lines += [
+            "",
+            f"[bodies.{name}]",
+            f"vibrations = {toml_value(list(body.vibrations))}",
+            f"static_shapes = {body.static}",
+            f"ringing = {str(body.ringing).lower()}",
+            f'mesh = "{body.mesh}"',
+        ]
+    text = "\n".join(lines) + "\n"
+    if file.is_file() and (there := plan_sha256(file)) and there != text_sha256(text):
+        os.replace(file, file.with_suffix(".previous.toml"))
+    write_text(file, text)
+
+
+def kept_plan(file: Path, known: Known, digest: str) -> Plan | None:
+    """Read a plan if it is there and was made for the inputs of this digest; see `read_plan`.
+
+    A plan of other inputs may name bodies and vibrations that are no more: it is not looked at.
+    """
+    if not file.exists():
+        return None
+    table = read_toml(file, "plan")
+    _typed(f"{file}: ", table, {"inputs_sha256": str})
+    return plan_of_table(file, table, known) if table["inputs_sha256"] == digest else None
+
+
+def read_plan(file: Path, known: Known) -> Plan:
+    """Read a plan.
+
+    Parameters
+    ----------
+    known : labels of the vibrations of each flexible body, by mesh
+
+    Raises
+    ------
+    InputError
+        File, key, value and expectation of what is wrong.
+    """
+    return plan_of_table(file, read_toml(file, "plan"), known)
+
+
+def plan_of_table(file: Path, table: Table, known: Known) -> Plan:
+    """Return the plan of the content of a file; see `read_plan`."""
+    _known(f"{file}: ", table, KEYS)
+    _typed(f"{file}: ", table, KEYS)
+    if table["format"] != FORMAT:
+        raise InputError(f"{file}: format = {_shown(table['format'])}: expected {FORMAT}")
+    least, most = BOUNDS_RTOL
+    if not least <= table["rtol"] <= most:
+        value = _shown(table["rtol"])
+        raise InputError(f"{file}: rtol = {value}: expected from {least:g} to {most:g}")
+    where = f"{file}: bodies"
+    bodies = {name: _body(where, name, each, known) for name, each in table["bodies"].items()}
+    for name in known:
+        if name not in bodies:
+            raise InputError(f"{where}.{name}: missing; expected a table for each flexible body")
+    rtol, stiffening = float(table["rtol"]), table["geometric_stiffening"]
+    return Plan(bodies, stiffening, rtol, table["inputs_sha256"])
+
+
+def _body(where: str, name: str, entry: Any, known: Known) -> BodyPlan:
+    where = f"{where}.{name}"
+    if name not in known:
+        raise InputError(f"{where}: no such flexible body{nearest(name, known)}")
+    if not isinstance(entry, dict):
+        raise InputError(f"{where} = {_shown(entry)}: expected a table")
+    _known(f"{where}.", entry, BODY_KEYS)
+    _typed(f"{where}.", entry, BODY_KEYS)
+    static, mesh, labels = entry["static_shapes"], entry["mesh"], entry["vibrations"]
+    if not 0 <= static <= MOST_SHAPES:
+        value = _shown(static)
+        raise InputError(f"{where}.static_shapes = {value}: expected 0 to {MOST_SHAPES}")
+    if mesh not in MESHES:
+        raise InputError(f'{where}.mesh = {_shown(mesh)}: expected "model" or "check"')
+    for i, label in enumerate(labels):
+        if label not in known[name][mesh]:
+            hint = nearest(label, known[name][mesh]) if isinstance(label, str) else ""
+            raise InputError(f"{where}.vibrations = {_shown(label)}: no such vibration{hint}")
+        if label in labels[:i]:
+            raise InputError(f"{where}.vibrations = {_shown(label)}: twice; expected it once")
+    return BodyPlan(tuple(labels), static, entry["ringing"], mesh)
+
+
+def _known(where: str, table: Table, keys: Table) -> None:
+    for key in table:
+        if key not in keys:
+            raise InputError(f"{where}{key}: unknown key{nearest(key, keys)}")
+
+
+def _typed(where: str, table: Table, keys: Mapping[str, type]) -> None:
+    for key, kind in keys.items():
+        if key not in table:
+            raise InputError(f"{where}{key}: missing; expected {WORDS[kind]}")
+        value = table[key]
+        fits = isinstance(value, int | float) if kind is float else isinstance(value, kind)
+        if not fits or (kind is not bool and isinstance(value, bool)):
+            raise InputError(f"{where}{key} = {_shown(value)}: expected {WORDS[kind]}")
+
+
+def _shown(value: Any) -> str:
+    """Return a value as TOML has it, cut where it is long."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int) and value.bit_length() > 200:  # no decimals of an endless number
+        return f"an integer of {value.bit_length()} bits"
+    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    return text if len(text) <= 80 else f"{text[:80]}..."

@@ -1,1 +1,0 @@
-"""The choice of a plan from its indicators, and the file of a plan."""

@@ -1,1 +1,0 @@
-"""From an accuracy to a delivered result, for runs, sweeps and charts."""
