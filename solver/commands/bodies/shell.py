@@ -9,11 +9,9 @@ import numpy as np
 
 from ...errors import InputError
 from ...inputs.shell_specification import load_shell
-from ...inputs.solid_specification import solid_spec
 from ...package.shell.schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.show import shell_text
-from ...report.solid import solid_table, solid_text
 from ...workers.described import Made, entries_of
 from .described import drawn, each, file_lines, run_described
 
@@ -103,6 +101,9 @@ def _figure_names(shell: ShellFile) -> list[str]:
 
 def run_solid(options: argparse.Namespace) -> int:
     """Make and show the requested results; returns the exit code."""
+    from ...inputs.solid_specification import solid_spec
+    from ...report.solid import solid_table, solid_text
+
     if options.size is not None and not options.size > 0.0:
         raise InputError(f"--size {options.size:g}: expected a length above 0")
 
