@@ -448,7 +448,7 @@ $(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(TESTS) $(CO
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md, tables of file formats
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver.inputs.manual docs
-	$(PY) -m plymotion.solver.package.page docs
+	$(PY) tools/format_pages.py docs
 
 .PHONY: clean
 clean: ## Remove all build results, but not the environments

@@ -27,7 +27,7 @@ import numpy as np
 from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.factorisation import MINIMUM_DEGREE
+from plymotion.preprocess.fenicsx.solvers.petsc import MINIMUM_DEGREE
 from plymotion.preprocess.fenicsx.stack import PETSc
 from plymotion.preprocess.section.mesh.mesh import SectionMesh, section_mesh
 from plymotion.preprocess.section.solve.problem import SectionProblem

@@ -4,7 +4,7 @@ import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from plymotion.solver.package.common.temporary import temporary_sibling
+from plymotion.solver.package.common.files import temporary_sibling
 
 
 def write(path: Path, rows: Sequence[Mapping[str, object]]) -> None:

@@ -34,7 +34,7 @@ from solver_text import write_tables
 from solver_time import SHARES, deadline, rounds_until
 from tqdm import tqdm
 
-from plymotion.solver.package.common.temporary import temporary_sibling
+from plymotion.solver.package.common.files import temporary_sibling
 
 STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 LONG = 3.0  # [s]; longer runs scatter little and are not repeated

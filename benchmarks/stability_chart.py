@@ -27,7 +27,7 @@ from plymotion.solver.integrators.table import FOR_EQUATIONS, new_integrator
 from plymotion.solver.mechanism.assembly.assembly import assemble_model
 from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable
 from plymotion.solver.mechanism.consistent.initial import Start
-from plymotion.solver.package.common.temporary import temporary_sibling
+from plymotion.solver.package.common.files import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
 
 H = 0.02  # s, of the pendulum's runs

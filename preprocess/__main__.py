@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..solver.errors import escape_control_characters
 from ..solver.interrupts import INTERRUPTED, exit_code, heard
-from ..solver.package.common.shares import shard
+from ..solver.package.common.plain_data import shard
 from .mesh_input import scripts
 
 BODY_EPILOG = """\

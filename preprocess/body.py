@@ -6,11 +6,9 @@ import time
 from typing import Any
 
 from ..solver.package.body.schema import ModalPackage, SectionData
-from ..solver.package.common.plain_data import canonical
-from ..solver.package.common.table_form import SpecError
-from ..solver.package.common.toml_text import toml_text
-from ..solver.package.section.recovery_data import thinned
+from ..solver.package.common.plain_data import SpecError, canonical, toml_text
 from ..solver.package.section.schema import SectionFile
+from ..solver.package.section.stress import thinned
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
 from .beam.sections import StationSection, analysed_section, given_section, is_given
 from .beam.spec import read_spec

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.errors import InputError
-from ..solver.package.common.shares import by_mesh, mesh_key, share
-from ..solver.package.fingerprint import fingerprint, has_fingerprint
+from ..solver.package.common.container import has_fingerprint
+from ..solver.package.common.plain_data import by_mesh, mesh_key, share
+from ..solver.package.specification import fingerprint
 from .batch import USER_ERROR, Outcome, Product, Progress, Report, build, build_all, reporter
 
 # Environment variables that the common MPI launchers set.
@@ -209,9 +210,9 @@ def launched_ranks() -> Any:
     """The ranks of this job, or None; found without loading MPI where no launcher is at work."""
     if not any(name in os.environ for name in LAUNCHERS):
         return None
-    from .fenicsx.team import Ranks
+    from .fenicsx import parallel
 
-    ranks = Ranks()
+    ranks = parallel.Ranks()
     expected = os.environ.get("PLYMOTION_RANKS", "")
     if expected.isdecimal() and int(expected) != ranks.size:
         raise InputError(
@@ -222,9 +223,9 @@ def launched_ranks() -> Any:
 
 
 def _world_size() -> int:
-    from .fenicsx.team import world_size
+    from .fenicsx import parallel
 
-    return world_size()
+    return parallel.world_size()
 
 
 def _mesh_key(path: Path) -> str:
@@ -247,11 +248,11 @@ def _build_over_ranks(
 
     Only the first rank reports. Each worker keeps the data that sections of a mesh share.
     """
-    from .fenicsx.team import pool
+    from .fenicsx import parallel
 
     code, count = 0, 0
     largest = max(1, math.ceil(len(specs) / (CHUNKS * (_world_size() - 1))))
-    with pool() as executor:
+    with parallel.pool() as executor:
         if executor is None:  # a worker that has received the signal to stop
             return code
         futures = []

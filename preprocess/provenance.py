@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from .. import __version__
-from ..solver.package.fingerprint import fingerprint
+from ..solver.package.specification import fingerprint
 from . import fenicsx
 
 LONGEST = 40_000  # characters of a specification in a package; an attribute has at most 60 000

@@ -26,7 +26,7 @@ from .interrupts import (
     ignore,
     of_a_signal,
 )
-from .package.common.replaceable import named_by_user
+from .package.common.files import named_by_user
 from .studies.exit_codes import INPUT
 from .studies.screen import shown
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..solver.errors import InputError
 from ..solver.inputs.case.write import write_case
-from ..solver.package.common.temporary import write_text
+from ..solver.package.common.files import write_text
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
 from ..solver.studies.cases import turn

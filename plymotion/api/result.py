@@ -11,7 +11,7 @@ import numpy as np
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
-from ..solver.package.common.replaceable import named_by_user
+from ..solver.package.common.files import named_by_user
 from ..solver.results import RunResult, read_result, read_summary
 from ..solver.run.inputs_digest import up_to_date
 from ..solver.studies.cases import turn

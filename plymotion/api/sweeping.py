@@ -11,7 +11,7 @@ import numpy as np
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
-from ..solver.package.common.temporary import write_text
+from ..solver.package.common.files import write_text
 from ..solver.studies.cases import turn
 from ..solver.studies.screen import shown
 from ..solver.studies.sweep.file import CSV, FILE, SweepResult, read_sweep, result_of, sweep_csv

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.division import node_positions
+from ...solver.package.body.invariants import MOST_MODES, second_order_from_stations
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
-from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
-from ...solver.package.common.table_form import SpecError
+from ...solver.package.common.cells import node_positions
+from ...solver.package.common.plain_data import SpecError
 from ..modes.reduced import Modes, reduced_modes
 from ..modes.reference import EigenSolver
 from .line import BeamLine, LineSection, on_x_axis

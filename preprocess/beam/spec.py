@@ -8,7 +8,7 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
-from ...solver.package.common.table_form import SpecError, check_form, expected
+from ...solver.package.common.plain_data import SpecError, check_form, expected
 from ...solver.package.specification import DIRECTIONS, BeamSpecification, LineTable, ReferenceTable
 from ..modes.eigenmodes import ModeRequest
 from .line import section_axes

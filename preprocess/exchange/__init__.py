@@ -1,5 +1,5 @@
 """Bodies from and to other codes; needs NumPy, SciPy and h5py only (docs/exchange.md)."""
 
-from .from_matrices import from_matrices
+from .reduce import from_matrices
 
 __all__ = ["from_matrices"]

@@ -50,7 +50,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from ...solver.package.common.replaceable import refuse_foreign
+    from ...solver.package.common.files import refuse_foreign
     from ...solver.package.validation import write_valid
     from .import_file import imported, read_table
 

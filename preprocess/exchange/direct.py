@@ -1,7 +1,7 @@
 """Direct solution of large sparse systems of a mesh, ordered by nested dissection.
 
 The factors of a solid need a third of the memory, and a fifth of the time, that the minimum degree
-ordering of SuperLU needs. Negative eigenvalues are counted by fronts (fronts.py): SuperLU would
+ordering of SuperLU needs. Negative eigenvalues are counted by fronts here: SuperLU would
 copy its factors to show their diagonal.
 
 The count of negative eigenvalues does not need the factors of the whole matrix: the dofs are

@@ -13,14 +13,12 @@ from scipy.sparse.linalg import ArpackError
 from ...solver.errors import InputError, PackageError, did_you_mean, printable
 from ...solver.math.disk_cache import file_sha256
 from ...solver.package import ModalPackage
-from ...solver.package.common.table_form import SpecError, check_form
-from ...solver.package.fingerprint import fingerprint
-from ...solver.package.specification import ImportedSpecification
-from .formats.files import Files
+from ...solver.package.common.plain_data import SpecError, check_form
+from ...solver.package.specification import ImportedSpecification, fingerprint
 from .formats.modal import write_tables
 from .free_body import FreeBody
+from .import_table import Files, ImportFile, Reduction, Source
 from .reduce import Tell, reduce_body
-from .spec import ImportFile, Reduction, Source
 
 SOURCES = get_args(Source)
 MOST_LETTERS = 100  # of a name, as in a case

@@ -15,8 +15,7 @@ from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.math.rotations import vector_to_matrix
 from ...solver.package.body.invariants import rigid_motions
-from .free_body import FreeBody
-from .layups import Cells
+from .free_body import Cells, FreeBody
 
 # VTK type -> faces, as nodes of the cell: corners, then nodes on the sides.
 _TET = ((0, 1, 2, 4, 5, 6), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 2, 3, 6, 9, 7))

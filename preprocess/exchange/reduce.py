@@ -1,9 +1,9 @@
 """From the free matrices of any code to a modal package: the one reduction of all sources."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy.linalg
@@ -12,7 +12,8 @@ from ... import __version__
 from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Interface, ModalPackage
-from ...solver.package.body.second_order import MOST_MODES
+from ...solver.package.body.invariants import MOST_MODES
+from ...solver.package.common.plain_data import SpecError, check_form
 from ..modes.eigenmodes import (
     KINDS,
     Eigenmodes,
@@ -24,13 +25,11 @@ from ..modes.eigenmodes import (
 from ..modes.reduced import Modes, StaticLoad, accelerations, completed
 from ..modes.reference import Algebra, Condition, HeldDofs, MeanAxis, ModeError
 from .direct import Direct, Solver
-from .free_body import DIRECTIONS, FreeBody
-from .inertia import Inertia, inertia
-from .layups import recovered
+from .free_body import DIRECTIONS, FreeBody, free_body, labelled_cells, recovered
+from .import_table import SI, Reduction, UnitsTable, sizes
+from .inertia import Inertia, bent_body, inertia, second_order_sums
 from .links import Constrained, Link, constrained, links
 from .refusals import check_free_body
-from .second_order import bent_body, second_order_sums
-from .spec import Reduction, sizes
 
 Tell = Callable[[str], None]  # called with the name of each step
 CHORD = ((0, 1, 2, 3), (1, 2))
@@ -90,6 +89,75 @@ def reduce_body(
     )
     sums = second_order_sums(body, U, bent.h)
     return replace(package, interfaces=interfaces, second_order=sums)
+
+
+def from_matrices(
+    M: Any,
+    K: Any,
+    nodes: Array,
+    dofs: Array | Sequence[Sequence[int]],
+    *,
+    body: str,
+    interfaces: Mapping[str, Any],
+    reference: Mapping[str, Any],
+    modes: Sequence[Mapping[str, Any]],
+    units: UnitsTable = SI,
+    node_ids: IntArray | None = None,
+    cells: Sequence[Sequence[int]] | None = None,
+    cell_types: Sequence[int] | None = None,
+    total_mass: "float | None" = None,
+    damping_ratio: float = 0.0,
+    tell: Tell = lambda _: None,
+) -> ModalPackage:
+    """Reduce the mass and stiffness matrix of a free body to a modal package.
+
+    Parameters
+    ----------
+    M, K : (N, N) matrices of the free body, dense or sparse, both triangles
+    nodes : (n, 3) coordinates
+    dofs : (N, 2) label of the node and direction (1 to 3 translations, 4 to 6 rotations) of each
+        row of the matrices
+    body : name
+    interfaces, reference, modes : tables of an import file (docs/exchange.md)
+    units : of length, mass and time of all arguments
+    node_ids : (n,) labels of the nodes; absent: 1 to n
+    cells : labels of the nodes of each cell, in the order of VTK; absent: points
+    cell_types : VTK types; absent: by the number of nodes (2 line, 3 triangle, 4 quadrilateral,
+        8 hexahedron)
+    total_mass : mass to compare with [kg]
+    damping_ratio : of every mode
+    tell : called with the name of each step
+
+    Raises
+    ------
+    InputError : the matrices are not those of one free body, or a request cannot be fulfilled.
+    """
+    where = "from_matrices"
+    table: dict[str, Any] = {
+        "body": body,
+        "reference": dict(reference),
+        "modes": [dict(mode) for mode in modes],
+        "interfaces": {name: dict(entry) for name, entry in interfaces.items()},
+        "units": dict(units),
+        "damping_ratio": damping_ratio,
+    }
+    if total_mass is not None:
+        table["total_mass"] = total_mass
+    try:
+        check_form(table, Reduction)
+    except SpecError as error:
+        raise InputError(f"{where}: {error}") from error
+    points = np.asarray(nodes, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+        raise InputError(f"{where}: nodes: expected an array (n, 3), found {points.shape}")
+    ids = np.arange(1, len(points) + 1) if node_ids is None else np.asarray(node_ids)
+    numbers = np.asarray(dofs)
+    if numbers.ndim != 2 or numbers.shape[1] != 2:
+        raise InputError(f"{where}: dofs: expected an array (N, 2), found {numbers.shape}")
+    source = free_body(
+        where, K, M, points, ids, numbers, labelled_cells(cells, cell_types, ids, where)
+    )
+    return reduce_body(source, cast(Reduction, table), tell)
 
 
 def _modes(
@@ -280,17 +348,6 @@ def provenance(
         "warnings": list(warnings),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-
-
-def rows_of(labels: IntArray, known: IntArray, where: str) -> IntArray:
-    """Rows of labels among the known ones; InputError names the first unknown label."""
-    order = np.argsort(known, kind="stable")
-    at = np.searchsorted(known[order], labels).clip(max=len(known) - 1)
-    rows = order[at]
-    wrong = np.flatnonzero(known[rows] != labels)
-    if len(wrong):
-        raise InputError(f"{where}: no node has the label {labels[wrong[0]]}")
-    return np.asarray(rows)
 
 
 def vibrations(

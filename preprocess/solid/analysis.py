@@ -11,12 +11,14 @@ from ...solver.package import ModalPackage
 from ...solver.package.body.plausibility import centre_inertia
 from ..exchange.direct import Solver
 from ..exchange.free_body import FreeBody
+from ..exchange.import_table import SI
 from ..exchange.links import Constrained, constrained, links
 from ..exchange.reduce import reduce_body
-from ..exchange.spec import SI
 from ..modes.reference import Algebra, HeldDofs
-from .mesh import SolidError, edge_length
-from .model import Mumps, SolidModel
+from .errors import SolidError
+from .mesh import edge_length
+from .model import SolidModel
+from .solvers import Mumps
 
 FINER = 1.5  # size of the cells over that of the next mesh
 MOST = 60_000  # unknowns for which degree 3, with 3.4 times as many, is not left out

@@ -10,15 +10,16 @@ import numpy as np
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array
 from ...solver.package import ModalPackage
-from ...solver.package.common.table_form import SpecError, check_form
-from ...solver.package.shell.cells import vtk_cells
+from ...solver.package.common.cells import vtk_cells
+from ...solver.package.common.plain_data import SpecError, check_form
 from ...solver.package.specification import SolidSpecification
+from ..exchange.import_table import SI, Reduction
 from ..exchange.reduce import reduce_body
-from ..exchange.spec import SI, Reduction
 from ..provenance import body_provenance
 from .analysis import accurate_model, findings
 from .model import MOST_FACTORISED
-from .recovery import face_stresses, second_order_forces
+from .recovery import face_stresses
+from .second_order import second_order_forces
 
 NOT_COUNTED = {
     "code": "modes-not-counted",

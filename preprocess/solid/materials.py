@@ -10,7 +10,8 @@ from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import material_from_dict, rotated
 from ..fenicsx import PlainMesh
-from .mesh import SolidError, SolidMesh
+from .errors import SolidError
+from .mesh import SolidMesh
 from .places import unit
 
 ALL = "all"

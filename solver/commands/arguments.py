@@ -185,7 +185,7 @@ def whole_number(text: str, least: int = 1) -> int:
 
 def shard(text: str) -> tuple[int, int]:
     """Read k/N; argparse tells the user of anything else."""
-    from ..package.common.shares import shard as read  # here, so that --help needs no HDF5
+    from ..package.common.plain_data import shard as read  # here, so that --help needs no HDF5
 
     return read(text)
 

@@ -13,7 +13,7 @@ from ..inputs.case.record import case_file
 from ..interrupts import INTERRUPTED
 from ..math.cores import cores
 from ..math.disk_cache import state_of, state_since
-from ..package.common.replaceable import RECORD as FILES
+from ..package.common.files import RECORD as FILES
 from ..studies.cases import build_folder, chosen_runs, chosen_sweeps, turn
 from ..studies.exit_codes import INCOMPLETE, INPUT, worst
 from ..studies.finished import (

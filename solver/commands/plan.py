@@ -8,8 +8,7 @@ from typing import Any
 from ..errors import InputError
 from ..inputs.case.load import load_case
 from ..inputs.case.record import case_file
-from ..package.common.replaceable import refuse_foreign
-from ..package.common.temporary import write_text
+from ..package.common.files import refuse_foreign, write_text
 from ..report.fidelity import ladder_file
 from ..report.style import GREY, INK, WARNING, Canvas, colour, house_style
 from ..run.inputs_digest import plan_file

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import InputError, nearest
 from ..inputs.case.record import CASE_FILE
-from ..package.common.temporary import write_text
+from ..package.common.files import write_text
 from .arguments import program
 from .case_arguments import STARTERS
 

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..interrupts import INTERRUPTED
-from ..package.common.replaceable import refuse_foreign, refuse_link
-from ..package.common.shares import share
-from ..package.common.temporary import write_text
+from ..package.common.files import refuse_foreign, refuse_link, write_text
+from ..package.common.plain_data import share
 from ..studies.exit_codes import INCOMPLETE
 from ..studies.sweep.file import CSV, FILE, SweepResult, result_of, sweep_csv
 from ..studies.sweep.member import FAILED, PENDING, STOPPED

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InputError, collected, few, refuse, unknown
 from ..math.arrays import IntArray
-from ..package.common.temporary import temporary_sibling
+from ..package.common.files import temporary_sibling
 from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from .common.materials import check_materials, plain
 from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source

@@ -12,7 +12,7 @@ _PUBLIC = {
     "Interface": "body.schema",
     "Invariants": "body.schema",
     "ModalPackage": "body.schema",
-    "Remark": "common.remark",
+    "Remark": "common.findings",
     "SectionData": "body.schema",
     "from_stations": "body.invariants",
     "read_package": "body.io",

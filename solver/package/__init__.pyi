@@ -6,5 +6,5 @@ from .body.schema import Interface as Interface
 from .body.schema import Invariants as Invariants
 from .body.schema import ModalPackage as ModalPackage
 from .body.schema import SectionData as SectionData
-from .common.remark import Remark as Remark
+from .common.findings import Remark as Remark
 from .validation import validate as validate

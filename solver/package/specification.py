@@ -1,7 +1,7 @@
 """Specification of a body: build/<case>/bodies/<name>.json, from the case to the preprocessor.
 
 `plymotion check` writes a complete file: every value is checked and every default is filled in. The
-preprocessor checks keys and types only (common/table_form.py). SI units and degrees.
+preprocessor checks keys and types only (`check_form`). SI units and degrees.
 
     {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
      "x2_axis": [0.0, 1.0, 0.0],                 section's x2 in body axes
@@ -24,14 +24,14 @@ fractions of it are then along the line, `elements` counts those of the line, an
 
     {"body": "hand", "kind": "shell",
      "shell": {"mesh": {...}, "materials": {...}, "laminates": {...}, "regions": {...},
-               "elements": {...}, "stiffeners": {...}},     see preprocess/shell/model/problem.py
+               "elements": {...}, "stiffeners": {...}},     see preprocess/shell/model/spec.py
      "mass_form": ..., "reference": ..., "modes": ..., "damping_ratio": ...,
      "interfaces": {"root": {"at": "left edge", "link": "rigid", "rotation_deg": [0, 0, 0]},
                     "tip": {"at": "right edge", "link": "average", "position": [0.7, 0.0, 0.0],
                             "rotation_deg": [0.0, 0.0, 90.0]}}}
 
     {"body": "arm", "kind": "imported", "file": "cases/x/arm.toml", "table": {...},
-     "sha256": {"arm.inp": "..."}}                see preprocess/exchange/spec.py
+     "sha256": {"arm.inp": "..."}}                see preprocess/exchange/import_table.py
 
     {"body": "bracket", "kind": "solid",
      "solid": {"mesh": {"file": "bracket.step", "size": 0.004}, "materials": {...},
@@ -47,7 +47,11 @@ go to the provenance of the package. `"candidates": true` of a beam or shell: a 
 `[fidelity]` takes some of the modes, so the package has no remarks on modes that were requested.
 """
 
+from collections.abc import Mapping
 from typing import Any, Literal, NotRequired, TypedDict, get_args
+
+from ..math.disk_cache import sources_sha256
+from .common.plain_data import inputs_sha256
 
 FORMAT_VERSION = (1, 4)  # of the modal package that is made from it
 Theory = Literal["timoshenko", "classical"]
@@ -316,3 +320,18 @@ class ImportedSpecification(_Provenance):
 
 
 Specification = BeamSpecification | ShellSpecification | SolidSpecification | ImportedSpecification
+
+# These keys do not affect the body: a new integrator setting
+# in the case file must not rebuild its packages.
+NOT_INPUTS = ("inputs_sha256", "case")
+SOURCES = ("preprocess", "meshes", "solver/package", "solver/math")
+
+
+def fingerprint(spec: Mapping[str, Any]) -> str:
+    """SHA-256 of a body specification, of the sources that make its file, and of the format.
+
+    The file keeps it; both halves compare it (`has_fingerprint`) before they build anything. The
+    version of DOLFINx is not included: all versions give the same numbers (to 1e-9, tested).
+    """
+    inputs = {key: value for key, value in spec.items() if key not in NOT_INPUTS}
+    return inputs_sha256([inputs, list(FORMAT_VERSION), sources_sha256(*SOURCES)])

@@ -10,10 +10,15 @@ from .body.io import MODAL_PACKAGE, write_package
 from .body.schema import ModalPackage
 from .common.container import get_text, open_file
 from .common.dataset import WORDS
-from .common.identity import FileFormat, checksum_findings, identity_notes, unit_findings
-from .common.object_file import ObjectFormat
-from .common.remark import Remark, raise_first
-from .common.temporary import temporary_sibling
+from .common.files import temporary_sibling
+from .common.findings import Remark, raise_first
+from .common.object_file import (
+    FileFormat,
+    ObjectFormat,
+    checksum_findings,
+    identity_notes,
+    unit_findings,
+)
 from .section.io import SECTION_FILE
 
 __all__ = ["Remark", "validate", "write_valid"]

@@ -13,10 +13,10 @@ from ..errors import InputError
 from ..math.arrays import Array, IntArray
 from ..math.disk_cache import file_sha256
 from ..math.rotations import rotation_matrices
+from ..package.common.cells import TRIANGLE
 from ..package.common.container import new_file, set_text
-from ..package.common.identity import write_file_checksum
-from ..package.common.temporary import temporary_sibling
-from ..package.shell.cells import TRIANGLE
+from ..package.common.files import temporary_sibling
+from ..package.common.object_file import write_file_checksum
 from ..results import BodyGeometry, RunResult, read_result
 from ..results.file import frames
 from ..results.schema import BodyView

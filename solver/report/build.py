@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..interrupts import ignore, shielded
 from ..math.cores import cores
 from ..math.disk_cache import file_sha256, sources_sha256
-from ..package.common.temporary import write_text
+from ..package.common.files import write_text
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
 from .fidelity import fidelity_section, ladder_file, with_ladder
 from .figures import draw_balance, draw_comparison, draw_exposure, draw_motion, draw_spectrum

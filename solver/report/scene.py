@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.common.strengths import PlyStrength, YieldStrength
+from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
 from ..results.schema import BodyView, Link, Side, Sites
 from ..strength import criteria_of

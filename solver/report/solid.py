@@ -8,8 +8,8 @@ import numpy as np
 from ..errors import InputError
 from ..package.body.io import read_package
 from ..package.body.schema import ModalPackage
-from ..package.section.recovery_data import strengths
-from ..package.shell.cells import cell_table, centres
+from ..package.common.cells import cell_table, centres
+from ..package.section.stress import strengths
 from ..strength.criteria.von_mises import equivalent_stress
 from .shell.findings import ply_extremes
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..interrupts import postponed
-from ..package.common.temporary import temporary_sibling
+from ..package.common.files import temporary_sibling
 
 # Palette of Okabe and Ito without yellow, which is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")

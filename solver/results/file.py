@@ -21,7 +21,7 @@ from ..package.common.container import (
     set_text,
 )
 from ..package.common.dataset import field_values
-from ..package.common.identity import check_file_checksum, version_of, write_file_checksum
+from ..package.common.object_file import check_file_checksum, version_of, write_file_checksum
 from .datasets import (
     LARGE,
     LAYOUT,

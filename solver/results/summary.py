@@ -10,7 +10,7 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.rows import spans
-from ..package.common.temporary import write_text
+from ..package.common.files import write_text
 from .schema import ResultError, Signal
 
 # Single numbers of a signal over time, and its amplitude spectrum.

@@ -14,7 +14,7 @@ from ..math.laws import lengths_along
 from ..math.rows import LongRows
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
-from ..package.section.recovery_data import strengths
+from ..package.section.stress import strengths
 from ..results import BodyGeometry
 from ..results.outline import Outline, section_outline
 from ..results.schema import BodyView, Link, Side, Sites, Surface

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..inputs.case.record import package_entries, solver_sha256
-from ..package.common.disk_file import has_right_seal
+from ..package.common.files import has_right_seal
 from ..results import ResultError, read_summary
 
 

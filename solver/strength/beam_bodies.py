@@ -14,9 +14,9 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..package.body.schema import BodyRecovery, ModalPackage
-from ..package.common.strengths import PlyStrength, YieldStrength
-from ..package.section.recovery_data import strengths
+from ..package.common.materials import PlyStrength, YieldStrength
 from ..package.section.schema import Ply, SectionRecovery
+from ..package.section.stress import strengths
 from . import Criterion, criteria_of
 from .found import BodyStrength, Failure, ranked
 from .search import PeakSearch

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.common.strengths import PlyStrength, YieldStrength
+from ..package.common.materials import PlyStrength, YieldStrength
 from . import Criterion, criteria_of
 
 BLOCK = 16  # times per block

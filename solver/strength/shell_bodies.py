@@ -18,10 +18,10 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..package.body.schema import CellResultants, LaminateData, ModalPackage
+from ..package.common.cells import cell_table, centres
 from ..package.common.materials import material_from_dict
-from ..package.section.recovery_data import strengths
 from ..package.section.schema import Ply
-from ..package.shell.cells import cell_table, centres
+from ..package.section.stress import strengths
 from ..package.shell.schema import LEVELS, ShellPly
 from . import criteria_of
 from .found import BodyStrength, Failure, ranked

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError, few, nearest
 from ..inputs.case.record import case_file, case_name
-from ..package.common.replaceable import refuse_link
+from ..package.common.files import refuse_link
 
 if TYPE_CHECKING:
     from ..inputs.case.load import Case

@@ -36,7 +36,7 @@ def finished_before(out: Path, request: str) -> tuple[int, str] | None:
 
 def refuse_foreign_record(out: Path) -> None:
     """Raise InputError if the place of the record has a file that is none."""
-    from ..package.common.replaceable import refuse_foreign
+    from ..package.common.files import refuse_foreign
 
     if not _commands(out):
         refuse_foreign(out / RECORD)
@@ -59,7 +59,7 @@ def note_finished(
     results : files in `out` that it has made or used
     shared : names of results that other commands add to: these must only be there
     """
-    from ..package.common.temporary import write_text  # imports NumPy
+    from ..package.common.files import write_text  # imports NumPy
 
     commands = _commands(out)
     commands.pop(request, None)

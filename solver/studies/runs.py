@@ -23,7 +23,7 @@ from ..interrupts import (
     of_a_signal,
     passed_to_children,
 )
-from ..package.common.replaceable import refuse_foreign
+from ..package.common.files import refuse_foreign
 from ..results import RunResult
 from ..results.summary import damping_lines, invalid_words
 from ..run.execution import run_file

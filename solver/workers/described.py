@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..package.common.replaceable import refuse_foreign
-from ..package.common.shares import by_mesh, mesh_key
-from ..package.common.temporary import temporary_sibling
+from ..package.common.files import refuse_foreign, temporary_sibling
+from ..package.common.plain_data import by_mesh, mesh_key
 from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError, few
 from ..inputs.case.record import package_entries
 from ..math.cores import cores
-from ..package.common.plain_data import canonical
-from ..package.common.replaceable import refuse_link
-from ..package.common.shares import by_mesh
-from ..package.fingerprint import fingerprint, has_fingerprint
+from ..package.common.container import has_fingerprint
+from ..package.common.files import refuse_link
+from ..package.common.plain_data import by_mesh, canonical
+from ..package.specification import fingerprint
 from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 

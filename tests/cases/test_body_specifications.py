@@ -6,7 +6,7 @@ import pytest
 
 from plymotion.solver.inputs.case.load import Case, load_case
 from plymotion.solver.package import read_package
-from plymotion.solver.package.common.table_form import check_form
+from plymotion.solver.package.common.plain_data import check_form
 from plymotion.solver.package.specification import BeamSpecification, ShellSpecification
 
 FORMS = {"beam": BeamSpecification, "shell": ShellSpecification}

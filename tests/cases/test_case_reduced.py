@@ -7,7 +7,7 @@ import pytest
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.package.body.transform import rigid
+from plymotion.solver.package.body.selection import rigid
 from plymotion.solver.run.execution import execute, read_run
 
 

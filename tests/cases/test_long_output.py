@@ -17,7 +17,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.generic import drive as output
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import LongRows, StoredRows
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.results import RunResult, read_result, write_result
 from plymotion.solver.results import file as writer
 from plymotion.solver.results.datasets import blocks, chunk_shape

@@ -13,7 +13,7 @@ from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.results import read_result
 
 

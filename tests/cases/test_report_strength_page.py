@@ -14,8 +14,8 @@ from samples.result_samples import swinging_rod
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package
-from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength
-from plymotion.solver.package.section.recovery_data import strengths
+from plymotion.solver.package.common.materials import PlyStrength, YieldStrength
+from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.report import make_report
 from plymotion.solver.report.scene import site_exposure
 from plymotion.solver.results import RunResult, read_result, write_result, write_summary

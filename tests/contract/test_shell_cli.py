@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.package.shell.io import read_shell
 
 STRIP = """

@@ -14,10 +14,9 @@ MOST_ROOMS, MOST_LEVELS = 20, 10
 MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it has contract.py)
 # Folders above that limit, and what they have: no number here may grow.
 LARGE = {
-    "preprocess/exchange/formats": 13,
-    "solver/package/common": 21,
+    "preprocess/shell/model": 13,
 }
-LONGEST_CHAIN = {"solver": 42, "preprocess": 29}  # of imports, file by file; may not grow either
+LONGEST_CHAIN = {"solver": 42, "preprocess": 28}  # of imports, file by file; may not grow either
 Graph = dict[str, set[str]]
 
 

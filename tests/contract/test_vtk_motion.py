@@ -15,7 +15,7 @@ from plymotion.solver.math.disk_cache import file_sha256
 from plymotion.solver.math.rotations import rotation_matrix
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.container import get_text
-from plymotion.solver.package.common.identity import check_file_checksum
+from plymotion.solver.package.common.object_file import check_file_checksum
 from plymotion.solver.results import RunResult, read_result
 from plymotion.solver.strength.beam_bodies import body_strength
 

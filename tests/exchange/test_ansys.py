@@ -12,10 +12,10 @@ import scipy.sparse as sp
 from samples.exchange_routes import PROGRAMS
 from samples.exchange_samples import bar, request
 
-from plymotion.preprocess.exchange import from_matrices
+from plymotion.preprocess.exchange import free_body as from_matrices
 from plymotion.preprocess.exchange.formats.ansys import body_of, matrices, mesh_of
-from plymotion.preprocess.exchange.formats.files import Files
-from plymotion.preprocess.exchange.layups import Cells
+from plymotion.preprocess.exchange.free_body import Cells
+from plymotion.preprocess.exchange.import_table import Files
 from plymotion.preprocess.exchange.reduce import reduce_body
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError

@@ -21,8 +21,8 @@ from samples.exchange_decks import (
 from samples.exchange_routes import import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_layups
+from plymotion.preprocess.exchange.free_body import Cells, Layups, centre_strains, recovered
 from plymotion.preprocess.exchange.import_file import package_of, read_table
-from plymotion.preprocess.exchange.layups import Cells, Layups, centre_strains, recovered
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array

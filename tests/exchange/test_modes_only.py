@@ -7,11 +7,11 @@ import pytest
 from samples.brick_model import brick
 from samples.exchange_samples import DENSITY, SIZE, request
 
-from plymotion.preprocess.exchange import from_matrices
+from plymotion.preprocess.exchange import free_body as from_matrices
 from plymotion.preprocess.exchange.formats.calculix import read_modes
-from plymotion.preprocess.exchange.formats.files import Files
 from plymotion.preprocess.exchange.formats.uff import read
 from plymotion.preprocess.exchange.import_file import imported
+from plymotion.preprocess.exchange.import_table import Files
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package

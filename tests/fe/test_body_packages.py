@@ -18,7 +18,7 @@ from plymotion.preprocess.body import build_body
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
-from plymotion.solver.package.common.toml_text import toml_text
+from plymotion.solver.package.common.plain_data import toml_text
 from plymotion.solver.package.specification import DIRECTIONS
 
 ROOT = Path(__file__).resolve().parent.parent.parent

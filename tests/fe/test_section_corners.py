@@ -7,7 +7,7 @@ import pytest
 
 from plymotion.preprocess.section.analysis.analysis import analyse
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
-from plymotion.solver.package.section.corners import reentrant_corners
+from plymotion.solver.package.section.stress import reentrant_corners
 from plymotion.solver.report.section.show import judged_peaks
 
 SIZES: dict[str, dict[str, Any]] = {

@@ -8,8 +8,7 @@ import pytest
 import ufl
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
-from plymotion.preprocess.fenicsx.kernels import compiled_text
+from plymotion.preprocess.fenicsx import PlainMesh, evaluation, gmsh, plain_from_model
 from plymotion.preprocess.fenicsx.stack import dolfinx
 from plymotion.preprocess.section.analysis.verification import matrices
 from plymotion.preprocess.section.mesh.cells import cells_of_plain
@@ -120,11 +119,11 @@ def test_stiffness_comes_from_what_dolfinx_compiles(monkeypatch: pytest.MonkeyPa
         return compiled(comm, (expression, points), **options)
 
     monkeypatch.setattr(dolfinx.jit, "ffcx_jit", damaged)
-    compiled_text.cache_clear()
+    evaluation.compiled_text.cache_clear()
     try:
         assert torsion_of_a_square() < 0.95 * 0.140577
     finally:
-        compiled_text.cache_clear()
+        evaluation.compiled_text.cache_clear()
 
 
 def test_point_by_point_and_cell_by_cell_agree() -> None:

@@ -10,7 +10,7 @@ from samples.shell_specs import plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.model.problem import ShellProblem
-from plymotion.solver.package.shell.cells import corner_counts
+from plymotion.solver.package.common.cells import corner_counts
 from plymotion.solver.report.shell.findings import shell_json
 
 pytestmark = pytest.mark.one_end

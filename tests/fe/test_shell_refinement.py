@@ -10,11 +10,11 @@ from samples.shell_specs import SCRIPTS, plate
 
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.mesh import ShellMesh, shell_mesh
-from plymotion.preprocess.shell.refinement import split
-from plymotion.solver.package.shell import cells as tables
-from plymotion.solver.package.shell.cells import NONE
+from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.mesh.mesh import ShellMesh, shell_mesh
+from plymotion.preprocess.shell.mesh.refinement import split
+from plymotion.solver.package.common import cells as tables
+from plymotion.solver.package.common.cells import NONE
 
 pytestmark = pytest.mark.one_end
 ROOF = {"n_length": 4, "n_around": 6}

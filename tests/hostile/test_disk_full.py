@@ -13,7 +13,7 @@ from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import write_package
-from plymotion.solver.package.common.disk_file import SEAL
+from plymotion.solver.package.common.files import SEAL
 from plymotion.solver.results import read_result, write_result
 
 resource = pytest.importorskip("resource")
@@ -91,7 +91,7 @@ def test_files_of_killed_processes_go(tmp_path):
     """The next writer of a folder removes them, and no others."""
     code = (
         "import os, sys, signal; from pathlib import Path\n"
-        "from plymotion.solver.package.common.temporary import temporary_sibling\n"
+        "from plymotion.solver.package.common.files import temporary_sibling\n"
         "with temporary_sibling(Path(sys.argv[1])) as file:\n"
         "    file.write_text('half')\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"

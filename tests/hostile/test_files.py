@@ -21,7 +21,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError, PackageError
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.common.container import content_sha256
-from plymotion.solver.package.common.identity import write_file_checksum
+from plymotion.solver.package.common.object_file import write_file_checksum
 from plymotion.solver.package.section.io import read_section, write_section
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.report.section.codes import read_results

@@ -16,12 +16,12 @@ from samples.case_samples import HEAD, SOLVER
 from samples.exchange_samples import bar, request
 from samples.fmu_samples import SLIDER
 
-from plymotion.preprocess.exchange import from_matrices
+from plymotion.preprocess.exchange import free_body as from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.extras.blade.stations import TEXT
 from plymotion.solver.package.body.io import write_package
 from plymotion.solver.package.body.schema import ModalPackage
-from plymotion.solver.package.common.toml_text import toml_text, toml_value
+from plymotion.solver.package.common.plain_data import toml_text, toml_value
 from plymotion.solver.report.section.codes import write_beamdyn, write_hawc2
 from plymotion.solver.report.section.show import Row, write_summary
 from plymotion.solver.studies.fidelity.choice import write_plan

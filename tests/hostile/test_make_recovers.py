@@ -10,8 +10,7 @@ from harness.hostile_profile import LONG, MISSED, count
 from harness.make_samples import Project
 from samples.case_samples import HEAD, SOLVER, rigid
 
-from plymotion.solver.package.common.replaceable import RECORD
-from plymotion.solver.package.common.temporary import temporary_sibling, write_text
+from plymotion.solver.package.common.files import RECORD, temporary_sibling, write_text
 
 CASE = (
     HEAD
@@ -117,7 +116,7 @@ def test_hidden_files_of_killed_processes_go(project):
     left = project.folder / "build/one/base"
     code = (
         "import os, sys, signal; from pathlib import Path\n"
-        "from plymotion.solver.package.common.temporary import temporary_sibling\n"
+        "from plymotion.solver.package.common.files import temporary_sibling\n"
         "with temporary_sibling(Path(sys.argv[1])) as file:\n"
         "    file.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)\n"
     )

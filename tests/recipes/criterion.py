@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength
+from plymotion.solver.package.common.materials import PlyStrength, YieldStrength
 from plymotion.solver.strength import CRITERIA, criteria_of
 from plymotion.solver.strength.search import PeakSearch
 

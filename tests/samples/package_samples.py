@@ -6,8 +6,8 @@ import numpy as np
 from samples.recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.solver.package import Interface, ModalPackage, SectionData, from_stations
+from plymotion.solver.package.body.invariants import second_order_from_stations
 from plymotion.solver.package.body.schema import BodyRecovery
-from plymotion.solver.package.body.second_order import second_order_from_stations
 
 EI = 5.6e4
 

@@ -6,7 +6,7 @@ import scipy.integrate
 
 from plymotion.preprocess.beam.element import BeamElement, Q, Z, gauss
 from plymotion.preprocess.beam.line import section_axes, straight_line
-from plymotion.solver.package.body.division import node_positions
+from plymotion.solver.package.common.cells import node_positions
 
 
 def coupled_stiffness() -> np.ndarray:

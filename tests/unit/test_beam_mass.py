@@ -7,8 +7,8 @@ from samples.beam_samples import modal_mass
 from plymotion.preprocess.beam.line import BeamLine, SectionMass, section_axes, straight_line
 from plymotion.preprocess.beam.stations import Stations, mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import skew
-from plymotion.solver.package.body.division import node_positions
 from plymotion.solver.package.body.invariants import inertia_at_rest
+from plymotion.solver.package.common.cells import node_positions
 
 FORMS = ("consistent", "lumped")
 M_LINE, LENGTH = 2.0, 1.3

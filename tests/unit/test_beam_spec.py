@@ -10,8 +10,8 @@ from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import ModeSpec, Reference, read_spec
 from plymotion.preprocess.modes.eigenmodes import ModeRequest
-from plymotion.solver.package.common.table_form import SpecError
-from plymotion.solver.package.fingerprint import fingerprint
+from plymotion.solver.package.common.plain_data import SpecError
+from plymotion.solver.package.specification import fingerprint
 
 
 def spec(**changes: Any) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.inputs.case.tables.schema import Mechanism, resolved
-from plymotion.solver.package.common.table_form import SpecError
+from plymotion.solver.package.common.plain_data import SpecError
 
 BODY = {
     "kind": "beam",

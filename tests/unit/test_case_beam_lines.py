@@ -12,7 +12,7 @@ from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism
-from plymotion.solver.package.common.table_form import SpecError
+from plymotion.solver.package.common.plain_data import SpecError
 
 MODES = [{"kind": "lowest", "count": 2}]
 NODES = {"nodes": [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], "x2_axes": [[0.0, 1.0, 0.0]]}

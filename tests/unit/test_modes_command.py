@@ -10,7 +10,7 @@ from samples.modes_samples import write_case_text
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 
 SWING = (
     "gravity = [0.0, -9.81, 0.0]\n[ground.pin]\nposition = [0.0, 0.0, 0.0]\n"

@@ -22,7 +22,7 @@ from plymotion.solver.package import (
     write_package,
 )
 from plymotion.solver.package.body.io import MODAL_PACKAGE
-from plymotion.solver.package.common import identity
+from plymotion.solver.package.common import object_file as identity
 from plymotion.solver.package.common.container import open_file
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,9 +13,8 @@ from samples.recovery_samples import PLY, STEEL, STEEL_STRENGTH, plies_of, recta
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
-from plymotion.solver.package.common.strengths import YieldStrength
-from plymotion.solver.package.section.recovery_data import strengths, thinned
-from plymotion.solver.package.section.stress import resultants, unit_stress
+from plymotion.solver.package.common.materials import YieldStrength
+from plymotion.solver.package.section.stress import resultants, strengths, thinned, unit_stress
 
 SECTION = "/modal_package/sections/bar"
 

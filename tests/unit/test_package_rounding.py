@@ -12,10 +12,10 @@ from samples.beam_samples import CLAMPED, MEAN_AXIS, reduced
 from samples.package_samples import cantilever
 
 from plymotion.solver.package import ModalPackage, from_stations
-from plymotion.solver.package.body.checks import content_findings
+from plymotion.solver.package.body.io import content_findings
 from plymotion.solver.package.body.plausibility import plausibility_findings
 from plymotion.solver.package.common.dataset import field_values
-from plymotion.solver.package.common.remark import Remark
+from plymotion.solver.package.common.findings import Remark
 
 SIX = [{"kind": "lowest", "count": 6}]
 EPS = np.finfo(float).eps

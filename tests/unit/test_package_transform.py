@@ -8,8 +8,7 @@ from samples.beam_samples import MASS, NAMES, REFERENCES, STIFFNESS, coupled_sti
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.body.schema import ModalPackage
-from plymotion.solver.package.body.selection import selected
-from plymotion.solver.package.body.transform import changed_basis, rigid
+from plymotion.solver.package.body.selection import changed_basis, rigid, selected
 
 VIBRATIONS = [{"kind": "lowest", "count": 8}]
 LOADS = [{"kind": "attachment", "at": "tip"}, {"kind": "static-axial"}, {"kind": "static-inertia"}]

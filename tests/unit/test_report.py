@@ -18,7 +18,7 @@ import pytest
 from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.report import make_report, summary_table
 from plymotion.solver.report.figures import draw_comparison
 from plymotion.solver.report.inline import chosen_rows

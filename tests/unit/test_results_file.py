@@ -10,7 +10,7 @@ import pytest
 from samples.package_samples import same
 from samples.result_samples import swinging_rod
 
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.results import (
     ResultError,
     RunResult,

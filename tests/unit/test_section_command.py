@@ -12,7 +12,7 @@ import pytest
 from plymotion.solver.commands.bodies.section import read_list
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.study import changed
-from plymotion.solver.package.common.shares import by_mesh, mesh_key, shard, share
+from plymotion.solver.package.common.plain_data import by_mesh, mesh_key, shard, share
 from plymotion.solver.report.section.codes import SectionResults
 from plymotion.solver.report.section.show import (
     Row,

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.image import imread
 from samples.section_samples import rectangle
 
-from plymotion.solver.package.common.replaceable import RECORD
+from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.package.section.schema import Ply, SectionFile
 from plymotion.solver.package.section.stress import cell_means, unit_stress
 from plymotion.solver.report.section.drawing import (

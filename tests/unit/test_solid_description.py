@@ -10,7 +10,7 @@ import pytest
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.manual import with_keys
 from plymotion.solver.inputs.solid_specification import solid_spec, solid_table
-from plymotion.solver.package.common.table_form import check_form
+from plymotion.solver.package.common.plain_data import check_form
 from plymotion.solver.package.specification import SolidSpecification
 
 PLY = {

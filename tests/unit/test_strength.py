@@ -8,8 +8,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from plymotion.solver.package.common.materials import MaterialError, bond
-from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength, read_strength
+from plymotion.solver.package.common.materials import (
+    MaterialError,
+    PlyStrength,
+    YieldStrength,
+    bond,
+    read_strength,
+)
 from plymotion.solver.strength import CRITERIA, Criterion, criteria_of
 from plymotion.solver.strength.criteria.contract import exposure
 from plymotion.solver.strength.criteria.hashin import hashin

@@ -24,8 +24,8 @@ from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine, LineSection, section_axes, straight_line
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
-from plymotion.solver.package.section.recovery_data import strengths
 from plymotion.solver.package.section.schema import SectionRecovery
+from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import body_strength, resultants
 

@@ -24,8 +24,8 @@ from plymotion.solver.inputs.case.tables.signals import StrengthSignal
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism import BuiltMechanism, build
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.package.section.recovery_data import strengths
 from plymotion.solver.package.section.schema import SectionRecovery
+from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
 from plymotion.solver.strength import criteria_of

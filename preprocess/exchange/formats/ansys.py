@@ -12,11 +12,8 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import DIRECTIONS, FreeBody
-from ..from_matrices import free_body
-from ..layups import Cells
-from ..reduce import rows_of
-from .files import Files
+from ..free_body import DIRECTIONS, Cells, FreeBody, free_body, rows_of
+from ..import_table import Files
 from .modal import ModalBody
 
 # The library gives elements with midside nodes the VTK type of those without.

@@ -16,12 +16,9 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import FreeBody
-from ..from_matrices import free_body
-from ..layups import Cells
+from ..free_body import Cells, FreeBody, free_body, rows_of
+from ..import_table import Files, text_lines
 from ..links import SHARES, face_area
-from ..reduce import rows_of
-from .files import Files, text_lines
 from .modal import ModalBody
 
 # Type without its suffixes -> VTK type and number of nodes. The order of the nodes is that of VTK.

@@ -14,7 +14,7 @@ from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.invariants import free_body_mass, rigid_motions
-from ....solver.package.common.temporary import write_text
+from ....solver.package.common.files import write_text
 
 SUFFIX = ".bdf"
 RANK = 1e-9  # of the motions of the interfaces by their coordinates

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ....solver.package import ModalPackage
-from ....solver.package.common.temporary import write_text
+from ....solver.package.common.files import write_text
 
 SUFFIX = ".py"
 SCRIPT = Path(__file__).with_name("exudyn_body.py")

@@ -9,11 +9,8 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import FreeBody
-from ..from_matrices import free_body
-from ..layups import Cells
-from ..reduce import rows_of
-from .files import Files, text_lines
+from ..free_body import Cells, FreeBody, free_body, rows_of
+from ..import_table import Files, text_lines
 
 KEYS = ("stiffness", "mass", "nodes", "dofs")
 LONGEST_LINE = 1_000_000  # characters of a head or a size

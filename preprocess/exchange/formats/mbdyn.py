@@ -13,7 +13,7 @@ from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.plausibility import centre_inertia
-from ....solver.package.common.temporary import write_text
+from ....solver.package.common.files import write_text
 
 SUFFIX = ".fem"
 

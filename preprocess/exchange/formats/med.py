@@ -10,10 +10,9 @@ import numpy as np
 
 from ....solver.errors import InputError, nearest, printable
 from ....solver.package import ModalPackage
-from ....solver.package.common.disk_file import DiskFile
-from ....solver.package.common.temporary import temporary_sibling
-from ..layups import Cells
-from .files import Files
+from ....solver.package.common.files import DiskFile, temporary_sibling
+from ..free_body import Cells
+from ..import_table import Files
 from .modal import ModalBody
 
 # VTK type -> name in MED, and the nodes of VTK in the order of MED. The solids of MED are mirrored:

@@ -13,13 +13,11 @@ import numpy as np
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package import ModalPackage
-from ....solver.package.common.temporary import write_text
-from ....solver.package.common.toml_text import toml_text
-from ..layups import Cells
+from ....solver.package.common.files import write_text
+from ....solver.package.common.plain_data import toml_text
+from ..free_body import Cells, rows_of
+from ..import_table import Files, Reduction, sizes
 from ..links import interface_rows
-from ..reduce import rows_of
-from ..spec import Reduction, sizes
-from .files import Files
 from .matrices import table_rows
 
 LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}

@@ -13,11 +13,8 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import DIRECTIONS, FreeBody
-from ..from_matrices import free_body
-from ..layups import Cells, Layups
-from ..reduce import rows_of
-from .files import Files, text_lines
+from ..free_body import DIRECTIONS, Cells, FreeBody, Layups, free_body, rows_of
+from ..import_table import Files, text_lines
 
 # Card -> number of corners; first field of the nodes; number of nodes -> VTK type
 ELEMENTS = {

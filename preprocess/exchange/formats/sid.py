@@ -14,7 +14,7 @@ from ....solver.math.arrays import Array
 from ....solver.math.rotations import skew
 from ....solver.package import ModalPackage
 from ....solver.package.body.invariants import free_body_mass, inertia_at_rest
-from ....solver.package.common.temporary import write_text
+from ....solver.package.common.files import write_text
 
 SUFFIX = ".SID_FEM"
 ZERO, FULL = 0, 3  # values of `structure`

@@ -8,10 +8,9 @@ import numpy as np
 from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
-from ....solver.package.common.temporary import write_text
-from ..layups import Cells
-from ..reduce import rows_of
-from .files import Files, text_lines
+from ....solver.package.common.files import write_text
+from ..free_body import Cells, rows_of
+from ..import_table import Files, text_lines
 from .modal import ModalBody, write_masses
 
 NORMAL_MODE, DISPLACEMENT, REAL = 2, 8, 2

@@ -7,8 +7,7 @@ import numpy as np
 
 from ....solver.errors import few
 from ....solver.math.arrays import Array
-from ....solver.package.common.anisotropic import Anisotropic
-from ....solver.package.common.materials import Orthotropic
+from ....solver.package.common.materials import Anisotropic, Orthotropic
 from ..errors import SectionError
 from ..mesh.cells import CellMesh
 from ..mesh.mesh import OF_MESH

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ....solver.errors import did_you_mean, few
 from ....solver.math.arrays import Array
-from ....solver.package.common.anisotropic import Anisotropic, elastic_from_dict
-from ....solver.package.common.materials import Orthotropic, rotated
+from ....solver.package.common.materials import Anisotropic, Orthotropic, elastic_from_dict, rotated
 from ....solver.package.section.schema import Ply
 from ..errors import SectionError
 from ..mesh.mesh import OF_MESH, SectionMesh

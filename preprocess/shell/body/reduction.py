@@ -11,16 +11,17 @@ import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.body.invariants import rigid_motions
-from ....solver.package.common.table_form import SpecError, expected
+from ....solver.package.common.plain_data import SpecError, expected
 from ....solver.package.specification import DIRECTIONS
 from ... import fenicsx
 from ...modes.reduced import StaticLoad, accelerations, inertia_loads
 from ...modes.reference import Algebra, Condition, HeldDofs, MeanAxis
 from ..analyses.frequencies import TOLERANCE
-from ..cells import DOFS
+from ..mesh.body_spec import ShellBodySpec
+from ..model.assembly import DOFS
 from ..model.links import Link
 from ..model.problem import ShellProblem
-from .interfaces import SAME_PLACE, ShellBodySpec
+from .interfaces import SAME_PLACE
 from .stations import nodal_mass
 
 # Held dofs of the reference nodes: all if clamped; for a chord those that keep both nodes on x.

@@ -1,6 +1,6 @@
 """Checks of a shell: coded warnings and errors for problems that the analysis would not show."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -8,21 +8,22 @@ from scipy.sparse.csgraph import connected_components
 
 from ....solver.errors import few
 from ....solver.math.arrays import Array
+from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.shell import elements
-from ....solver.package.shell.cells import NONE, corner_counts
 from ...mesh_input import coincident
-from ..cells import DOFS, ShellError, Triangles
+from ..elements.choice import Choice
 from ..elements.drilling import DRILLINGS
 from ..elements.membranes import MEMBRANES
-from ..elements.pairs import Choice
 from ..elements.plates import PLATES, shear_ratio
-from ..mesh import ShellMesh
+from ..errors import ShellError
+from ..mesh.mesh import ShellMesh
+from ..mesh.triangles import Triangles
+from .assembly import DOFS
 from .freedom import Freedom
 from .links import Link
 from .regions import Region, cell_axes
 
 Warnings = list[dict[str, str]]
-Progress = Callable[[str], None]
 
 SLIVER = 0.05  # area over the sum of squared sides; 1 where they are equal
 COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position

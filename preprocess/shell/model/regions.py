@@ -12,24 +12,17 @@ import numpy as np
 
 from ....solver.errors import did_you_mean, few
 from ....solver.math.arrays import Array, IntArray
+from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.common.materials import Orthotropic, material_from_dict
-from ....solver.package.shell.cells import NONE, corner_counts
 from ... import fenicsx
 from ...laminate.spec import LaminateSpec, laminate_from_dict
 from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
-from ..cells import (
-    NORMAL,
-    CellError,
-    Quadrilaterals,
-    ShellError,
-    Triangles,
-    quadrilaterals,
-    triangles,
-    width_ratios,
-)
-from ..groups import KEYS as AXES
-from ..groups import cell_directions
-from ..mesh import ShellMesh
+from ..errors import CellError, ShellError
+from ..mesh.axes import KEYS as AXES
+from ..mesh.axes import cell_directions
+from ..mesh.mesh import ShellMesh
+from ..mesh.quadrilaterals import Quadrilaterals, quadrilaterals, width_ratios
+from ..mesh.triangles import NORMAL, Triangles, triangles
 
 ALL = "all"
 Geometry = Triangles | Quadrilaterals

@@ -17,7 +17,7 @@ from ...extras.blade.stations import (
     station_text,
 )
 from ...inputs.case.record import CASE_FILE
-from ...package.common.temporary import write_text
+from ...package.common.files import write_text
 from ...studies.exit_codes import DEFECT, report, worst
 from ..body_arguments import add_section
 from ..case_arguments import add_modes

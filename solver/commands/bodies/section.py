@@ -12,9 +12,9 @@ from typing import Any
 from ...errors import InputError
 from ...inputs.common.text_file import read_toml
 from ...inputs.section.study import described_spec, study_variants
+from ...package.common.files import refuse_foreign
 from ...package.common.materials import MaterialError
-from ...package.common.replaceable import refuse_foreign
-from ...package.common.shares import share
+from ...package.common.plain_data import share
 from ...package.section.io import read_section
 from ...report.section.codes import read_results, write_for
 from ...report.section.show import (

@@ -9,8 +9,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...inputs.case.record import CASE_FILE
-from ...package.common.replaceable import refuse_foreign
-from ...package.common.temporary import write_text
+from ...package.common.files import refuse_foreign, write_text
 from .layers import StationMesh
 from .station import write_station
 from .stations import (

@@ -12,8 +12,8 @@ from scipy.interpolate import PchipInterpolator
 from ...errors import InputError, nearest
 from ...math.arrays import Array
 from ...math.laws import lengths_along
-from ...package.common.temporary import write_text
-from ...package.common.toml_text import toml_text
+from ...package.common.files import write_text
+from ...package.common.plain_data import toml_text
 from .layers import (
     THINNEST,
     Band,

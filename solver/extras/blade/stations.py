@@ -19,8 +19,8 @@ from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...math.laws import lengths_along
 from ...package.body.io import read_package
-from ...package.common.temporary import write_text
-from ...package.common.toml_text import toml_value
+from ...package.common.files import write_text
+from ...package.common.plain_data import toml_value
 from ...package.section.io import read_section
 from ...package.section.stress import trapeze_strains
 from ...report.section.codes import (

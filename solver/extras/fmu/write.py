@@ -23,7 +23,7 @@ from plymotion import __version__
 from ...errors import InputError, printable
 from ...inputs.case.record import package_entries
 from ...mechanism.building.python_functions import calling_forces
-from ...package.common.temporary import temporary_sibling
+from ...package.common.files import temporary_sibling
 from ...run.coupled import Stepper
 from ...run.coupled.stepper import DRIVE_ORDER, FORCE_ORDER
 from ...run.execution import read_run

@@ -23,8 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...package.common.replaceable import refuse_link
-from ...package.common.temporary import write_text
+from ...package.common.files import refuse_link, write_text
 from .bodies.specifications import BodySpec, model_and_check
 from .load import Case
 from .record import needed, seal

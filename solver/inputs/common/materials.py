@@ -9,9 +9,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ...errors import unknown
-from ...package.common.materials import MaterialError, material_from_dict
+from ...package.common.materials import MaterialError, material_from_dict, read_strength
 from ...package.common.plausible import MIXED
-from ...package.common.strengths import read_strength
 from ...package.specification import PlyTable
 from .table import Name, Table, entry, optional
 

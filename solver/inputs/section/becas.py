@@ -23,8 +23,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...package.common.anisotropic import elastic_from_dict
-from ...package.common.materials import MaterialError
+from ...package.common.materials import MaterialError, elastic_from_dict
 from .foreign import write_npz
 
 TRIANGLE, QUADRILATERAL = 0, 1

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, few, nearest, refuse
 from ...math.arrays import Array, IntArray
-from ...package.common.temporary import temporary_sibling
+from ...package.common.files import temporary_sibling
 
 # Sets of cells that a mesh file names: the regions and curves of a section.
 

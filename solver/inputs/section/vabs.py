@@ -29,7 +29,7 @@ import numpy as np
 
 from ...errors import InputError, few
 from ...math.arrays import Array, IntArray
-from ...package.common.anisotropic import UPPER, of_upper
+from ...package.common.materials import UPPER, of_upper
 from .becas import ABSENT, MOST_NODES, ORTHOTROPIC, QUADRILATERAL, TRIANGLE, CellSection, Constants
 
 # Rows of numbers in a text file, read as Fortran's list-directed READ does.

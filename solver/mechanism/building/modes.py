@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 from ...errors import InputError, nearest
 from ...package import ModalPackage
-from ...package.body.selection import selected
-from ...package.body.transform import rigid
+from ...package.body.selection import rigid, selected
 
 if TYPE_CHECKING:
     from ...inputs.case.tables.bodies import Deformed

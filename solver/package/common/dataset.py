@@ -9,7 +9,7 @@ or a table (stored as JSON text). Shapes are numbers and symbols. The first data
 its first axis defines the size; groups of named members take the sizes of the body that owns them.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from types import NoneType
@@ -21,8 +21,8 @@ import numpy as np
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
 from .container import as_text, get_text, is_text, set_text, text_array
-from .identity import json_table, json_text
-from .remark import Remark
+from .findings import Remark
+from .plain_data import json_table, json_text
 
 Object = TypeVar("Object")
 Sizes = Mapping[str, int]
@@ -441,3 +441,21 @@ def _misshaped(group: h5py.Group, specs: Iterable[Data], sizes: Sizes) -> list[R
             text = f"expected shape {spec.words} = {expected}, found {item.shape}"
             findings.append(Remark("error", f"{group.name}/{spec.path}", text))
     return findings
+
+
+@dataclass(frozen=True)
+class Reported:
+    """Warnings {"code", "message"} as they are stored."""
+
+    codes: Annotated[tuple[str, ...], Data("w", text="a word for each warning of the analysis")]
+    messages: Annotated[tuple[str, ...], Data("w", text="the warning for people")]
+
+    @classmethod
+    def of(cls, warnings: Sequence[Mapping[str, str]]) -> "Reported":
+        """Return the columns of warnings."""
+        return cls(*(tuple(w[key] for w in warnings) for key in ("code", "message")))
+
+    def value(self) -> tuple[dict[str, str], ...]:
+        """Return the warnings."""
+        rows = zip(self.codes, self.messages, strict=True)
+        return tuple({"code": code, "message": message} for code, message in rows)

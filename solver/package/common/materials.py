@@ -1,12 +1,28 @@
-"""Elastic materials: constants, their bounds, stiffness in material axes, and its rotation.
+"""Materials: elastic constants, their bounds, stiffness and its rotation; strengths.
 
 Stress and strain are columns in the paper's order 11, 22, 33, 23, 13, 12 with
 engineering shear strains (2 eps_23, 2 eps_13, 2 eps_12). `_M` are the axes of
 the material (1 along the fibre, 3 normal to the ply), `_B` those of the member.
+
+    [materials.cfrp.strength]
+    Xt, Xc     along the fibre, in tension and compression          [Pa]
+    Yt, Yc     across the fibre in the ply                          [Pa]
+    S12        shear in the ply                                     [Pa]
+    Zt, Zc     normal to the ply; default Yt, Yc: a unidirectional ply is isotropic in 2 and 3
+    S13        default S12, for the same reason
+    S23        default Yc cos(a) (sin(a) + cos(a) / tan(2 a)) = 0.377 Yc with a = 53 deg, the
+               fracture plane of unidirectional plies under transverse compression (Puck and
+               Schuermann 1998; Davila, Camanho and Rose 2005): S23 is hard to measure
+    F12_star   interaction of normal stresses in Tsai-Wu, default -0.5: Mises' for Xt = Xc
+
+    [materials.steel.strength]
+    yield_stress                                                    [Pa]
+
+All strengths are magnitudes.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -79,7 +95,7 @@ def material_from_dict(
     Parameters
     ----------
     table : E, nu, rho of an isotropic material, or the nine constants and rho of an orthotropic
-        one; "name" and "strength" (see bodies.py) are allowed and ignored
+        one; "name" and "strength" (`read_strength`) are allowed and ignored
     where : file and key of the table, for messages
     massless : the density may be 0
 
@@ -228,3 +244,163 @@ def rotated(C_M: Array, A_BM: Array) -> Array:
     T = bond(A_BM)
     C = T @ C_M @ np.swapaxes(T, -1, -2)
     return np.asarray(0.5 * (C + np.swapaxes(C, -1, -2)))
+
+
+UPPER = np.triu_indices(6)
+KEYS = ("kind", "C", "rho", "name")
+
+
+@dataclass(frozen=True, eq=False)
+class Anisotropic:
+    """A material by its stiffness.
+
+    Attributes
+    ----------
+    stiffness_M : (6, 6) in the material's own axes, order 11, 22, 33, 23, 13, 12 with engineering
+        shear strains [Pa]
+    rho : density [kg/m3]
+    """
+
+    stiffness_M: Array
+    rho: float
+
+    @property
+    def compliance_M(self) -> Array:
+        """Compliance: strain_M = compliance_M @ stress_M, (6, 6) [1/Pa]."""
+        return np.asarray(np.linalg.inv(self.stiffness_M), dtype=float)
+
+
+def elastic_from_dict(
+    table: Mapping[str, Any], where: str, *, massless: bool = False
+) -> Orthotropic | Anisotropic:
+    """Material of a table; beside the kinds of `material_from_dict`, one with 21 constants.
+
+    Parameters
+    ----------
+    table : {"kind": "anisotropic", "C": 21 numbers, "rho": number}, C the upper triangle of the
+        stiffness row by row [Pa]; or any other table
+    where : file and key of the table, for messages
+    massless : the density may be 0
+
+    Raises
+    ------
+    MaterialError : unknown or missing key, no number, a stiffness that is not positive definite.
+    """
+    if not isinstance(table, Mapping) or table.get("kind") != "anisotropic":
+        return material_from_dict(table, where, massless=massless)
+    for key in table:
+        if key not in KEYS:
+            raise MaterialError(f"{where}.{key}: unknown key; expected {', '.join(KEYS)}")
+    numbers = table.get("C")
+    if not isinstance(numbers, list) or len(numbers) != len(UPPER[0]):
+        raise MaterialError(f"{where}.C: expected {len(UPPER[0])} numbers [Pa]")
+    values = [*numbers, table.get("rho")]
+    if not all(isinstance(v, int | float) and math.isfinite(v) for v in values):
+        raise MaterialError(f"{where}: expected finite numbers C [Pa] and rho [kg/m3]")
+    rho = float(values[-1])
+    check_density(rho, where, massless)
+    C = of_upper(numbers)
+    lowest = float(np.linalg.eigvalsh(C)[0])
+    if not lowest > 0.0:
+        raise MaterialError(
+            f"{where}.C: expected a positive definite stiffness, its least eigenvalue is "
+            f"{lowest:.3g} Pa"
+        )
+    return Anisotropic(C, rho)
+
+
+def of_upper(numbers: Sequence[float]) -> Array:
+    """Return the symmetric matrix (6, 6) of the 21 numbers of its upper triangle, row by row."""
+    C = np.zeros((6, 6))
+    C[UPPER] = numbers
+    return np.asarray(C + np.triu(C, 1).T)
+
+
+CRUSHING_ANGLE = math.radians(53.0)
+S23_PER_YC = math.cos(CRUSHING_ANGLE) * (
+    math.sin(CRUSHING_ANGLE) + math.cos(CRUSHING_ANGLE) / math.tan(2 * CRUSHING_ANGLE)
+)
+F12_STAR = -0.5
+
+_REQUIRED = {"orthotropic": ("Xt", "Xc", "Yt", "Yc", "S12"), "isotropic": ("yield_stress",)}
+_OPTIONAL = {"orthotropic": ("Zt", "Zc", "S13", "S23", "F12_star"), "isotropic": ()}
+
+
+@dataclass(frozen=True)
+class PlyStrength:
+    """Magnitude of each uniaxial stress at failure of a ply [Pa]; t tension, c compression.
+
+    `F12_star` [-] is F_ij / sqrt(F_ii F_jj) of Tsai-Wu for the three pairs of normal stresses.
+    """
+
+    Xt: float
+    Xc: float
+    Yt: float
+    Yc: float
+    Zt: float
+    Zc: float
+    S12: float
+    S13: float
+    S23: float
+    F12_star: float = F12_STAR
+
+
+@dataclass(frozen=True)
+class YieldStrength:
+    """The yield stress of an isotropic material [Pa]."""
+
+    yield_stress: float
+
+
+def read_strength(table: Mapping[str, Any], kind: str, where: str) -> PlyStrength | YieldStrength:
+    """Strengths of a material from its table, with defaults.
+
+    Parameters
+    ----------
+    table : keys as in the text at the top of this file
+    kind : kind of the material, "orthotropic" or "isotropic"
+    where : file and key of the table, for messages
+
+    Raises
+    ------
+    MaterialError : unknown or missing key, not a positive number, F12_star without a
+        closed failure surface.
+    """
+    if not isinstance(table, Mapping):
+        raise MaterialError(f"{where}: expected a table of strengths, got {table!r}")
+    if kind not in _REQUIRED:
+        raise MaterialError(f"{where}: a material of kind {kind!r} has no strengths")
+    known = _REQUIRED[kind] + _OPTIONAL[kind]
+    for key in table:
+        if key not in known:
+            raise MaterialError(
+                f"{where}.{key}: unknown strength of an {kind} material; expected "
+                + ", ".join(known)
+                + did_you_mean(str(key), known)
+            )
+    for key in _REQUIRED[kind]:
+        if key not in table:
+            raise MaterialError(f"{where}.{key}: missing, expected a stress [Pa]")
+    values = {key: _strength(value, key, where) for key, value in table.items()}
+    if kind == "isotropic":
+        return YieldStrength(**values)
+    defaults = {
+        "Zt": values["Yt"],
+        "Zc": values["Yc"],
+        "S13": values["S12"],
+        "S23": S23_PER_YC * values["Yc"],
+    }
+    return PlyStrength(**{**defaults, **values})
+
+
+def _strength(found: Any, key: str, where: str) -> float:
+    share = key == "F12_star"
+    value = finite_number(found, f"{where}.{key}", "-" if share else "Pa")
+    if share and not -0.5 <= value < 1.0:
+        raise MaterialError(
+            f"{where}.{key} = {value:g}: expected -0.5 <= F12_star < 1: outside, the failure "
+            "surface is not closed in three dimensions"
+        )
+    if not share and not value > 0.0:
+        raise MaterialError(f"{where}.{key} = {value:g} Pa: expected a value above 0")
+    return value

@@ -1,29 +1,273 @@
-"""Write and read a file that holds one object: identity, data, checksum, and checks in between."""
+"""Write and read a file that holds one object: identity, data, checksum, and checks in between.
 
+Objects that were read and found good are kept in the user's cache. Reading and checking a package
+takes 0.05 s, most of it in calls of h5py, and 0.2 s if it has 30 modes with second-order fields;
+its object comes back in 1 to 10 ms. The key is the digest of every byte of the file and of the
+sources of this folder, so that nothing is left unchecked: other bytes, or other checks, are other
+keys. An entry is a line of JSON and the bytes of its arrays: reading one runs no code, as a pickle
+would.
+"""
+
+import dataclasses
+import hashlib
+import importlib
+import json
+import sys
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 import h5py
+import numpy as np
 
 from ...errors import PackageError
-from .container import get_text, new_file, open_file, set_long_text
-from .dataset import encoded, layout_findings, read_fields, write_encoded
-from .identity import (
-    FileFormat,
-    checksum_findings,
-    identity_notes,
-    json_table,
-    json_text,
-    unit_findings,
-    write_checksum,
-    write_identity,
+from ...math.disk_cache import DiskCache, sources_sha256
+from .container import (
+    content_sha256,
+    get_text,
+    kind_of_file,
+    new_file,
+    open_file,
+    set_long_text,
+    set_text,
 )
-from .read_before import keep, key_of, recall
-from .remark import Remark, raise_first
+from .dataset import encoded, layout_findings, read_fields, write_encoded
+from .files import has_seal
+from .findings import Remark, raise_first
+from .plain_data import json_table, json_text
 from .vtk_view import view_findings
+
+UNITS = "SI"
+CHECKSUM = "content_sha256"
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """One file format: its name, version, and the group of its data."""
+
+    format: str
+    version: tuple[int, int]
+    group: str  # group of all data, which the checksum covers
+    title: str  # attribute of the root that names the object
+
+
+def write_identity(file: h5py.File, known: FileFormat, name: str) -> None:
+    """Write format, version, the object's name and units as attributes of the root."""
+    set_text(file, "format", known.format)
+    file.attrs["format_version"] = np.array(known.version, dtype=np.int64)
+    set_text(file, known.title, name)
+    set_text(file, "units", UNITS)
+
+
+def write_checksum(file: h5py.File, known: FileFormat) -> None:
+    """Write the checksum, after all data."""
+    set_text(file, "content_sha256", _checksum(file, known))
+
+
+def _checksum(file: h5py.File, known: FileFormat) -> str:
+    return content_sha256(file[known.group], get_text(file, known.title), get_text(file, "units"))
+
+
+def write_file_checksum(file: h5py.File, known: Mapping[str, Any] | None = None) -> None:
+    """Write the checksum of a whole file, after all data; `known` as in `content_sha256`."""
+    set_text(file, CHECKSUM, content_sha256(file, without=CHECKSUM, known=known))
+
+
+def check_file_checksum(path: Path, file: h5py.File, error: type[Exception]) -> None:
+    """Compare a whole file with its checksum. Raises `error`.
+
+    `open_file` has compared all bytes of a file with a seal, which takes a tenth of the time.
+    """
+    stored = get_text(file, CHECKSUM)
+    if stored and has_seal(path):
+        return
+    actual = content_sha256(file, without=CHECKSUM)
+    if actual != stored:
+        found = f"{stored[:12]}..." if stored else "none"
+        raise error(
+            f"{path}: {CHECKSUM}: content was altered after writing, or is incomplete: "
+            f"expected {actual[:12]}..., found {found}"
+        )
+
+
+def unit_findings(file: h5py.File) -> list[Remark]:
+    """Check that the numbers of a file are in SI units."""
+    units = get_text(file, "units", UNITS)
+    if units == UNITS:
+        return []
+    return [Remark("error", "/", f"attribute units: expected {UNITS!r}, found {units!r}")]
+
+
+def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remark]:
+    """Check that the format and version of a file are known. Raises PackageError."""
+    found = get_text(file, "format")
+    if found != known.format:
+        what = f"{found!r}" if found else kind_of_file(file)
+        raise PackageError(f"{path}: attribute format: expected {known.format!r}, this is {what}")
+    major, minor = version_of(path, file, PackageError)
+    if major != known.version[0]:
+        age = "a newer" if major > known.version[0] else "an older"
+        raise PackageError(
+            f"{path}: written by {age} Plymotion: format {major}.{minor}, "
+            f"this reader knows {known.version[0]}.x"
+        )
+    if not isinstance(file.get(known.group), h5py.Group):
+        raise PackageError(f"{path}: /{known.group}: missing group")
+    if minor <= known.version[1]:
+        return []
+    newest = ".".join(map(str, known.version))
+    text = f"{path}: format {major}.{minor} is newer than {newest}: parts of it are not read"
+    return [Remark("warning", "format_version", text)]
+
+
+def version_of(path: Path, file: h5py.File, error: type[Exception]) -> tuple[int, int]:
+    """Return major and minor version of a file's format. Raises `error` for other values."""
+    try:
+        major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
+    except (KeyError, ValueError, TypeError, OverflowError):
+        raise error(f"{path}: attribute format_version: expected [major, minor]") from None
+    return major, minor
+
+
+def checksum_findings(file: h5py.File, known: FileFormat, *, whole: bool = False) -> list[Remark]:
+    """Compare the content with the stored checksum.
+
+    Without `whole`, not that of a file with a seal: `open_file` has compared all its bytes.
+    """
+    stored = get_text(file, "content_sha256")
+    if not stored:
+        return [Remark("warning", "content_sha256", "no checksum: damage cannot be detected")]
+    if not whole and has_seal(Path(file.filename)):
+        return []
+    actual = _checksum(file, known)
+    if actual == stored:
+        return []
+    text = f"content was altered after writing: expected {stored[:12]}..., found {actual[:12]}..."
+    return [Remark("error", "content_sha256", text)]
+
+
+# Entries of a provenance that are shown, and their types: other programs write these files, too.
+SHOWN: dict[str, tuple[type, ...]] = {
+    "dofs": (int,),
+    "seconds": (int, float),
+    "refinements": (list,),
+    "verification": (str, type(None)),
+}
+STEP = ("dofs", "error", "seconds")  # numbers of each of `refinements`
+
+
+def check_provenance(file: Path, provenance: Mapping[str, Any]) -> None:
+    """Raise PackageError if an entry that is shown is of another type."""
+    for key, types in SHOWN.items():
+        if key in provenance and not isinstance(provenance[key], types):
+            names = " or ".join("none" if t is type(None) else t.__name__ for t in types)
+            raise PackageError(
+                f"{file}: provenance.{key}: expected {names}, found {provenance[key]!r:.40}"
+            )
+    steps = provenance.get("refinements", [])
+    for row, step in enumerate(steps if len(steps) > 1 else []):  # one is not shown
+        for key in STEP:
+            if not isinstance(step, dict) or not isinstance(step.get(key), int | float):
+                raise PackageError(
+                    f"{file}: provenance.refinements[{row}].{key}: expected a number"
+                )
+
+
+MOST_FILES, MOST_BYTES = 200, 800_000_000
+LARGEST = 32_000_000  # bytes of a file
+_PACKAGE = __name__.removesuffix("common.object_file")  # whose dataclasses the objects are
+_OBJECTS = DiskCache("packages", MOST_FILES, MOST_BYTES)
+
+
+def _reader() -> bytes:
+    """Return what the reading depends on, apart from the file."""
+    return f"{sys.version} {np.__version__} {sources_sha256('solver/package')}".encode()
+
+
+def key_of(path: Path) -> str | None:
+    """Return the key of a file; None if it cannot be read, or is too large to be kept."""
+    try:
+        if path.stat().st_size > LARGEST:
+            return None
+        return hashlib.sha256(_reader() + path.read_bytes()).hexdigest()
+    except OSError:
+        return None
+
+
+def recall(key: str | None, kind: str) -> Any:
+    """Return the object of a file of this kind; None if it was not kept."""
+    content = _OBJECTS.read(f"{key}-{kind}") if key is not None else None
+    if content is None:
+        return None
+    head, _, data = content.partition(b"\n")
+    return _value_of(json.loads(head), data)
+
+
+def keep(key: str | None, kind: str, found: Any) -> None:
+    """Keep the object of a file that has no findings."""
+    if key is None:
+        return
+    arrays: list[bytes] = []
+    try:
+        head = json.dumps(_json_of(found, arrays)).encode()
+    except TypeError:  # it has a part of another kind
+        return
+    content = b"".join([head, b"\n", *arrays])
+    if len(content) <= LARGEST:
+        _OBJECTS.write(f"{key}-{kind}", content)
+
+
+def _json_of(value: Any, arrays: list[bytes]) -> Any:
+    """Return a value as JSON; what JSON does not have is a list of its kind and its parts."""
+    if value is None or isinstance(value, str | int | float):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        order: Literal["C", "F"] = "C" if value.flags.c_contiguous else "F"
+        arrays.append(value.tobytes(order))
+        return ["array", value.dtype.str, value.shape, order, len(arrays[-1])]
+    if isinstance(value, dict):
+        return ["dict", [[_json_of(part, arrays) for part in pair] for pair in value.items()]]
+    if isinstance(value, tuple | list):
+        return [type(value).__name__, [_json_of(part, arrays) for part in value]]
+    parts = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+    kind = f"{type(value).__module__}:{type(value).__name__}"
+    if not kind.startswith(_PACKAGE):
+        raise TypeError(kind)
+    return [kind, {name: _json_of(part, arrays) for name, part in parts.items()}]
+
+
+def _value_of(value: Any, data: bytes) -> Any:
+    """Return the value of its JSON and of the bytes of its arrays, in the order of both."""
+    rest = memoryview(data)
+
+    def read(value: Any) -> Any:
+        nonlocal rest
+        if not isinstance(value, list):
+            return value
+        kind, parts = value[0], value[1]
+        if kind == "array":
+            _, dtype, shape, order, size = value
+            piece, rest = rest[:size], rest[size:]
+            flat = np.frombuffer(piece, dtype=np.dtype(dtype)).copy()
+            return flat.reshape(shape, order=order)
+        if kind == "dict":
+            return {read(name): read(part) for name, part in parts}
+        if kind in ("tuple", "list"):
+            found = [read(part) for part in parts]
+            return tuple(found) if kind == "tuple" else found
+        module, name = kind.removeprefix(_PACKAGE).split(":")
+        known: Any = getattr(importlib.import_module(_PACKAGE + module), name)
+        if not dataclasses.is_dataclass(known):
+            raise TypeError(kind)
+        made: Any = known
+        return made(**{key: read(part) for key, part in parts.items()})
+
+    return read(value)
+
 
 Object = TypeVar("Object")
 Part = TypeVar("Part")

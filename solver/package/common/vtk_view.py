@@ -7,7 +7,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from .container import set_text
-from .remark import Remark
+from .findings import Remark
 
 # Names in /VTKHDF and in the mesh of every format; the nodes have different names.
 CELLS = (("Connectivity", "connectivity"), ("Offsets", "offsets"), ("Types", "cell_types"))

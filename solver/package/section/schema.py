@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from ...math.arrays import Array, IntArray
-from ..common.dataset import Data, Part, Rows
-from ..common.reported import Reported
+from ..common.dataset import Data, Part, Reported, Rows
 
 SECTION_FORMAT = "plymotion section"
 SECTION_FORMAT_VERSION = (1, 1)

@@ -1,11 +1,89 @@
-"""Stresses in a section under unit resultants, and the trapeze effect that follows from them."""
+"""Stresses in a section: recovery data and their checks, unit resultants, re-entrant corners."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...math.arrays import Array
-from ..common.materials import bond
-from ..common.remark import Remark
-from .schema import RESULTANTS, SectionFile, SectionRecovery
+from ...errors import did_you_mean
+from ...math.arrays import Array, IntArray
+from ..common.findings import Remark, Reporter, positive_definite, rotations, rows_of, symmetric
+from ..common.materials import MaterialError, PlyStrength, YieldStrength, bond, read_strength
+from .schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData, SectionRecovery
+
+KEPT_BITS = 21  # significant bits: a relative error below 5e-7; with sign and exponent four bytes
+
+
+def thinned(recovery: SectionRecovery) -> SectionRecovery:
+    """The same recovery with strains rounded to a relative 5e-7, compressed to half the size."""
+    return replace(recovery, strain_M=rounded(recovery.strain_M))
+
+
+def rounded(values: Array) -> Array:
+    """Numbers with their last bits set to zero: a relative error below 5e-7."""
+    mantissa, exponent = np.frexp(values)
+    return np.asarray(np.ldexp(np.round(np.ldexp(mantissa, KEPT_BITS)), exponent - KEPT_BITS))
+
+
+class OfMaterials(Protocol):
+    """An object with constants and strengths of materials by name."""
+
+    @property
+    def materials(self) -> dict[str, dict[str, Any]]:
+        """Tables of materials by name."""
+
+
+def strengths(recovery: OfMaterials) -> dict[str, PlyStrength | YieldStrength]:
+    """Strengths of the materials that have any, by name. Raises MaterialError."""
+    found = {}
+    for name, material in recovery.materials.items():
+        if not isinstance(material, Mapping):
+            raise MaterialError(f"{name}: expected a table of constants, got {material!r}")
+        table = material.get("strength")
+        if table is not None:
+            found[name] = read_strength(table, str(material.get("kind")), f"{name}.strength")
+    return found
+
+
+class OfPlies(OfMaterials, Protocol):
+    """An object with plies and their materials by name."""
+
+    @property
+    def plies(self) -> Sequence[Any]:
+        """Each with the name of its `material`."""
+
+
+def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
+    """Report unknown materials of plies and unusable strengths; `kind` of owner, for messages."""
+    for row, ply in enumerate(owner.plies):
+        if ply.material not in owner.materials:
+            hint = did_you_mean(ply.material, tuple(owner.materials))
+            text = f"row {row}: {ply.material!r} is not a material of the {kind}{hint}"
+            error(f"{where}plies/material", text)
+    check_materials(owner, where, error)
+
+
+def check_materials(owner: OfMaterials, where: str, error: Reporter) -> None:
+    """Report unusable strengths; `where` starts the path."""
+    try:
+        strengths(owner)
+    except MaterialError as cause:
+        error(f"{where}materials", str(cause))
+
+
+def check_recovery(recovery: SectionRecovery, where: str, error: Reporter) -> None:
+    """Report finite numbers of a recovery that cannot be used; `where` starts their path."""
+    rows_of(f"{where}recovery/ply", recovery.ply, len(recovery.plies), error)
+    rotations(f"{where}recovery/A_BM", recovery.A_BM, error)
+    for row, C_M in enumerate(recovery.C_M):
+        symmetric(f"{where}plies/C_M[{row}]", C_M, error)
+        positive_definite(f"{where}plies/C_M[{row}]", C_M, error)
+    if not np.sum(recovery.weights) > 0.0:
+        text = f"expected an area above 0, found {np.sum(recovery.weights):g} m2"
+        error(f"{where}recovery/weights", text)
+    check_plies(recovery, "section", where, error)
 
 
 def unit_stress(recovery: SectionRecovery) -> Array:
@@ -96,3 +174,46 @@ def trapeze_strains(K: Array, recovery: SectionRecovery) -> Array:
     x2, x3 = -S[2, 3] / S[3, 3], S[1, 3] / S[3, 3]
     r2 = (recovery.points[:, 0] - x2) ** 2 + (recovery.points[:, 1] - x3) ** 2
     return np.asarray((recovery.weights * r2) @ unit_stress(recovery)[:, 0])
+
+
+MIDDLES = (22, 23, 28)  # VTK's cells with nodes in the middle of their sides, behind the corners
+ANGLE_DEG = 195.0  # inside the material, above which a corner counts
+WHOLE_DEG = 359.0  # above it a node lies inside the material
+
+
+def reentrant_corners(mesh: SectionMeshData) -> tuple[IntArray, Array]:
+    """Nodes (k,) on the boundary with more than 195 deg of material around them.
+
+    Returns
+    -------
+    nodes, and the size of the largest cell at each, (k,) [m]
+    """
+    around, size = np.zeros(len(mesh.nodes)), np.zeros(len(mesh.nodes))
+    for kind in np.unique(mesh.cell_types):
+        rows = np.flatnonzero(mesh.cell_types == kind)
+        first, last = mesh.offsets[rows[0]], mesh.offsets[rows[0] + 1]
+        table = mesh.connectivity[mesh.offsets[rows][:, None] + np.arange(last - first)]
+        n = CORNERS[int(kind)]
+        corners = mesh.nodes[table[:, :n]]
+        after, before = np.roll(corners, -1, axis=1), np.roll(corners, 1, axis=1)
+        forth, back = after - corners, before - corners
+        if int(kind) in MIDDLES:  # tangents of the parabolas
+            middle = mesh.nodes[table[:, n : 2 * n]]
+            forth = 4.0 * middle - 3.0 * corners - after
+            back = 4.0 * np.roll(middle, 1, axis=1) - 3.0 * corners - before
+        cross = forth[..., 0] * back[..., 1] - forth[..., 1] * back[..., 0]
+        angle = np.abs(np.arctan2(cross, (forth * back).sum(axis=-1)))
+        np.add.at(around, table[:, :n], angle)
+        reach = np.linalg.norm(after - corners, axis=-1).max(axis=1)
+        np.maximum.at(size, table[:, :n], reach[:, None])
+    found = np.flatnonzero((around > np.radians(ANGLE_DEG)) & (around < np.radians(WHOLE_DEG)))
+    return found, size[found]
+
+
+def near_corner(mesh: SectionMeshData, points: Array, distance: float) -> NDArray[np.bool_]:
+    """True for points (p, 2) nearer than `distance` [m] to a re-entrant corner, (p,)."""
+    corners, _ = reentrant_corners(mesh)
+    near = np.zeros(len(points), dtype=bool)
+    for place in mesh.nodes[corners]:
+        near |= np.linalg.norm(points - place, axis=1) < distance
+    return near

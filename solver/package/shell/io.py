@@ -1,14 +1,57 @@
-"""Write and read a shell results file: HDF5, and a valid VTKHDF file."""
+"""Write, read and check a shell results file: HDF5, and a valid VTKHDF file."""
 
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from ..common.dataset import field_values
+from ..common.findings import Remark, finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.object_file import ObjectFormat, read_object, write_object
 from ..common.vtk_view import create_grid, describe, part_view
-from .checks import shell_content_findings
-from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
+from ..specification import SHELL_LINK_KINDS
+from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
+
+
+def shell_content_findings(shell: ShellFile) -> list[Remark]:
+    """Check the numbers of a shell with correct shapes."""
+    bad: list[Remark] = []
+
+    def error(dataset: str, message: str) -> None:
+        bad.append(Remark("error", f"/shell/{dataset}", message))
+
+    found = field_values(shell)
+    for path, value in found.items():
+        finite(path, value, error)
+    if bad:
+        return bad  # the other checks would report the same error
+    mesh = shell.mesh
+    mesh_cells(found["mesh/offsets"], found["mesh/connectivity"], len(mesh.nodes_G), error)
+    rows_of("mesh/region", mesh.region, len(mesh.regions), error)
+    rows_of("mesh/laminate", mesh.laminate, len(shell.laminates), error)
+    rotations("mesh/A_GE", mesh.A_GE, error)
+    for path, names in (
+        ("mesh/regions", mesh.regions),
+        ("mesh/node_ids", mesh.node_ids.tolist()),
+        ("laminates/names", found["laminates/names"]),
+        ("cases/names", shell.cases.names),
+    ):
+        if len(set(names)) != len(names):
+            error(path, "expected unique values, some occur twice")
+    for laminate in shell.laminates:
+        symmetric("laminates/ABD", laminate.ABD, error)
+        symmetric("laminates/Ds", laminate.Ds, error)
+        if not laminate.plies:
+            error("plies/laminate", f"laminate {laminate.name!r} has no plies")
+    known = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
+    one_of("probes/quantities", shell.probes.quantities, known, error)
+    if shell.buckling is not None:
+        rows_of("buckling/case", shell.buckling.case, len(shell.cases.names), error)
+        if np.any(shell.buckling.factors <= 0.0):
+            error("buckling/factors", "expected numbers above 0")
+    one_of("links/kinds", shell.links.kinds, SHELL_LINK_KINDS, error)
+    return bad
+
 
 PARTS = (("N", slice(0, 3), "N/m"), ("M", slice(3, 6), "N"), ("T", slice(6, 8), "N/m"))
 

@@ -18,9 +18,8 @@ import numpy as np
 
 from ...errors import PackageError
 from ...math.arrays import Array, IntArray
-from ..common.dataset import Data, Part, Rows
-from ..common.reported import Reported
-from .cells import QUADRILATERAL, TRIANGLE, cell_table, vtk_cells
+from ..common.cells import QUADRILATERAL, TRIANGLE, cell_table, vtk_cells
+from ..common.dataset import Data, Part, Reported, Rows
 
 SHELL_FORMAT = "plymotion shell"
 SHELL_FORMAT_VERSION = (1, 2)

@@ -17,11 +17,11 @@ import numpy as np
 from ...errors import InputError, PackageError, did_you_mean, printable
 from ...inputs.section.vabs import OF_VABS
 from ...math.arrays import Array, IntArray
-from ...package.common.anisotropic import elastic_from_dict
 from ...package.common.container import open_file
-from ...package.common.identity import check_provenance, checksum_findings, identity_notes
-from ...package.common.remark import raise_first
-from ...package.common.temporary import write_text
+from ...package.common.files import write_text
+from ...package.common.findings import raise_first
+from ...package.common.materials import elastic_from_dict
+from ...package.common.object_file import check_provenance, checksum_findings, identity_notes
 from ...package.section.codes import AXES, CODES, OF_BLADES, OF_MESHES
 from ...package.section.io import SECTION_FILE, read_section
 from ...package.section.schema import CORNERS, SectionFile, SectionProperties

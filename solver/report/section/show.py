@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...math.arrays import Array
+from ...package.common.files import write_text
 from ...package.common.plain_data import cell_text
-from ...package.common.temporary import write_text
-from ...package.section.corners import near_corner, reentrant_corners
-from ...package.section.recovery_data import strengths
 from ...package.section.schema import (
     RESULTANTS,
     STRESSES,
@@ -24,6 +22,7 @@ from ...package.section.schema import (
     SectionMeshData,
     SectionRecovery,
 )
+from ...package.section.stress import near_corner, reentrant_corners, strengths
 from ...strength import criteria_of
 from ...strength.beam_bodies import unit_stress_M
 from .codes import SectionResults, convert

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array, IntArray
-from ...package.shell.cells import NONE, area_vectors, sides
-from ...package.shell.cells import centres as mean_of_corners
+from ...package.common.cells import NONE, area_vectors, sides
+from ...package.common.cells import centres as mean_of_corners
 from ..style import GREY, INK, Canvas, house_style
 
 WIDTH = 8.0  # inches, of two views

@@ -10,11 +10,10 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...package.common.identity import check_provenance
-from ...package.common.materials import MaterialError
-from ...package.common.strengths import PlyStrength, YieldStrength
-from ...package.section.recovery_data import strengths
-from ...package.shell.cells import centres, corner_counts
+from ...package.common.cells import centres, corner_counts
+from ...package.common.materials import MaterialError, PlyStrength, YieldStrength
+from ...package.common.object_file import check_provenance
+from ...package.section.stress import strengths
 from ...package.shell.io import read_shell
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from ...strength import criteria_of

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array, IntArray
-from ...package.shell.cells import centres, corner_counts
+from ...package.common.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate, ShellMeshData
 from .findings import (
     CaseFindings,

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...math.arrays import Array, IntArray
-from ...package.common.strengths import PlyStrength, YieldStrength
+from ...package.common.materials import PlyStrength, YieldStrength
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Criterion:
     Attributes
     ----------
     name : in results and messages
-    strength : class of its second argument, the strengths (package/common/strengths.py)
+    strength : class of its second argument, the strengths (package/common/materials.py)
     assess : see above
     convex_bound : f(stress_M, strength) -> (...), convex in the stress, proportional to it and
      never below the exposure. The search over a history uses it to exclude most points and times

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...math.arrays import Array
-from ...package.common.strengths import PlyStrength
+from ...package.common.materials import PlyStrength
 from .contract import Criterion, Verdict, exposure, governing
 
 # Shear along the fibre alone has equal terms for fibre and matrix; it is assigned to the matrix.

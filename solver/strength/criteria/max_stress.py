@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...math.arrays import Array
-from ...package.common.strengths import PlyStrength
+from ...package.common.materials import PlyStrength
 from .contract import Criterion, Verdict
 
 NORMAL = ("11", "22", "33")

@@ -1,7 +1,7 @@
 """The criteria of this folder, and the selection of those for a material."""
 
 from ...math.catalogue import by_name, catalogue
-from ...package.common.strengths import PlyStrength, YieldStrength
+from ...package.common.materials import PlyStrength, YieldStrength
 from . import __name__ as _package
 from . import __path__ as _path
 from .contract import Criterion

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...math.arrays import Array
-from ...package.common.strengths import PlyStrength
+from ...package.common.materials import PlyStrength
 from .contract import Criterion, Verdict
 
 MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")

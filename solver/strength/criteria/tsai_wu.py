@@ -8,7 +8,7 @@ and F_ij = F12_star sqrt(F_ii F_jj) for each pair of normal stresses
 import numpy as np
 
 from ...math.arrays import Array
-from ...package.common.strengths import PlyStrength
+from ...package.common.materials import PlyStrength
 from .contract import Criterion, Verdict, exposure
 
 MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...math.arrays import Array
-from ...package.common.strengths import YieldStrength
+from ...package.common.materials import YieldStrength
 from .contract import Criterion, Verdict
 
 MODES = ("yield",)

@@ -19,10 +19,10 @@ from ...package.body.selection import (
     axial_load,
     inertia_loads,
     interface_load,
+    rigid,
     vibrations,
     with_statics,
 )
-from ...package.body.transform import rigid
 from ...package.specification import DIRECTIONS
 from ...run.integration import complete
 from ...run.outcome import RunSpec

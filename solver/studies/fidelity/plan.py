@@ -8,8 +8,14 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package import ModalPackage
-from ...package.body.selection import axial_load, inertia_loads, vibrations, with_statics
-from ...package.body.transform import changed_basis, rigid
+from ...package.body.selection import (
+    axial_load,
+    changed_basis,
+    inertia_loads,
+    rigid,
+    vibrations,
+    with_statics,
+)
 from ...run.outcome import RunSpec
 
 if TYPE_CHECKING:

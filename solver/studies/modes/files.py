@@ -9,8 +9,7 @@ import numpy as np
 from scipy.io import savemat
 
 from ...inputs.case.write import dump
-from ...package.common.replaceable import refuse_foreign
-from ...package.common.temporary import temporary_sibling, write_text
+from ...package.common.files import refuse_foreign, temporary_sibling, write_text
 from ...report.style import Canvas, colour, house_style
 from ..linearisation.named_states import Realisation, realisation
 from ..linearisation.participation import coordinate_names

@@ -8,7 +8,7 @@ import numpy as np
 from ...dynamics.model.coordinates import moved
 from ...math.arrays import Array
 from ...package.common.container import new_file, set_text
-from ...package.common.replaceable import is_ours
+from ...package.common.files import is_ours
 from ...report.figures import segments
 from ...report.style import PALE, Canvas, colour, house_style
 from ...results import BodyGeometry, write_animation

@@ -12,7 +12,7 @@ from ...errors import InputError
 from ...inputs.case.bodies.segments import in_segments
 from ...inputs.case.tables.schema import Mechanism
 from ...package import ModalPackage
-from ...package.common.temporary import write_text
+from ...package.common.files import write_text
 from ...results.codes import PLAN_TOO_COARSE
 from ...run.outcome import RunSpec
 from ..fidelity.answer import Answer, estimate_entry

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.container import get_text, new_file, open_file, set_text
-from ...package.common.identity import check_file_checksum, version_of, write_file_checksum
+from ...package.common.object_file import check_file_checksum, version_of, write_file_checksum
 from ...package.common.plain_data import cell_text
 from ...results import ResultError
 from ...results.summary import MEASURES

@@ -17,7 +17,7 @@ from ....errors import InputError, collected, refuse, under
 from ....math.arrays import Array
 from ....math.laws import lengths_along
 from ....math.rotations import shortest_rotations, vector_to_matrix
-from ....package.body.division import node_positions
+from ....package.common.cells import node_positions
 from ....package.specification import BeamSpecification, LineTable, PlyTable
 from ...common.materials import plain
 from ...section.description import Region

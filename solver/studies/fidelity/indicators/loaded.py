@@ -12,7 +12,7 @@ from ....dynamics.model.model import Model
 from ....math.arrays import Array, IntArray
 from ....mechanism import BuiltMechanism, build
 from ....package import ModalPackage
-from ....package.body.transform import changed_basis, rigid
+from ....package.body.selection import changed_basis, rigid
 from ....run.outcome import RunSpec
 from ..motions import Base
 from ..plan import FAINT, Rich, energy, with_values

@@ -1,0 +1,1 @@
+"""gmsh: scripts, mesh files and CAD files as plain arrays."""

@@ -1,0 +1,117 @@
+"""Forms of solids, assembled by DOLFINx into matrices and vectors in the order of a plain mesh.
+
+Importing this module loads DOLFINx and UFL.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import ufl
+
+from ...solver.math.arrays import Array, IntArray
+from .plain import PlainMesh
+from .spaces import (
+    assembled,
+    cell_dofs,
+    cell_function,
+    compiled_form,
+    dof_coordinates,
+    labelled_mesh,
+    nodes_of_cells,
+    original_cells,
+    vector_space,
+)
+from .stack import dolfinx
+
+
+class SolidSpace:
+    """Displacements on cells of degree 2.
+
+    Those of degree 2 have an unknown at every node of the mesh, in its order.
+
+    Attributes
+    ----------
+    space : of DOLFINx, three components
+    points : (n, 3) where the unknowns are [m]
+    """
+
+    def __init__(self, plain: PlainMesh, degree: int = 2) -> None:
+        self._mesh = labelled_mesh(plain).mesh
+        self._plain = plain
+        self.space = vector_space(self._mesh, degree, 3)
+        self._cells = original_cells(self._mesh)
+        self.points = dof_coordinates(self.space)
+        self._row = np.arange(len(self.points))
+        if degree == 2:  # geometry and space share the element
+            self.points = plain.points
+            self._row[cell_dofs(self.space)] = nodes_of_cells(self._mesh)
+
+    def of_cells(self, values: Array) -> Any:
+        """A coefficient with a constant tensor in each cell of the plain mesh, (c, ...)."""
+        return cell_function(self._mesh, np.asarray(values)[self._cells])
+
+    def of_nodes(self, values: Callable[[Array, IntArray], Array]) -> Any:
+        """A coefficient by its values (..., 3, 3) at points (c, k, 3) of some cells (c,)."""
+        points = self._plain.points[nodes_of_cells(self._mesh)]
+        return cell_function(self._mesh, values(points, self._cells), 2)
+
+    def _faces(
+        self, owner: IntArray, corners: IntArray
+    ) -> Iterator[tuple[int, IntArray, IntArray]]:
+        """Yield each face of the cells of DOLFINx, its unknowns, and the cells that have it."""
+        cell = np.argsort(self._cells)[owner]
+        is_corner = (nodes_of_cells(self._mesh)[cell][:, :, None] == corners[:, None]).any(axis=2)
+        vertices = 4 if self._plain.cell == "tetrahedron" else 8
+        for face in range(4 if vertices == 4 else 6):
+            closure = np.array(self.space.dofmap.dof_layout.entity_closure_dofs(2, face))
+            yield face, closure, cell[is_corner[:, closure[closure < vertices]].all(axis=1)]
+
+    def on_faces(self, owner: IntArray, corners: IntArray) -> IntArray:
+        """Points on faces, given by cells (f,) and corners (f, 3 or 4) of the plain mesh."""
+        dofs, faces = cell_dofs(self.space), self._faces(owner, corners)
+        rows = [dofs[cells][:, closure].ravel() for _, closure, cells in faces]
+        return np.unique(self._row[np.concatenate(rows)])
+
+    def over_faces(self, owner: IntArray, corners: IntArray) -> Any:
+        """UFL's measure of integration over such faces."""
+        self._mesh.topology.create_connectivity(3, 2)
+        of_cell = self._mesh.topology.connectivity(3, 2)
+        faces = self._faces(owner, corners)
+        facets = [of_cell.links(c)[face] for face, _, cells in faces for c in cells]
+        rows = np.sort(np.array(facets, dtype=np.int32))
+        tags = dolfinx.mesh.meshtags(self._mesh, 2, rows, np.ones(len(rows), dtype=np.int32))
+        return ufl.Measure("ds", self._mesh, subdomain_data=tags)(1)
+
+    def field(self) -> Any:
+        """A displacement field, to be filled by `fill`."""
+        return dolfinx.fem.Function(self.space)
+
+    def fill(self, field: Any, u: Array) -> None:
+        """Give a field the displacements u (n, 3) of the nodes."""
+        field.x.array[:] = u[self._row].ravel()
+
+    def matrix(self, form: Any) -> sp.csr_matrix:
+        """A symmetric bilinear form, (3 n, 3 n), node by node."""
+        A = assembled(form).tocoo()
+        order = self._order
+        ordered = sp.csr_matrix((A.data, (order[A.row], order[A.col])), shape=A.shape)
+        return 0.5 * (ordered + ordered.T)
+
+    def vectors(self, form: Any) -> Callable[[], Array]:
+        """Assembles a linear form with the present values of its fields, (3 n,)."""
+        compiled = compiled_form(form)
+
+        def vector() -> Array:
+            found = dolfinx.fem.petsc.assemble_vector(compiled)
+            out = np.empty(3 * len(self.points))
+            out[self._order] = found.getArray()
+            found.destroy()
+            return out
+
+        return vector
+
+    @property
+    def _order(self) -> IntArray:
+        return np.asarray((3 * self._row[:, None] + np.arange(3)).ravel())

@@ -1,0 +1,1 @@
+"""Factorisations and eigenpairs by PETSc and SLEPc."""

@@ -1,0 +1,218 @@
+"""Factorisation of symmetric matrices: singular ones are found, negative eigenvalues counted."""
+
+import weakref
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ....solver.math.arrays import REGULAR, Array
+from ..distributed import Distribution
+from ..errors import FactorisationError, InertiaError, SingularError
+from ..stack import HAS_MUMPS, PETSc
+from ..team import ALONE, Team
+from .petsc import PETSC_ERRORS, destroy, destroy_dropped, reason, sorted_csr, use_mumps
+
+LARGEST_GROWTH = 1.0 / REGULAR
+
+
+class RandomLoad:
+    """A random load; its solution shows whether the matrix is regular.
+
+    Attributes
+    ----------
+    load : (n,) right-hand side to solve for
+    """
+
+    def __init__(self, diagonal: Array) -> None:
+        """`diagonal` (n,) of the matrix."""
+        self._scale = np.sqrt(np.abs(diagonal))
+        self._z = np.random.default_rng(0).standard_normal(len(diagonal))
+        self.load: Array = self._scale * self._z
+
+    def is_regular(self, solution: Array) -> bool:
+        """True if the matrix that gave this solution (n,) of the load is regular."""
+        return self.growth(solution) < LARGEST_GROWTH
+
+    def growth(self, solution: Array) -> float:
+        """Size of the scaled solution (n,) over that of the load."""
+        return float(np.linalg.norm(self._scale * solution) / np.linalg.norm(self._z))
+
+
+def negative_pivots(A: Any, team: Team = ALONE, solid: bool = False) -> int:
+    """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia).
+
+    With A = K - s M this counts the eigenvalues of K x = lambda M x below s, and so detects modes
+    that an iteration has missed. Each process of a team has a part of A. Raises
+    InertiaError if A cannot be factorised.
+    """
+    A = sorted_csr(A)
+    mat = Distribution(team, A).matrix(A, spd=False)
+    pc = PETSc.PC().create(comm=team.comm)
+    pc.setOperators(mat)
+    pc.setType("cholesky")
+    use_mumps(pc, mat.getSize()[0], solid)
+    held = [pc, mat]
+    try:
+        pc.setUp()
+        factor = pc.getFactorMatrix()
+        held.append(factor)
+        if not HAS_MUMPS:
+            return int(factor.getInertia()[0])
+        status = int(factor.getMumpsInfog(1))  # PETSc raises only for some of its errors
+        if status < 0:
+            raise InertiaError(f"the matrix cannot be factorised (MUMPS status {status})")
+        return int(factor.getMumpsInfog(12))
+    except PETSC_ERRORS as error:
+        raise InertiaError(f"the matrix cannot be factorised: {reason(error)}") from error
+    finally:
+        destroy(*held)
+
+
+class Cholesky:
+    """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
+
+    A team of processes factorises together the sum of the matrices that each of them has, and has
+    the same right-hand sides and solutions on each. The first solve after a factorisation checks it
+    with an additional column. The memory of the factors is freed with the object, or earlier by
+    `close`.
+    """
+
+    def __init__(
+        self,
+        A: Any,
+        team: Team = ALONE,
+        largest_growth: float = LARGEST_GROWTH,
+        solid: bool = False,
+    ) -> None:
+        A = sorted_csr(A)
+        destroy_dropped(team)
+        self.largest_growth, self._solid = largest_growth, solid
+        self.growth = 0.0  # of a random load, by the last factorisation that was checked
+        self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
+        self._team = team
+        self._checked = False
+        self._held: list[Any] = []
+        if team.size == 1:  # the processes of a team must destroy at the same time
+            weakref.finalize(self, _destroy_all, self._held).atexit = False
+        self._create()
+        self._factorise()
+
+    def update(self, A: Any) -> None:
+        """Factorise another matrix of exactly the same sparsity pattern."""
+        A = sorted_csr(A)
+        same = np.array_equal(A.indptr, self.A.indptr) and np.array_equal(A.indices, self.A.indices)
+        if not same:
+            raise FactorisationError("update() needs a matrix of the same sparsity pattern")
+        different = np.array([0.0 if np.array_equal(self.A.data, A.data) else 1.0])
+        if self._checked and not self._team.total(different).any():
+            return
+        self.A.data[:] = A.data
+        if self._team.size == 1:
+            self._mat.stateIncrease()
+        else:  # sums of parts have no zeros, so that the pattern may be another
+            self.close()
+            self._create()
+        self._factorise()
+
+    def solve(self, B: Array) -> Array:
+        """Solve A X = B for one (n,) or several (n, k) right-hand sides.
+
+        Raises FactorisationError if the matrix is singular.
+        """
+        columns = np.asarray(B, dtype=np.float64).reshape(self.A.shape[0], -1)
+        if self._checked:
+            return self._solve(columns).reshape(np.shape(B))
+        diagonal = np.abs(self._team.total(self.A.diagonal()))
+        random = RandomLoad(diagonal)
+        columns = np.asfortranarray(np.column_stack([columns, random.load]))
+        X = self._solve(columns)
+        self.growth = random.growth(X[:, -1])
+        if not self.growth < self.largest_growth:
+            raise SingularError(
+                f"the matrix is singular (scaled condition above {self.largest_growth:.0e}): "
+                "is every rigid motion constrained and every part connected?"
+            )
+        self._check_residual(X, columns, float(diagonal.max()))
+        self._checked = True
+        return X[:, :-1].reshape(np.shape(B))
+
+    def check(self) -> None:
+        """Check the factorisation now, and measure the growth, unless this was done before."""
+        if not self._checked:
+            self.solve(np.empty((self.A.shape[0], 0)))
+
+    def close(self) -> None:
+        """Free the memory of the factors; no further solves are possible."""
+        destroy(*self._held)
+
+    def _create(self) -> None:
+        """The objects of PETSc that new values do not change."""
+        self._rows = Distribution(self._team, self.A)
+        self._mat = self._rows.matrix(self.A, spd=True)
+        self._pc = PETSc.PC().create(comm=self._team.comm)
+        self._pc.setOperators(self._mat)
+        self._pc.setType("cholesky")
+        use_mumps(self._pc, self.A.shape[0], self._solid)
+        if not HAS_MUMPS:
+            self._pc.setFactorOrdering(ord_type="nd")
+        self._factor = PETSc.Mat()
+        self._held[:] = self._factor, self._pc, self._mat
+
+    def _factorise(self) -> None:
+        try:
+            self._pc.setUp()
+        except PETSC_ERRORS as error:
+            raise FactorisationError(f"the matrix cannot be factorised: {reason(error)}") from error
+        destroy(self._factor)  # a reference; PETSc may have made a new factor
+        self._factor = self._held[0] = self._pc.getFactorMatrix()
+        if HAS_MUMPS:
+            status = self._factor.getMumpsInfog(1)
+            negative = self._factor.getMumpsInfog(12)
+            if status < 0 or negative > 0:
+                raise FactorisationError(
+                    f"the matrix is not positive definite (MUMPS: {negative} negative pivots, "
+                    f"status {status}): is every rigid motion constrained?"
+                )
+        self._checked = False
+
+    def _check_residual(self, X: Array, columns: Array, norm: float) -> None:
+        """`norm` is the largest entry of the matrix."""
+        residual = np.abs(self._team.total(self.A @ X) - columns).max(axis=0)
+        size = norm * np.abs(X).max(axis=0) + np.abs(columns).max(axis=0)
+        if not np.all(residual <= 1e-10 * size):
+            raise FactorisationError(
+                f"backward error {np.max(residual / size):.1e} of a Cholesky solve; the matrix is "
+                "singular or indefinite: is every rigid motion constrained?"
+            )
+
+    def _solve(self, columns: Array) -> Array:
+        comm, count = self._team.comm, columns.shape[1]
+        own = np.asfortranarray(columns[self._rows.rows])
+        size = ((len(own), len(columns)), (PETSc.DECIDE, count))
+        rhs = PETSc.Mat().createDense(size, array=own, comm=comm)
+        rhs.assemble()
+        found = np.zeros_like(own)
+        out = PETSc.Mat().createDense(size, array=found, comm=comm)
+        out.assemble()
+        self._factor.matSolve(rhs, out)
+        destroy(rhs, out)
+        return self._rows.gathered(found)
+
+
+def _destroy_all(objects: list[Any]) -> None:
+    destroy(*objects)
+
+
+def cholesky(
+    A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH, solid: bool = False
+) -> Cholesky:
+    """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
+
+    Every process of the team has its part of `A`, and all columns to solve for. `largest_growth` is
+    that of a random load in a regular matrix; `solid`: the unknowns fill a volume. Raises
+    FactorisationError if the matrix is indefinite or singular.
+    """
+    factor = Cholesky(A, team, largest_growth, solid)
+    factor.check()
+    return factor

@@ -1,0 +1,1 @@
+"""Quadrilaterals: their membrane, and rotations inside their cells."""

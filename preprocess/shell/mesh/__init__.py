@@ -1,0 +1,1 @@
+"""Surface meshes: cells, groups, axes, refinement."""

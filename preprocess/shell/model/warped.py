@@ -1,0 +1,193 @@
+"""Flat cells on a curved surface: do their rotations lock for the thickness?
+
+The normal of a flat cell is tilted against that of the surface at its corners. Where the surface is
+saddle-shaped, a dome or twisted, a rotation of bending has a component along the normal of the
+cell, which its membrane resists as a rotation in its plane. The work of the membranes on these
+components alone, over that of the whole shell, is about the relative error of the strain energy by
+this locking (docs/shells-accuracy.md). Triangles lock on any such surface; quadrilaterals need
+cells some times larger to do so, and do not where two of their lines follow its twist.
+
+A stiffener turns with its nodes, about the normal with the rotation that the membranes of the cells
+have. In a shear strain of the cells this is not the rotation of their edge, which a section follows
+that is stiff in the plane of the shell: it keeps the shear strain away from the cells beside it.
+Moments about the normal between stiffener and shell should do no work on the difference between the
+rotation of the node and that of the cells. Their work over the strain energy is about the relative
+error of the latter (docs/shells-accuracy.md).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ....solver.math.arrays import Array
+from ..elements.membranes import MEMBRANES
+from ..elements.pairs import stiffness_kernel
+from ..elements.single_cells import cell_matrices
+from ..elements.table import cell_table, write
+from .assembly import DOFS
+from .problem import ShellProblem
+
+LOCKED = 0.1  # of the strain energy, about its error, that is warned about
+ADVISED = 0.05  # the same on the mesh that the message advises
+ORDER = 4.0  # share/(1 - share) of quadrilaterals falls with this power of their size, or faster
+FOLD = 0.98  # cosine between the normals of a cell and of a node below which there is a fold
+TILTED = 1e-3  # sine of the tilt above which a cell counts
+AT_A_TIME = 4096  # cells whose matrices are in memory together
+
+
+def warped_warnings(problem: ShellProblem, u: Array, names: Sequence[str]) -> list[dict[str, str]]:
+    """A warning if cells lock in one of the states u (n_dof, m), which `names` describe."""
+    kinds = tilted_work(problem, u)
+    share = kinds.sum(axis=0)
+    bad = np.flatnonzero(share > LOCKED)
+    if not bad.size:
+        return []
+    worst = bad[np.argmax(share[bad])]
+    more = "" if bad.size == 1 else f" and {bad.size - 1} more"
+    quads = kinds[1, worst] > kinds[0, worst]
+    kind = "quadrilaterals" if quads else "triangles"
+    advice = 'use element = "quadrilateral" in [mesh], smaller cells, or both'
+    if quads:
+        locked, right = min(share[worst], 0.95), ADVISED
+        times = (locked / (1.0 - locked) * (1.0 - right) / right) ** (1.0 / ORDER)
+        advice = (
+            f"use cells about {np.ceil(10.0 * times) / 10.0:.1f} times smaller in the mesh file or "
+            "its script, with nodes on the curved surface"
+        )
+    text = (
+        f"{names[worst]}{more}: {kind} are too large for the thickness of this warped surface, "
+        "and the shell is too stiff: rotations of bending that are tilted into their planes take "
+        f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; {advice}"
+    )
+    if quads:
+        return [{"code": "shell-quadrilaterals-warped", "message": text}]
+    return [{"code": "shell-triangles-warped", "message": text}]
+
+
+def tilted_work(problem: ShellProblem, u: Array) -> Array:
+    """Work of the membranes on rotations that cells see because of their tilt.
+
+    In a cell with normal e3, corner i has the tilt t_i = e3 - (e3.n_i) n_i, n_i the normal of the
+    surface at the node. The work is that of the moments about e3, of the whole membrane, on the
+    rotations t_i.th_i, th_i those of the corner less their mean over the cell. Corners at folds do
+    not count.
+
+    Parameters
+    ----------
+    u : (n_dof, m) states
+
+    Returns
+    -------
+    (2, m), of triangles and of quadrilaterals, over twice the strain energy of the shell; 0 for a
+    state without strain energy
+    """
+    count = u.shape[1]
+    work = np.zeros((2, count))
+    if not count or not MEMBRANES[problem.choice.membrane].rotations:
+        return work
+    normal, smooth = _normals(problem)
+    nodal = u.reshape(-1, 6, count)
+    for region in problem.regions:
+        geometry = region.geometry
+        k = region.nodes.shape[1]
+        kernel = stiffness_kernel(k, problem.choice, drilling=False)
+        table = cell_table(geometry, region.stiffness, problem.choice)
+        write(table, B=np.zeros((3, 3)))  # moments about e3 are those of the membrane alone
+        e3, n = geometry.A_GE[:, :, 2], normal[region.nodes]
+        tilt = e3[:, None] - np.einsum("ci,cki->ck", e3, n)[..., None] * n
+        tilt *= smooth[region.nodes][..., None]
+        cells = np.flatnonzero(np.linalg.norm(tilt, axis=2).max(axis=1) > TILTED)
+        for first in range(0, len(cells), AT_A_TIME):
+            some = cells[first : first + AT_A_TIME]
+            corners = nodal[region.nodes[some]]
+            turned = corners[:, :, 3:] - corners[:, :, 3:].mean(axis=1, keepdims=True)
+            about = np.einsum("cki,ckim->ckm", tilt[some], turned)
+            K = cell_matrices(geometry[some], kernel, table[some])
+            forces = (K @ corners.reshape(len(some), 6 * k, count)).reshape(-1, k, 6, count)
+            moments = np.einsum("ci,ckim->ckm", e3[some], forces[:, :, 3:])
+            work[k - 3] += np.einsum("ckm,ckm->m", about, moments)
+    energy = np.einsum("nm,nm->m", u, problem.team.total(problem.K @ u))
+    return np.divide(work, energy, out=np.zeros_like(work), where=energy > 0.0)
+
+
+def _normals(problem: ShellProblem) -> tuple[Array, Array]:
+    """Unit normals of the surface at the nodes (n, 3), and 0 at folds, 1 elsewhere (n,)."""
+    total = np.zeros((problem.mesh.n_node, 3))
+    for region in problem.regions:
+        e3 = region.geometry.A_GE[:, :, 2] * region.geometry.area[:, None]
+        np.add.at(total, region.nodes, e3[:, None])
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    normal = np.divide(total, length, out=np.zeros_like(total), where=length > 0.0)
+    smooth = np.ones(len(normal))
+    for region in problem.regions:
+        along = np.einsum("ci,cki->ck", region.geometry.A_GE[:, :, 2], normal[region.nodes])
+        smooth[region.nodes[along < FOLD]] = 0.0
+    return normal, smooth
+
+
+def locking_warnings(
+    problem: ShellProblem, u: Array, names: Sequence[str], forces: Array | None = None
+) -> list[dict[str, str]]:
+    """Warnings if cells lock in states u (n_dof, m), which `names` describe, under `forces`."""
+    found = warped_warnings(problem, u, names)
+    share = held_work(problem, u, forces)
+    bad = np.flatnonzero(share > LOCKED)
+    if bad.size:
+        worst = bad[np.argmax(share[bad])]
+        more = "" if bad.size == 1 else f" and {bad.size - 1} more"
+        text = (
+            f"{names[worst]}{more}: stiffeners that are stiff in the plane of the shell hold the "
+            f"rotation of its cells about the normal, and the shell is too stiff: this takes "
+            f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; use "
+            'triangles of membrane = "cst" with several cells across each wall, or much smaller '
+            "cells"
+        )
+        found.append({"code": "stiffener-locks-cells", "message": text})
+    return found
+
+
+def held_work(problem: ShellProblem, u: Array, forces: Array | None = None) -> Array:
+    """Work of stiffeners against the rotation of cells about their normal, (m,).
+
+    Parameters
+    ----------
+    u, forces : (n_dof, m) states, and the loads on them
+
+    Returns
+    -------
+    over the strain energy; nodes with rotations that supports or rigid links hold do not count
+    """
+    n, m = problem.mesh.n_node, u.shape[1]
+    if not m or not problem.stiffeners:
+        return np.zeros(m)
+    nodal = u.reshape(-1, DOFS, m)
+    moments = np.zeros((n, DOFS, m)) - (0.0 if forces is None else forces.reshape(-1, DOFS, m)[:n])
+    for stiffener in problem.stiffeners:
+        own = nodal[stiffener.ends].reshape(-1, 2 * DOFS, m)
+        np.add.at(moments, stiffener.ends, (stiffener.stiffness() @ own).reshape(-1, 2, DOFS, m))
+    counts = np.zeros(n, dtype=bool)
+    counts[np.concatenate([stiffener.ends.ravel() for stiffener in problem.stiffeners])] = True
+    held = problem.freedom.fixed[problem.freedom.fixed < DOFS * n]
+    counts[held[held % DOFS >= 3] // DOFS] = False
+    for link in problem.links:
+        if link.kind == "rigid":
+            counts[link.group.nodes] = False
+    area, excess = np.zeros(n), np.zeros((n, 3, m))
+    for region in problem.regions:
+        some = np.flatnonzero(counts[region.nodes].any(axis=1))
+        nodes, A = region.nodes[some], region.geometry.A_GE[some]
+        xy = region.geometry.corners_G[some] @ A[:, :, :2]
+        xy = xy - xy.mean(axis=1, keepdims=True)
+        moved = np.einsum("ckim,cij->ckjm", nodal[nodes, :3], A[:, :, :2])
+        gradient = np.einsum(
+            "cij,ckj,ckam->ciam", np.linalg.inv(np.swapaxes(xy, 1, 2) @ xy), xy, moved
+        )
+        turn = 0.5 * (gradient[:, 0, 1] - gradient[:, 1, 0])
+        weighted = region.geometry.area[some, None] * A[:, :, 2]
+        more = np.einsum("ckim,ci->ckm", nodal[nodes, 3:], A[:, :, 2]) - turn[:, None]
+        np.add.at(excess, nodes, np.einsum("ckm,ci->ckim", more, weighted))
+        np.add.at(area, nodes, region.geometry.area[some, None])
+    excess /= np.where(area > 0.0, area, 1.0)[:, None, None]
+    work = -np.einsum("nim,nim->m", moments[counts, 3:], excess[counts])
+    energy = 0.5 * np.einsum("nm,nm->m", u, problem.team.total(problem.K @ u))
+    return np.divide(work, energy, out=np.zeros(m), where=energy > 0.0)

@@ -1,0 +1,362 @@
+"""Files on a disk: temporary names, what may be replaced, errors of the disk, and a seal.
+
+A file gets its name when it is complete. The commands replace a file that is empty, ends in the
+seal of our HDF5 files, or is named by `plymotion-files.txt` in its folder. Links below a folder
+that the user named are not followed if they lead out of it; docs/security.md has the rule in words.
+
+HDF5 cannot be stopped in the middle of a file: an error of the disk while it writes may end the
+whole program. It therefore writes through an object that notes the first error and accepts the
+rest; the error is raised when HDF5 has closed the file.
+
+The seal is a line after the end of the HDF5 file, which HDF5 ignores: reading a file with a wrong
+byte may end the program as well. HDF5 removes it when it opens the file for changes.
+"""
+
+import contextlib
+import errno
+import hashlib
+import io
+import json
+import os
+import re
+import secrets
+import socket
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from ...errors import InputError
+from ...interrupts import note_complete
+
+SEAL = b"\nplymotion sha256 "
+LENGTH = len(SEAL) + 64 + 1
+BLOCK = 1 << 20
+KEPT = 1 << 16  # size in bytes up to which blocks without room are kept, for HDF5 to read again
+
+
+class DiskFile(io.RawIOBase):
+    """A new file that HDF5 writes through; use it as a context."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._file = path.open("w+b", buffering=0)
+        self._place = self._end = 0
+        self._error: OSError | None = None
+        self._kept: list[tuple[int, bytes]] = []
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Set the place of the next read or write."""
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._end}[whence]
+        self._place = start + offset
+        return self._place
+
+    def tell(self) -> int:
+        """Return the place of the next read or write."""
+        return self._place
+
+    def readable(self) -> bool:
+        """HDF5 reads its own metadata again."""
+        return True
+
+    def writable(self) -> bool:
+        """As it is."""
+        return True
+
+    def seekable(self) -> bool:
+        """As it is."""
+        return True
+
+    def readinto(self, buffer: "bytearray | memoryview") -> int:  # type: ignore[override]
+        """Read what was written, on the disk or not."""
+        view = memoryview(buffer).cast("B")
+        self._file.seek(self._place)
+        found = self._file.read(len(view)) or b""
+        view[: len(found)] = found
+        view[len(found) :] = bytes(len(view) - len(found))
+        for start, block in self._kept:
+            first, last = max(start, self._place), min(start + len(block), self._place + len(view))
+            if first < last:
+                view[first - self._place : last - self._place] = block[first - start : last - start]
+        self._place += len(view)
+        return len(view)
+
+    def write(self, data: "bytes | memoryview") -> int:  # type: ignore[override]
+        """Write; an error of the disk is noted."""
+        raw = memoryview(data).cast("B")
+        done = 0
+        try:
+            if self._error is None:
+                self._file.seek(self._place)
+                while done < len(raw):
+                    done += self._file.write(raw[done:]) or 0
+        except OSError as error:
+            self._error = error
+        if self._error is not None and len(raw) - done <= KEPT:
+            self._kept.append((self._place + done, bytes(raw[done:])))
+        self._place += len(raw)
+        self._end = max(self._end, self._place)
+        return len(raw)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the size of the file."""
+        self._end = self._place if size is None else size
+        if self._error is None:
+            try:
+                self._file.truncate(self._end)
+            except OSError as error:
+                self._error = error
+        return self._end
+
+    def flush(self) -> None:
+        """Nothing is held back."""
+
+    @contextlib.contextmanager
+    def reported(self) -> Iterator[None]:
+        """Raise the first error of the disk in place of what follows from it."""
+        try:
+            yield
+        except Exception:
+            self._raise()
+            raise
+        self._raise()
+
+    def seal(self) -> None:
+        """Append the digest of all bytes."""
+        digest = hashlib.sha256()
+        self._file.seek(0)
+        while block := self._file.read(BLOCK):
+            digest.update(block)
+        self.seek(0, os.SEEK_END)
+        self.write(SEAL + digest.hexdigest().encode() + b"\n")
+        self._raise()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()
+
+    def _raise(self) -> None:
+        if self._error is None:
+            return
+        code = self._error.errno or errno.EIO
+        words = f"{os.strerror(code)}; the file needs {self._end + LENGTH} bytes"
+        with contextlib.suppress(OSError, AttributeError):
+            room = os.statvfs(self.path.parent)
+            words += f", {room.f_bavail * room.f_frsize} are free"
+        raise OSError(code, words, str(self.path)) from self._error
+
+
+def has_right_seal(path: Path) -> bool:
+    """Tell whether a file is there, and whole to the last byte."""
+    try:
+        with path.open("rb") as file:
+            return _ends_with_seal(file) and sealed_bytes(file)
+    except OSError:
+        return False
+
+
+def has_seal(path: Path) -> bool:
+    """Tell whether a file ends with a seal, right or wrong: `sealed_bytes` compares it."""
+    with path.open("rb") as file:
+        return _ends_with_seal(file)
+
+
+def _ends_with_seal(file: BinaryIO) -> bool:
+    size = file.seek(0, os.SEEK_END)
+    file.seek(max(size - LENGTH, 0))
+    return file.read(len(SEAL)) == SEAL
+
+
+def sealed_bytes(file: BinaryIO) -> bool:
+    """Tell whether all bytes of a file are as they were written; true for one without a seal."""
+    size = file.seek(0, os.SEEK_END)
+    if size < LENGTH:
+        return True
+    file.seek(size - LENGTH)
+    found = file.read()
+    if not found.startswith(SEAL):
+        return not _is_cut(file, size)
+    digest, left = hashlib.sha256(), size - LENGTH
+    file.seek(0)
+    while left:
+        block = file.read(min(BLOCK, left))
+        digest.update(block)
+        left -= len(block)
+    return found == SEAL + digest.hexdigest().encode() + b"\n"
+
+
+def _is_cut(file: BinaryIO, size: int) -> bool:
+    """Tell whether a file ends within its seal."""
+    file.seek(0)
+    head = file.read(64)
+    # Where the superblock has the end of the HDF5 file: 8 bytes, by its version.
+    place = {0: 40, 1: 44, 2: 28, 3: 28}.get(head[8] if len(head) == 64 else -1)
+    if place is None:
+        return False
+    end = int.from_bytes(head[place : place + 8], "little")
+    if not end < size < end + LENGTH:
+        return False
+    file.seek(end)
+    return SEAL.startswith(file.read(len(SEAL)))
+
+
+RECORD = "plymotion-files.txt"
+HEAD, SIGNATURE = 1_000_000, b"\x89HDF\r\n\x1a\n"
+SEALED = (".vtkhdf", ".h5")
+_named: tuple[Path, ...] = ()  # folders, absolute but not resolved
+
+
+@contextlib.contextmanager
+def named_by_user(paths: Iterable[Path]) -> Iterator[None]:
+    """Take the folders of these paths, and `build` here, as they are: links above are the user's.
+
+    Other paths of the block are checked as far as they are below one of them.
+    """
+    global _named
+    known = {Path(os.path.abspath(path)) for path in (*paths, Path("build"))}
+    before, _named = _named, tuple(known | {p for path in known for p in path.parents})
+    try:
+        yield
+    finally:
+        _named = before
+
+
+def refuse_foreign(path: Path) -> None:
+    """Raise InputError if a file may not be written here.
+
+    Raises
+    ------
+    InputError
+        It would replace a file that is not ours, or its folder is a link that leads elsewhere.
+    """
+    refuse_link(path)
+    if os.path.lexists(path) and not is_ours(path):
+        raise InputError(
+            f"{path}: is there already and was not written by Plymotion, which does not replace "
+            "it; expected another name or folder, or that you remove the file"
+        )
+
+
+def note_written(path: Path) -> None:
+    """Record a file as ours, before it gets its name; sealed ones need no record."""
+    if path.suffix in SEALED or path.name in _names(path.parent):
+        return
+    record = path.parent / RECORD
+    head = "" if record.exists() else "# Files that Plymotion has written here, and may replace.\n"
+    with record.open("a", encoding="utf-8") as file:
+        file.write(f"{head}{json.dumps(path.name)}\n")
+
+
+def is_ours(path: Path) -> bool:
+    """Tell whether a file that is there may be replaced or removed."""
+    if path.is_symlink() or not path.is_file():
+        return False
+    return (
+        path.stat().st_size == 0
+        or (path.suffix in SEALED and _is_sealed(path))
+        or path.name in _names(path.parent)
+    )
+
+
+def _names(folder: Path) -> set[str]:
+    try:
+        lines = (folder / RECORD).read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        return set()
+    return {json.loads(line) for line in lines if line.startswith('"') and line.endswith('"')}
+
+
+def _is_sealed(path: Path) -> bool:
+    """Tell whether a file is HDF5 of ours, also one that was cut off."""
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+        file.seek(-min(path.stat().st_size, LENGTH), os.SEEK_END)
+        return SEAL in file.read() or (head.startswith(SIGNATURE) and b"plymotion" in head)
+
+
+def refuse_link(path: Path) -> None:
+    """Raise InputError if the folder of a file is a link that leads out of what the user named."""
+    folder = Path(os.path.abspath(path)).parent
+    roots = [root for root in (folder, *folder.parents) if root in _named]
+    if not roots:
+        return
+    root = roots[0]  # the deepest
+    inside = os.path.realpath(root)
+    while folder != root:
+        target = os.path.realpath(folder)
+        if folder.is_symlink() and not Path(target).is_relative_to(inside):
+            raise InputError(
+                f"{path}: {folder} is a link to {target}, out of {root}: not followed; "
+                f"expected a folder, or --out {target} if you want the files there"
+            )
+        folder = folder.parent
+
+
+_HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "_"
+_OURS = re.compile(rf"\..+\.{_HOST}-(\d+)-[0-9a-f]{{8}}(\.[^.]*)?")
+_cleaned: set[Path] = set()  # folders, by this process
+
+
+@contextlib.contextmanager
+def temporary_sibling(path: Path, *, own: bool = False) -> Iterator[Path]:
+    """Yield a temporary name beside `path`; rename it to `path` on success, remove it on failure.
+
+    Temporary files in the folder whose process was killed are removed. Raises OSError with `path`,
+    and InputError for a file of others (`refuse_foreign`); `own` says that the caller has looked.
+    """
+    if not own:
+        refuse_foreign(path)
+    _clean(path.parent)
+    token = f"{_HOST}-{os.getpid()}-{secrets.token_hex(4)}"
+    temporary = path.with_name(f".{path.stem}.{token}{path.suffix}")
+    try:
+        yield temporary
+        if not own:
+            note_written(path)
+        os.replace(temporary, path)
+        note_complete(str(path))
+    except OSError as error:
+        if error.filename is not None and Path(os.fsdecode(error.filename)) == temporary:
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        if error.filename is None and error.errno is not None:
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str, *, own: bool = False, encoding: str = "utf-8") -> None:
+    """Write a text file under a temporary name, then rename it; its folder is made if missing.
+
+    ASCII gets ? for other letters. See `temporary_sibling`.
+    """
+    if not own:
+        refuse_foreign(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(path, own=own) as temporary:
+        errors = "replace" if encoding == "ascii" else "strict"
+        temporary.write_text(text, encoding=encoding, errors=errors)
+
+
+def _clean(folder: Path) -> None:
+    """Remove what processes of this machine that are no more have left, once for each folder."""
+    if folder in _cleaned:
+        return
+    _cleaned.add(folder)
+    with contextlib.suppress(OSError):
+        for file in folder.iterdir():
+            found = _OURS.fullmatch(file.name)
+            if found and not _alive(int(found[1])):
+                file.unlink(missing_ok=True)
+
+
+def _alive(process: int) -> bool:
+    """Tell whether a process runs; one that has ended may still wait for its parent (Linux)."""
+    try:
+        os.kill(process, 0)
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except ProcessLookupError:
+        return False
+    except (OSError, IndexError):
+        return True
+    return state not in ("Z", "X")
