@@ -19,9 +19,9 @@ from matplotlib.ticker import NullFormatter
 from samples.constraint_runs import new_run, prepared, run
 from samples.mechanism_samples import Sample, bricard, chain, four_bars, pendulum
 
-from plymotion.solver.checks.monitors.singularity import SingularityMonitor
+from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic.drive import Solution, integrate
 from plymotion.solver.report.style import COLOURS, house_style

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from peer_integrator import Peer
 
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.dynamics.model.coordinates import position_rates
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.errors import InputError

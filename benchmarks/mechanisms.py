@@ -23,9 +23,8 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.integration import integrated
 from plymotion.solver.run.outcome import RunSpec
-from plymotion.solver.run.preparation import prepare
+from plymotion.solver.run.preparation import integrated, prepare
 
 ROOT = Path(__file__).parents[1]
 # With [fidelity], two large packages for each body; a solid of 7 MB.

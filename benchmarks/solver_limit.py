@@ -18,10 +18,10 @@ import numpy as np
 from solver_methods import DEFAULT
 from solver_problems import Problem, chain, double_pendulum
 
-from plymotion.solver.dynamics.evaluation.derivative import derivative_into
+from plymotion.solver.dynamics.evaluation.accelerations import derivative_into
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import rates_into
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.run.preparation import prepare

@@ -16,9 +16,8 @@ from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.execution import execute
-from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.outcome import RunSpec
-from plymotion.solver.run.preparation import prepare
+from plymotion.solver.run.preparation import output_times, prepare
 
 REFERENCE = Method("reference", "rk8", "projection", (1e-10,))
 

@@ -21,12 +21,12 @@ from samples.flexible_samples import Points, body_of
 from samples.mechanism_samples import Sample, pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, constraint_rates
 from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.table import FOR_EQUATIONS, new_integrator
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable
 from plymotion.solver.package.common.files import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
 

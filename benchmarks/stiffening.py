@@ -31,14 +31,17 @@ from samples.stiffening_samples import (  # noqa: E402
     soft_pendulum,
 )
 
-from plymotion.solver.dynamics.evaluation.derivative import derivative_into  # noqa: E402
-from plymotion.solver.dynamics.model.model import Model  # noqa: E402
-from plymotion.solver.dynamics.model.workspace import Work, new_work  # noqa: E402
+from plymotion.solver.dynamics.evaluation.accelerations import derivative_into  # noqa: E402
+from plymotion.solver.dynamics.model.model import (  # noqa: E402
+    Model,
+    Work,
+    new_work,
+)
 from plymotion.solver.math.arrays import Array  # noqa: E402
 from plymotion.solver.math.compiled import COMPILED, jit  # noqa: E402
 from plymotion.solver.math.laws import polynomial  # noqa: E402
-from plymotion.solver.mechanism.assembly.assembly import assemble_model  # noqa: E402
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body  # noqa: E402
+from plymotion.solver.mechanism.assembly import assemble_model  # noqa: E402
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body  # noqa: E402
 
 BATCHES = 41
 CASES = (

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from plymotion.solver.dynamics.analysis.scales import scales
+from plymotion.solver.dynamics.analysis.recovery import scales
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array

@@ -9,10 +9,9 @@ import numpy as np
 
 from ..solver.errors import InputError
 from ..solver.math.arrays import Array
-from ..solver.studies.linearisation.named_states import Realisation
-from ..solver.studies.modes.campbell import Diagram, Spins
+from ..solver.studies.linearisation.state_space import Realisation
 from ..solver.studies.modes.files import linear_system, modes_content, write_campbell, write_modes
-from ..solver.studies.modes.found import find_modes, response_of
+from ..solver.studies.modes.found import Diagram, Spins, find_modes, response_of
 from ..solver.studies.modes.place import At, at_of
 from ..solver.studies.modes.state import States, spec_of_run
 from .case import Case, as_case

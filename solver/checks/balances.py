@@ -1,9 +1,39 @@
-"""Balances of a run: constraints, energy, and the momentum of each body."""
+"""Balances of a run, materials and packages of its bodies, and the strength of their plies."""
 
 from collections.abc import Iterator
+from itertools import chain
+from typing import Any
+
+import numpy as np
 
 from ..integrators.generic import advice
-from ..results.codes import CONSTRAINT_DRIFT, ENERGY_DRIFT, FEEDBACK, LOCKED, MOMENTUM, Finding
+from ..package import ModalPackage
+from ..package.common.plausible import CODES as UNITS
+from ..package.common.plausible import (
+    MATERIAL,
+    Doubt,
+    beam_doubts,
+    body_doubts,
+    described_doubts,
+    not_allowed,
+    section_doubts,
+    shell_doubts,
+)
+from ..results.codes import (
+    CODES,
+    CONSTRAINT_DRIFT,
+    ENERGY_DRIFT,
+    FEEDBACK,
+    LOCKED,
+    MATERIAL_UNITS,
+    MOMENTUM,
+    PLY_FAILURE,
+    SIZE_UNITS,
+    Finding,
+)
+from ..strength.beam_bodies import beam_search
+from ..strength.found import BodyStrength, failure_text
+from ..strength.shell_bodies import shell_search
 from .finished import FinishedRun
 
 
@@ -66,3 +96,99 @@ def momentum_findings(run: FinishedRun) -> Iterator[Finding]:
             f"{MOMENTUM.limit:g}): do not trust the reactions"
         )
         yield MOMENTUM.finding(text, value=error)
+
+
+def material_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield materials and bodies whose numbers are unusual in SI units, a material once."""
+    seen: set[str] = set()
+    for body, doubt in _doubts(run):
+        if doubt.code in run.mechanism.allow or doubt.text in seen:
+            continue
+        if doubt.code == MATERIAL:  # bodies share materials
+            seen.add(doubt.text)
+        code = MATERIAL_UNITS if doubt.code == MATERIAL else SIZE_UNITS
+        yield code.finding(f"{body}: {doubt.text}", body=body, value=doubt.value)
+
+
+def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:
+    for name, package in run.packages.items():
+        spec = package.provenance.get("spec")
+        for doubt in chain(_described(spec), _sized(package, spec)):
+            yield name, doubt
+    for name, body in run.mechanism.bodies.items():
+        if body.kind == "rigid":
+            for doubt in body_doubts(body.mass, float(np.linalg.eigvalsh(body.inertia)[-1])):
+                yield name, doubt
+
+
+def _described(spec: Any) -> Iterator[Doubt]:
+    """Doubts about all tables of materials of a specification, of its sections too."""
+    if isinstance(spec, list):
+        for item in spec:
+            yield from _described(item)
+    if isinstance(spec, dict):
+        if isinstance(spec.get("materials"), dict):
+            yield from not_allowed(spec, described_doubts(spec))
+        for key, value in spec.items():
+            if key != "materials":
+                yield from _described(value)
+
+
+def _sized(package: ModalPackage, spec: Any) -> Iterator[Doubt]:
+    """Doubts about the size of a beam or shell; of other packages, about the mass alone."""
+    mass = package.invariants.mass
+    shell = spec.get("shell") if isinstance(spec, dict) else None
+    if isinstance(shell, dict):
+        yield from not_allowed(shell, shell_doubts(shell, package.nodes_B, mass))
+        return
+    # given matrices may belong to no shape
+    shapes = [section for section in package.sections if section.recovery is not None]
+    if shapes:
+        length = float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
+        spans = [np.ptp(section.recovery.points, axis=0) for section in shapes if section.recovery]
+        width = max(float(np.linalg.norm(span)) for span in spans)
+        yield from section_doubts(width, max(float(section.M[0, 0]) for section in shapes))
+        yield from beam_doubts(width, length, mass)
+    else:
+        yield from body_doubts(mass)
+
+
+def package_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield the warnings in the provenance of each package.
+
+    A package from elsewhere may have codes of its own.
+    """
+    for name, package in run.packages.items():
+        for item in package.provenance.get("warnings", []):
+            if item["code"] in UNITS:  # of a section of the body: material_findings says it
+                continue
+            code, text = str(item["code"]), f"{name}: {item['message']}"
+            known = CODES.get(code)
+            yield known.finding(text, body=name) if known else Finding(code, text, name)
+
+
+def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
+    """Return the strength of every body whose package can tell, at the times of `look.strength`."""
+    found = {}
+    for i, name in enumerate(run.built.body_names):
+        package = run.packages.get(name)
+        if package is None:
+            continue
+        search = beam_search(package) or shell_search(package)
+        if search is None:
+            continue
+        for t, q in run.modes(i, run.look.strength):
+            search.take(t, q)
+        strength = search.found()
+        if strength is not None:
+            found[name] = strength
+    return found
+
+
+def strength_findings(strengths: dict[str, BodyStrength]) -> Iterator[Finding]:
+    """Yield bodies of which a ply fails."""
+    for name, strength in strengths.items():
+        worst = strength.governing
+        if worst.ratio < PLY_FAILURE.limit:
+            text = failure_text(name, worst)
+            yield PLY_FAILURE.finding(text, body=name, t=worst.time, value=worst.ratio)

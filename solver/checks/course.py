@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..dynamics.analysis.scales import scales, speed_of_drives
+from ..dynamics.analysis.recovery import scales, speed_of_drives
 from ..dynamics.elements.forces.contract import CoordinateForce
 from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.model.model import state_size

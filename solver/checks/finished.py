@@ -19,7 +19,7 @@ from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results.codes import Finding
 from ..results.schema import ENERGIES, ROUNDING
-from .monitors.step_sizes import StepSizes
+from .monitors import StepSizes
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism

@@ -16,7 +16,7 @@ from ..math import laws
 from ..math import laws as curves
 from ..math.arrays import Array
 from ..math.rows import column
-from ..mechanism.consistent.initial import undeformed
+from ..mechanism.consistent import undeformed
 from ..results.codes import LOADED_START, TABLE_OVERSHOOTS, Finding
 from .finished import FinishedRun
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ..results.codes import Finding
 from ..strength.found import BodyStrength
-from . import balances, bodies, course, inputs, modes, stiffening
+from . import balances, course, inputs, modes, stiffening
 from .finished import FinishedRun
 
 Check = Callable[[FinishedRun], Iterable[Finding]]
@@ -16,7 +16,7 @@ CHECKS: tuple[Check, ...] = (
     course.stall_findings,
     course.growth_findings,
     inputs.start_findings,
-    bodies.material_findings,
+    balances.material_findings,
     inputs.table_findings,
     course.refusal_findings,
     balances.constraint_findings,
@@ -25,7 +25,7 @@ CHECKS: tuple[Check, ...] = (
     modes.motion_findings,
     modes.mode_findings,
     stiffening.stiffening_findings,
-    bodies.package_findings,
+    balances.package_findings,
 )
 
 
@@ -46,6 +46,6 @@ class Judgement:
 def judge(run: FinishedRun) -> Judgement:
     """Apply every check to a finished run."""
     found = [finding for check in CHECKS for finding in check(run)]
-    strengths = bodies.body_strengths(run)
-    found += bodies.strength_findings(strengths)
+    strengths = balances.body_strengths(run)
+    found += balances.strength_findings(strengths)
     return Judgement(tuple(found), run.numbers(), strengths)

@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.analysis.quasi_static import vibrations
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
-from ..dynamics.evaluation.dense_equations import assemble
+from ..dynamics.evaluation.accelerations import assemble
 from ..inputs.case.record import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage

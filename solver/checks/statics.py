@@ -18,8 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
-from ..dynamics.analysis.recovery import body_frames
+from ..dynamics.analysis.recovery import Recording, body_frames
 from ..dynamics.evaluation import series
 from ..math.arrays import Array
 from ..math.rotations import skew

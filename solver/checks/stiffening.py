@@ -11,16 +11,14 @@ import numpy as np
 
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
-from ..dynamics.evaluation.dense_equations import assemble
+from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..mechanism import build
 from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION, Finding
 from .finished import FinishedRun
-from .monitors.buckling import buckling_text
-from .monitors.geometric_stiffness import Loading, geometric_stiffness
-from .monitors.spin import SpinMonitor
+from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness
 
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..report.table import aligned
-from ..studies.modes.campbell import Diagram, Spins
 from ..studies.modes.files import modes_content, write_campbell, write_modes
-from ..studies.modes.found import find_modes, response_of, span_of
+from ..studies.modes.found import Diagram, Spins, find_modes, response_of, span_of
 from ..studies.modes.place import at_of
 from ..studies.modes.state import States, read_spec
 

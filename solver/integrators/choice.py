@@ -5,10 +5,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..dynamics.analysis.scales import scales, shape_sizes
+from ..dynamics.analysis.recovery import scales, shape_sizes
 from ..dynamics.elements.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
-from ..dynamics.evaluation.derivative import by_blocks
-from ..dynamics.evaluation.events import Called
+from ..dynamics.evaluation.accelerations import by_blocks
+from ..dynamics.evaluation.evaluation import Called
 from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
 from ..math.arrays import Array
@@ -48,10 +48,10 @@ class ToleranceKeys(Protocol):
 def tolerances(model: Model, y0: Array, solver: ToleranceKeys, rtol: float) -> Array:
     """Return absolute tolerances (n,) of positions, velocities and the work of a run from y0 (n,).
 
-    With L, V and E of scales.py, and d_j the displacement by mode j: rtol L of positions, rtol of
-    Euler parameters, rtol L / d_j of modal coordinates; rtol V, rtol V / L and rtol V / d_j of
-    their rates; WORK_SHARE rtol E of the work. The keys of a case have precedence, for all
-    components alike.
+    With L, V and E of dynamics/analysis/recovery.py, and d_j the displacement by mode j: rtol L of
+    positions, rtol of Euler parameters, rtol L / d_j of modal coordinates; rtol V, rtol V / L and
+    rtol V / d_j of their rates; WORK_SHARE rtol E of the work. The keys of a case have precedence,
+    for all components alike.
     """
     size = scales(model, y0, solver.t_end)
     atol = np.full(state_size(model), size.energy)
@@ -142,7 +142,7 @@ def make_integrator(
     solver : `[solver]` of a case
     treatment : the one that the model was prepared for; of `solver` by default
     fixed_step : [s], without error control (benchmarks)
-    functions : of sampled states (dynamics/evaluation/events.py)
+    functions : of sampled states (dynamics/evaluation/evaluation.py)
 
     Raises
     ------

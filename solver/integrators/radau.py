@@ -5,11 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.analysis.scales import scales
+from ..dynamics.analysis.recovery import scales
 from ..dynamics.evaluation.evaluation import evaluate
 from ..dynamics.evaluation.series import driven_speeds
-from ..dynamics.model.model import Model
-from ..dynamics.model.workspace import new_work
+from ..dynamics.model.model import Model, new_work
 from ..math.arrays import Array
 from ..math.catalogue import Number
 from .compiled import step_control as codes

@@ -12,11 +12,17 @@ import numpy as np
 
 from ..dynamics.analysis.projection import projected
 from ..dynamics.elements.constraints.treatment import Treatment
-from ..dynamics.evaluation.derivative import by_blocks, dense_derivative_into, derivative_into
-from ..dynamics.evaluation.events import NOTHING, Called, Instants, beyond, first_crossing, sampled
-from ..dynamics.linear_algebra.dependence import is_tree
-from ..dynamics.model.model import Model, state_size
-from ..dynamics.model.workspace import spare_work
+from ..dynamics.evaluation.accelerations import by_blocks, dense_derivative_into, derivative_into
+from ..dynamics.evaluation.elimination import is_tree
+from ..dynamics.evaluation.evaluation import (
+    NOTHING,
+    Called,
+    Instants,
+    beyond,
+    first_crossing,
+    sampled,
+)
+from ..dynamics.model.model import Model, spare_work, state_size
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from .compiled import step_control as codes

@@ -1,6 +1,6 @@
 """Signals: the requested quantities, computed from states at the output times."""
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from .combined import Histories
 from .sensors import Sensor, fatigue_entry, recorded, sensors
 from .turns import Turns

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..errors import InputError
 from ..math.arrays import Array
 

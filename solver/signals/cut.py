@@ -13,8 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
-from ..dynamics.analysis.recovery import body_frames, stiffened
+from ..dynamics.analysis.recovery import Recording, body_frames, stiffened
 from ..dynamics.evaluation import series
 from ..errors import InputError
 from ..math.arrays import Array

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..dynamics.evaluation.evaluation import n_coupling
 from ..dynamics.evaluation.series import force_sizes
 from ..dynamics.model.model import ANGLE, SPIN

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..dynamics.elements.joints.contract import Angle, Displacement, Drive
 from ..dynamics.elements.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.evaluation.laws import law_at

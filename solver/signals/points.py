@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
-from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.analysis.recovery import Recording, stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
 from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, vectors_to_matrices
 from ..mechanism import BuiltMechanism
-from ..mechanism.building.build import frame_marker
+from ..mechanism.build import frame_marker
 from ..package.body.schema import Interface
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
 from ..mechanism import BuiltMechanism

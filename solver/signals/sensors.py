@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..dynamics.elements.joints.table import COORDINATES
 from ..dynamics.model.model import Model
 from ..inputs.case.record import needed, with_parts

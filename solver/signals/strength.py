@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage

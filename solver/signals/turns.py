@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.analysis.recording import Recording
+from ..dynamics.analysis.recovery import Recording
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
 

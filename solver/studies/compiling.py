@@ -5,21 +5,24 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..checks.monitors.singularity import SingularityMonitor
-from ..dynamics.analysis.independence import new_independence
+from ..checks.singularity import SingularityMonitor
 from ..dynamics.analysis.projection import least_energy, projected
-from ..dynamics.analysis.rank import difference, new_spectrum
-from ..dynamics.elements.bodies.marker import single_motion
+from ..dynamics.analysis.rank import difference, new_independence, new_spectrum
 from ..dynamics.elements.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.elements.joints.table import KINDS, N_PARAMETER
+from ..dynamics.elements.marker import single_motion
 from ..dynamics.evaluation import series
-from ..dynamics.evaluation.dense_equations import assemble, energies, masses_and_jacobians
-from ..dynamics.evaluation.derivative import derivative, residuals
+from ..dynamics.evaluation.accelerations import (
+    assemble,
+    derivative,
+    energies,
+    masses_and_jacobians,
+    residuals,
+)
 from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
 from ..dynamics.evaluation.laws import law_at
 from ..dynamics.model.coordinates import move_rows, moved, position_rates
-from ..dynamics.model.model import Model, state_size
-from ..dynamics.model.workspace import spare_work
+from ..dynamics.model.model import Model, spare_work, state_size
 from ..inputs.case.record import solver_sha256
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit_stepping import RungeKutta8Loop
@@ -33,8 +36,8 @@ from ..math.compiled import COMPILED, note, noted, statistics
 from ..math.expressions.program import ONE, value_at
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
-from ..mechanism.assembly.assembly import assemble_model
-from ..mechanism.assembly.tables import ForceTable, JointTable, MarkerTable, rigid_body
+from ..mechanism.assembly import assemble_model
+from ..mechanism.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..signals.points import rotation_vectors
 from ..workers.executors import Local
 from .fidelity.indicators.response import newmark

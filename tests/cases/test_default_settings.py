@@ -16,10 +16,9 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.advice import INTERVALS, SLOW
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.mechanism.assembly.tables import ForceTable
+from plymotion.solver.mechanism.tables import ForceTable
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.integration import output_times
-from plymotion.solver.run.preparation import prepare
+from plymotion.solver.run.preparation import output_times, prepare
 
 ROOT = Path(__file__).parents[2]
 # With [fidelity], two large packages for each body; a solid of 7 MB (make test-cases runs it).

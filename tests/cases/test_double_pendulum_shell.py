@@ -9,8 +9,8 @@ from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import flexible_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package import read_package, validate
 from plymotion.solver.run.execution import execute, read_run
 

@@ -21,8 +21,7 @@ from plymotion.preprocess.beam.body import mode_warnings
 from plymotion.preprocess.beam.line import straight_line
 from plymotion.solver.checks.modes import mode_findings
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.run.integration import integrated
-from plymotion.solver.run.preparation import prepare
+from plymotion.solver.run.preparation import integrated, prepare
 
 PENDULUM = (
     "gravity = [0.0, -9.81, 0.0]\n"

@@ -125,7 +125,7 @@ def test_codes_of_the_source_are_those_of_the_list(facts: dict[str, Facts]) -> N
 def test_findings_are_made_from_the_list(facts: dict[str, Facts]) -> None:
     """Only results/codes.py makes findings, but for codes of foreign packages."""
     makers = [path for path, fact in facts.items() if fact.makes and path.startswith("solver/")]
-    assert makers == ["solver/checks/bodies.py", "solver/results/codes.py"]
+    assert makers == ["solver/checks/balances.py", "solver/results/codes.py"]
 
 
 def test_there_is_one_class_finding(facts: dict[str, Facts]) -> None:

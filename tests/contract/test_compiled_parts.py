@@ -2,7 +2,7 @@
 
 import ast
 
-ROOMS = ("math", "dynamics", "integrators", "checks/monitors")
+ROOMS = ("math", "dynamics", "integrators", "checks")
 KINDS = {"lean", "jit", "inlined"}
 MAKERS = {"array", "zeros", "empty", "ones", "eye", "full", "concatenate", "copy", "linspace"}
 

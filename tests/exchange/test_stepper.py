@@ -10,8 +10,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.run.coupled import Stepper
-from plymotion.solver.run.coupled.stepper import Course
+from plymotion.solver.run.coupled import Course, Stepper
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.outcome import RunSpec
 

@@ -10,8 +10,8 @@ from samples.shell_specs import CFRP, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import flexible_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package import ModalPackage
 
 # The solver flies: another DOLFINx would give it the same package.

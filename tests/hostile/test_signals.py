@@ -36,7 +36,7 @@ TOLD = """
 import sys, time
 import plymotion.solver.run.execution as r
 from plymotion.solver.studies.sweep import work
-from plymotion.solver.checks.monitors.together import Monitors
+from plymotion.solver.checks.monitors import Monitors
 from plymotion.solver.__main__ import main
 watch, write = Monitors.__call__, r.write_result
 def told(self, steps):

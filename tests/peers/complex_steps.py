@@ -12,10 +12,8 @@ import numpy as np
 
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import position_rates
-from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.dynamics.model.workspace import GAMMA, PHI_T, new_work
-from plymotion.solver.studies.linearisation.state_space import linearise
-from plymotion.solver.studies.linearisation.turning import turning_axes
+from plymotion.solver.dynamics.model.model import GAMMA, PHI_T, Model, new_work
+from plymotion.solver.studies.linearisation.state_space import linearise, turning_axes
 from plymotion.solver.studies.modes.place import at_of
 from plymotion.solver.studies.modes.state import States, read_spec
 

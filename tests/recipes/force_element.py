@@ -12,8 +12,8 @@ from plymotion.solver.dynamics.elements.forces.table import ELEMENTS, KINDS, MOS
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.radau import Radau
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import ForceTable, MarkerTable, rigid_body
 
 folder = Path(sys.argv[1])
 text = (

@@ -8,14 +8,14 @@ from ida_integrator import SundialsIda
 from samples.mechanism_samples import Sample
 from scipy_integrators import SCIPY
 
-from plymotion.solver.checks.monitors.singularity import SingularityMonitor
+from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment, treated
-from plymotion.solver.dynamics.evaluation.dense_equations import (
+from plymotion.solver.dynamics.evaluation.accelerations import (
     assemble,
+    by_blocks,
     constraint_rates,
     energies,
 )
-from plymotion.solver.dynamics.evaluation.derivative import by_blocks
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
@@ -24,7 +24,7 @@ from plymotion.solver.integrators.generic.drive import Solution, Steps, integrat
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
 from plymotion.solver.integrators.table import new_integrator
-from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
+from plymotion.solver.mechanism.consistent import consistent_state, redundancy
 
 
 @dataclass

@@ -9,12 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
+from plymotion.solver.dynamics.elements.marker import marker_motion
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.rotations import frame_from_axis
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import Body, JointTable, MarkerTable, rigid_body
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
 
 GROUND = -1
 Z = (0.0, 0.0, 1.0)

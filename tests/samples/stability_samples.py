@@ -13,9 +13,9 @@ from samples.mechanism_samples import GRAVITY, GROUND, Sample
 
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic.base import Integrator
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package import read_package
 
 HAND = Path(__file__).parents[1] / "packages/double-pendulum/hand.isotropic.vtkhdf"

@@ -7,13 +7,13 @@ import numpy as np
 from samples.beam_samples import Beam, reduced
 
 from plymotion.preprocess.beam.line import SectionMass
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
-from plymotion.solver.dynamics.evaluation.derivative import derivative
+from plymotion.solver.dynamics.elements.marker import marker_motion
+from plymotion.solver.dynamics.evaluation.accelerations import derivative
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body
-from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start, consistent_state
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package import ModalPackage
 
 GRAVITY = (0.0, -9.81, 0.0)

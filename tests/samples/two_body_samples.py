@@ -7,9 +7,9 @@ from samples.flexible_samples import Points, body_of, random_points
 from samples.mechanism_samples import GRAVITY, GROUND, Rods, Sample
 
 from plymotion.solver.math.laws import Law, polynomial
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable
 
 N_MODE = 2
 

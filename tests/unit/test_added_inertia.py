@@ -6,24 +6,22 @@ from samples.constraint_runs import new_run, prepared
 from samples.flexible_samples import Points, body_of, random_points
 from samples.mechanism_samples import GRAVITY, GROUND, Sample, four_bars
 
-from plymotion.solver.dynamics.elements.bodies.added_inertia import (
-    missing_inertia,
-    undetermined_body,
-)
+from plymotion.solver.dynamics.elements.added_inertia import missing_inertia, undetermined_body
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.evaluation.derivative import (
+from plymotion.solver.dynamics.evaluation.accelerations import (
+    accelerations,
+    assemble,
     by_blocks,
     dense_derivative_into,
     derivative_into,
 )
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
-from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
-from plymotion.solver.mechanism.starting.start import starting_state
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start, consistent_state
+from plymotion.solver.mechanism.start import starting_state
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 NONE, NOTHING = np.zeros((3, 0)), np.zeros((0, 0))
 

@@ -5,7 +5,7 @@ from samples.flexible_samples import body_of, random_points, random_state
 
 from plymotion.solver.dynamics.model.coordinates import moved, position_rates
 from plymotion.solver.math.rotations import rotation_matrix, vector_to_matrix
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.mechanism.assembly import assemble_model
 
 
 def _two_bodies():

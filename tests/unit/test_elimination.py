@@ -13,15 +13,17 @@ from samples.flexible_samples import (
 )
 from scipy.linalg import eigh
 
-from plymotion.solver.dynamics.evaluation.dense_equations import dense
-from plymotion.solver.dynamics.evaluation.derivative import dense_derivative_into, derivative_into
+from plymotion.solver.dynamics.evaluation.accelerations import (
+    dense,
+    dense_derivative_into,
+    derivative_into,
+)
+from plymotion.solver.dynamics.evaluation.elimination import factorise, solve
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
-from plymotion.solver.dynamics.linear_algebra.elimination import factorise, solve
-from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.dynamics.model.workspace import new_factors, new_work
+from plymotion.solver.dynamics.model.model import Model, new_factors, new_work
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable
 
 
 def blocks(model: Model, whole: np.ndarray) -> np.ndarray:

@@ -8,18 +8,19 @@ from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.analysis.projection import _dense_project, projected
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
-from plymotion.solver.dynamics.evaluation.derivative import (
+from plymotion.solver.dynamics.evaluation.accelerations import (
+    accelerations,
+    assemble,
     by_blocks,
     dense_derivative_into,
     derivative,
     derivative_into,
 )
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.step_loop import right_hand_side
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 # Closed loops with surplus rows, of bodies with inertia about every axis.
 LOOPS = {

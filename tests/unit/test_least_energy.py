@@ -7,7 +7,7 @@ from samples.mechanism_samples import chain
 
 from plymotion.solver.dynamics.analysis.projection import least_energy
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
 
 
 @pytest.mark.parametrize("given", [[], [5], [5, 11], [5, 11, 17, 23, 29]])

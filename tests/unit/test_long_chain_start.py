@@ -6,9 +6,9 @@ from samples.mechanism_samples import chain
 
 from plymotion.solver.dynamics.analysis import rank as freedom
 from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
-from plymotion.solver.mechanism.consistent import initial
-from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
+from plymotion.solver.mechanism import consistent as initial
+from plymotion.solver.mechanism.consistent import consistent_state, redundancy
 
 LINKS = 40
 

@@ -5,11 +5,15 @@ import pytest
 from samples.constraint_runs import prepared
 from samples.mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.dynamics.analysis.independence import new_independence
-from plymotion.solver.dynamics.analysis.rank import difference, new_spectrum, smallest_at
+from plymotion.solver.dynamics.analysis.rank import (
+    difference,
+    new_independence,
+    new_spectrum,
+    smallest_at,
+)
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, scaled_jacobian
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
+from plymotion.solver.dynamics.model.model import new_work
 
 
 def _search(model):

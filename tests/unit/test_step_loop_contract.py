@@ -17,8 +17,8 @@ from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import ForceTable, MarkerTable, rigid_body
 
 IMPLICIT = [
     ("radau", "projection"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from samples.flexible_samples import random_mechanism, random_state
 
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion, single_motion
+from plymotion.solver.dynamics.elements.marker import marker_motion, single_motion
 from plymotion.solver.dynamics.model import motion
 from plymotion.solver.math.rotations import (
     about,

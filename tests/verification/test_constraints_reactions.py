@@ -13,16 +13,11 @@ from plymotion.solver.dynamics.analysis.recovery import (
     momentum_rates,
 )
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.dynamics.evaluation.series import along_solution
 from plymotion.solver.math import laws
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import (
-    ForceTable,
-    JointTable,
-    MarkerTable,
-    rigid_body,
-)
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable, rigid_body
 
 KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")
 

@@ -10,12 +10,12 @@ from samples.mechanism_samples import GROUND, Rods, bricard, chain, four_bars
 
 from plymotion.solver.dynamics.analysis.recovery import joint_reactions
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.errors import InputError
 from plymotion.solver.math import laws
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
-from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import consistent_state, redundancy
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 
 def _found(sample):

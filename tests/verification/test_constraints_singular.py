@@ -8,9 +8,9 @@ from samples.constraint_runs import new_run, prepared, run
 from samples.mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.checks.monitors.singularity import SingularityMonitor
+from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.derivative import by_blocks, derivative
+from plymotion.solver.dynamics.evaluation.accelerations import by_blocks, derivative
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.table import new_integrator
 

@@ -7,7 +7,7 @@ from samples.coordinate_samples import DEFAULT, RADAU, force, prepared, run
 
 from plymotion.solver.dynamics.analysis.recovery import momentum_balance
 from plymotion.solver.dynamics.evaluation import series
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.errors import InputError
 

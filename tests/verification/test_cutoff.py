@@ -10,16 +10,16 @@ from samples.two_body_samples import two_bodies
 
 from plymotion.solver.checks.course import stall_findings
 from plymotion.solver.checks.finished import Look
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.elements.marker import marker_motion
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.compiled.cutoff import PASSES, filter_error, start_filter
 from plymotion.solver.integrators.compiled.pencil import freeze
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
-from plymotion.solver.mechanism.assembly.tables import ForceTable
+from plymotion.solver.mechanism.tables import ForceTable
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import prepare
 

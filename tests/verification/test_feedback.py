@@ -7,7 +7,7 @@ from samples.coordinate_samples import DEFAULT, RADAU, force, prepared, run
 from scipy.linalg import expm
 
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 
 ALPHA = 'integrator = "generalized-alpha"\nconstraints = "ggl"'

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from samples.fidelity_samples import pendulum, planned_run
 
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, masses_and_jacobians
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, masses_and_jacobians
 from plymotion.solver.studies.fidelity.answer import answer_text, entry, fidelity_line
 from plymotion.solver.studies.fidelity.checking import Checking
 from plymotion.solver.studies.fidelity.execution import checked, plan_of

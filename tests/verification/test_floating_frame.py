@@ -15,9 +15,8 @@ from samples.flexible_samples import (
     total_energy,
 )
 
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
-from plymotion.solver.dynamics.evaluation.derivative import derivative
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative
+from plymotion.solver.mechanism.assembly import assemble_model
 
 TIMES = np.linspace(0.0, 1.0, 11)
 

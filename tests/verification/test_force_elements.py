@@ -5,12 +5,11 @@ import pytest
 from samples.flexible_samples import body_of, random_marker, random_points, random_state
 
 from plymotion.solver.dynamics.elements.forces.table import FIRST_LOAD, KINDS, N_PARAMETER
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
-from plymotion.solver.dynamics.evaluation.derivative import derivative
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative, energies
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import ForceTable, MarkerTable, rigid_body
 
 ELASTIC = {
     "spring": (40.0, 0.0, 0.7),

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from plymotion.solver.dynamics.evaluation import series
-from plymotion.solver.dynamics.evaluation.derivative import by_blocks, derivative
+from plymotion.solver.dynamics.evaluation.accelerations import by_blocks, derivative
 from plymotion.solver.errors import InputError
 
 G = 9.81

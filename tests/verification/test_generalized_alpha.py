@@ -14,7 +14,7 @@ from samples.stability_samples import hand, stepped
 from samples.two_body_samples import two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import (
+from plymotion.solver.dynamics.evaluation.accelerations import (
     accelerations,
     assemble,
     constraint_rates,
@@ -22,9 +22,9 @@ from plymotion.solver.dynamics.evaluation.dense_equations import (
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable
 
 BUSHING = (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, 10.0, 20.0, 30.0, 1.0, 2.0, 3.0)
 SAMPLES = {

@@ -12,7 +12,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
+from plymotion.solver.mechanism.consistent import consistent_state, redundancy
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import prepare
 

@@ -11,9 +11,9 @@ from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.table import FOR_EQUATIONS
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 FORMULATIONS = ("ggl", "index3")
 

@@ -7,15 +7,15 @@ from samples.flexible_samples import body_of, random_marker, random_points, rand
 
 from plymotion.solver.dynamics.elements.joints.contract import FREEDOMS
 from plymotion.solver.dynamics.elements.joints.table import CONSTRAINTS, DRIVES, KINDS
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import (
     along_parameters,
     matrix_to_parameters,
     vector_to_matrix,
 )
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, rigid_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 LAW = laws.polynomial([0.1, 0.7, 0.3, -0.2])
 

@@ -8,7 +8,7 @@ from samples.case_samples import case_runs
 from samples.mechanism_samples import GROUND, Rods
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.mechanism.consistent.initial import consistent_state, redundancy
+from plymotion.solver.mechanism.consistent import consistent_state, redundancy
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import prepare
 

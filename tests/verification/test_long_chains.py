@@ -6,15 +6,15 @@ from samples.constraint_runs import new_run, prepared
 from samples.mechanism_samples import bricard, chain, four_bars, pendulum
 from samples.two_body_samples import two_bodies
 
-from plymotion.solver.checks.monitors.observation import observe
-from plymotion.solver.checks.monitors.singularity import SingularityMonitor
+from plymotion.solver.checks.constraint_rank import observe
+from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.elements.joints.table import DRIVES, NAMES
-from plymotion.solver.dynamics.evaluation.derivative import derivative_into
+from plymotion.solver.dynamics.evaluation.accelerations import derivative_into
+from plymotion.solver.dynamics.evaluation.elimination import REGULAR, is_tree
 from plymotion.solver.dynamics.evaluation.series import along_solution
-from plymotion.solver.dynamics.linear_algebra.dependence import REGULAR, is_tree
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 

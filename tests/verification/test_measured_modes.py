@@ -9,8 +9,8 @@ from samples.beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.solver.extras.measured_modes import experimental_package, load_measurement
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import flexible_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 

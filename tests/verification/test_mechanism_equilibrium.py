@@ -5,20 +5,15 @@ import pytest
 from samples.flexible_samples import body_of, random_points
 from scipy.optimize import brentq
 
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.elements.marker import marker_motion
+from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.errors import InputError
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import (
-    ForceTable,
-    JointTable,
-    MarkerTable,
-    rigid_body,
-)
-from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
-from plymotion.solver.mechanism.starting.equilibrium import equilibrium
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start, consistent_state
+from plymotion.solver.mechanism.equilibrium import equilibrium
+from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable, rigid_body
 
 GRAVITY = (0.0, -9.81, 0.0)
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from samples.flexible_samples import simulate
 
-from plymotion.solver.dynamics.analysis.recording import Recording
+from plymotion.solver.dynamics.analysis.recovery import Recording
 from plymotion.solver.inputs.case.tables.signals import ReactionSignal
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import BuiltJoint
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import Body, JointTable, MarkerTable, rigid_body
-from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start, consistent_state
+from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.package.body.schema import Invariants
 from plymotion.solver.signals.joints import joint_coordinate, reaction
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism import build
-from plymotion.solver.mechanism.consistent.initial import consistent_state
+from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.run.execution import execute, read_run
 
 REACTIONS = {

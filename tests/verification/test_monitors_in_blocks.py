@@ -7,19 +7,18 @@ import pytest
 from samples.constraint_runs import new_run, prepared
 from samples.mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.checks.monitors.observation import new_observation, note, observe
-from plymotion.solver.checks.monitors.singularity import SingularityMonitor
-from plymotion.solver.dynamics.analysis.independence import CERTAIN, begin, new_independence
+from plymotion.solver.checks.constraint_rank import new_observation, note, observe
+from plymotion.solver.checks.singularity import SingularityMonitor
+from plymotion.solver.dynamics.analysis.rank import CERTAIN, begin, new_independence
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.drive import Steps, integrate
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.integration import output_times
-from plymotion.solver.run.preparation import prepare
+from plymotion.solver.run.preparation import output_times, prepare
 
 MISFIT = 1e-7  # m: the branches turn into each other where the exact mechanism passes
 

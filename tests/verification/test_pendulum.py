@@ -7,9 +7,9 @@ import pytest
 from samples.flexible_samples import simulate, total_energy
 
 from plymotion.solver.math import laws
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import Body, JointTable, MarkerTable, rigid_body
-from plymotion.solver.mechanism.consistent.initial import Start, consistent_state
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start, consistent_state
+from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.package import from_stations
 
 NOTHING = np.zeros((3, 0))
@@ -40,7 +40,7 @@ def _at_rest(model):
 
 
 def _tip(model, y):
-    from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
+    from plymotion.solver.dynamics.elements.marker import marker_motion
 
     return np.array([marker_motion(model, 2, state).x for state in y])
 

@@ -10,10 +10,10 @@ from samples.stability_samples import amplitude, hand, stepped
 from samples.two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.mechanism.assembly.tables import ForceTable
+from plymotion.solver.mechanism.tables import ForceTable
 
 DRIVE = polynomial([0.0, 0.0, 3.0, -2.0])
 BUSHING = (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, 10.0, 20.0, 30.0, 1.0, 2.0, 3.0)

@@ -23,11 +23,11 @@ from samples.flexible_samples import momenta, simulate, total_energy
 
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.rotations import rotation_matrix, skew
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import flexible_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

@@ -11,7 +11,7 @@ from samples.segment_samples import cantilever, run_of
 from samples.stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.line import SectionMass
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
+from plymotion.solver.dynamics.elements.marker import marker_motion
 from plymotion.solver.package import read_package
 from plymotion.solver.results.codes import ROTATION
 from plymotion.solver.run.execution import execute

@@ -3,8 +3,8 @@
 import numpy as np
 from samples.flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import flexible_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package import read_package
 
 

@@ -10,7 +10,7 @@ from samples.mechanism_samples import pendulum
 from samples.stability_samples import stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, constraint_rates
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, constraint_rates
 from plymotion.solver.integrators.generic.advice import of_feedback
 from plymotion.solver.integrators.generic.drive import integrate
 

@@ -19,11 +19,11 @@ from samples.beam_samples import (
 
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.modes.reference import solve_definite
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
+from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.dynamics.model.model import GROUND
 from plymotion.solver.math.rotations import frame_from_axis
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import JointTable, MarkerTable, flexible_body
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package.body.invariants import rigid_motions
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

@@ -13,14 +13,14 @@ from samples.mechanism_samples import GRAVITY, GROUND, Sample
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.elements.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
 from plymotion.solver.dynamics.elements.forces.table import ELEMENTS, MOST_ROWS, element_rows
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import ForceTable, JointTable, MarkerTable
-from plymotion.solver.mechanism.consistent.initial import Start
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.consistent import Start
+from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable
 
 BOTH = pytest.mark.parametrize(
     ("name", "treatment"),

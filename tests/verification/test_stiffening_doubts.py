@@ -10,12 +10,10 @@ from samples.beam_samples import CLAMPED, reduced
 from samples.stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
 from plymotion.solver.checks.finished import FinishedRun
-from plymotion.solver.checks.monitors.geometric_stiffness import Loading, geometric_stiffness
-from plymotion.solver.checks.monitors.spin import SpinMonitor
+from plymotion.solver.checks.stability import Loading, SpinMonitor, geometric_stiffness
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble
-from plymotion.solver.dynamics.evaluation.derivative import derivative
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.integrators.generic.drive import Solution
 from plymotion.solver.mechanism import build
@@ -108,8 +106,8 @@ import numpy as np
 sys.path[:0] = {path!r}
 from samples.stiffening_samples import CHORD, soft_modes, soft_pendulum
 from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.dynamics.evaluation.dense_equations import assemble, energies
-from plymotion.solver.dynamics.evaluation.derivative import derivative
+from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
+from plymotion.solver.dynamics.evaluation.accelerations import derivative
 assert COMPILED == {compiled}
 pendulum = soft_pendulum(CHORD, soft_modes(2, axial=True), elements=8)
 y = pendulum.y0 + 0.01 * np.random.default_rng(0).normal(size=pendulum.y0.size)

@@ -20,23 +20,18 @@ from samples.stiffening_samples import on_interface
 
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.dynamics.analysis.recovery import momentum_balance
-from plymotion.solver.dynamics.elements.bodies.marker import marker_motion
-from plymotion.solver.dynamics.elements.bodies.second_order import stiffening_matrices
-from plymotion.solver.dynamics.evaluation.dense_equations import (
+from plymotion.solver.dynamics.elements.floating_frame import stiffening_matrices
+from plymotion.solver.dynamics.elements.marker import marker_motion
+from plymotion.solver.dynamics.evaluation.accelerations import (
     accelerations,
     assemble,
     constraint_rates,
+    derivative,
     energies,
 )
-from plymotion.solver.dynamics.evaluation.derivative import derivative
 from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import (
-    JointTable,
-    MarkerTable,
-    flexible_body,
-    rigid_body,
-)
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body, rigid_body
 
 GRAVITY = (0.3, -9.81, 2.0)
 

@@ -6,9 +6,8 @@ import numpy as np
 from samples.flexible_samples import simulate
 from samples.stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
 
-from plymotion.solver.checks.monitors.geometric_stiffness import geometric_stiffness
-from plymotion.solver.checks.monitors.spin import SpinMonitor
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.checks.stability import SpinMonitor, geometric_stiffness
+from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 
 
 def test_clamped_frames_complete_with_the_error_of_large_rotations(repository):

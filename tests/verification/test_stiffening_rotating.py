@@ -9,9 +9,9 @@ from samples.beam_samples import CHORD, CLAMPED, NAMES, REFERENCES, reduced
 from samples.stiffening_samples import rectangle, steady_spin
 
 from plymotion.preprocess.beam.line import SectionMass
-from plymotion.solver.dynamics.evaluation.derivative import derivative
-from plymotion.solver.mechanism.assembly.assembly import assemble_model
-from plymotion.solver.mechanism.assembly.tables import flexible_body
+from plymotion.solver.dynamics.evaluation.accelerations import derivative
+from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package import read_package
 
 # Slender to the limit of a Bernoulli beam that cannot be stretched: EI = rhoA = L = 1.

@@ -10,10 +10,10 @@ import scipy.linalg
 from samples.crane_samples import beam_crane, rigid_crane
 from samples.segment_samples import run_of
 
-from plymotion.solver.dynamics.evaluation.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.dynamics.model.workspace import new_work
+from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 from plymotion.solver.integrators.compiled.tension import freeze_tension
 from plymotion.solver.run.preparation import prepare

@@ -4,15 +4,11 @@ import numpy as np
 
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, rebound
-from ..elements.block_vectors import flatten, largest
-from ..evaluation.dense_equations import dense, solve_dense
-from ..evaluation.derivative import by_blocks
-from ..evaluation.energy import momenta_into
-from ..evaluation.evaluation import evaluate, evaluate_rates
-from ..linear_algebra.mass_solution import factorise_mass, solve_mass
+from ..elements.floating_frame import flatten, largest
+from ..evaluation.accelerations import by_blocks, dense, factorise_mass, solve_dense, solve_mass
+from ..evaluation.evaluation import evaluate, evaluate_rates, momenta_into
 from ..model.coordinates import move
-from ..model.model import Model
-from ..model.workspace import PHI, Work, spare_work
+from ..model.model import PHI, Model, Work, spare_work
 
 # Given velocities are held by inertia: a change of the others moves them by the reciprocal of HOLD.
 # What they move is taken back, and the next pass answers what this leaves open.

@@ -5,9 +5,9 @@ import numpy as np
 from ...math.arrays import Array
 from ..elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..elements.constraints.treatment import scaled_jacobian
-from ..evaluation.dense_equations import assemble
+from ..evaluation.accelerations import assemble
+from ..evaluation.elimination import is_tree
 from ..evaluation.series import along_solution
-from ..linear_algebra.dependence import is_tree
 from ..model.model import Model
 from .rank import free_motions, rank_of
 

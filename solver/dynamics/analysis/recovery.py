@@ -1,6 +1,9 @@
-"""Points, deflections, energies and joint reactions of a state."""
+"""Points, deflections, energies, reactions of states, and the scales of a mechanism."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -8,9 +11,97 @@ from ...math.arrays import Array
 from ...math.rotations import rotation_matrices
 from ..elements.joints.table import position_rows
 from ..evaluation import series
-from ..evaluation.energy import first_moments
-from ..model.model import GROUND, Model
-from .scales import extent
+from ..evaluation.evaluation import evaluate, first_moments, stored_energies
+from ..evaluation.series import along_solution, driven_speeds, marker_places
+from ..model.model import GROUND, Model, spare_work
+from ..model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
+
+SAMPLES = 65  # times at which drives are looked at
+# Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
+# time stays linear in the number of bodies: the pivots of a chain fall with its length.
+ORDER = 1e-12
+
+
+class Scales(NamedTuple):
+    """Orders of magnitude of what a run goes through."""
+
+    length: float  # [m]
+    speed: float  # of points [m/s]
+    energy: float  # [J]
+
+
+def scales(model: Model, y0: Array, t_end: float) -> Scales:
+    """Return the scales of a run from state y0 (n,) to t_end [s].
+
+    Length: the diagonal of the box around all markers and frames, or the largest radius of
+    gyration; 1 m for a mass point without either. Speed: the largest of
+    - the speeds at the start, of frames and, by their spin, at the distance of the length;
+    - those of drives at any time;
+    - the length over t_end;
+    - after the length under gravity, or at the accelerations of the start; with springs, bushings
+      and dampers, whose accelerations may last for an instant, that of the energy stored in them.
+    Energy: that of all masses at this speed.
+    """
+    length = extent(model, y0)
+    driven = speed_of_drives(model, y0, np.linspace(0.0, t_end, SAMPLES), length)
+    speed = max(length / t_end, _at_start(model, y0, length), driven)
+    return Scales(length, speed, float(model.mass.sum()) * speed**2)
+
+
+def shape_sizes(model: Model, i: int) -> Array:
+    """Return the displacement of body i by a unit of each mode, (m,): root mean square by mass."""
+    m, two = int(model.n_mode[i]), int(model.square_start[i])
+    diagonal = model.M_qq[two : two + m * m].reshape(m, m).diagonal()
+    return np.asarray(np.sqrt(diagonal / model.mass[i]))
+
+
+def extent(model: Model, y0: Array) -> float:
+    """Return the size of a mechanism in state y0 (n,), the length of `scales` [m]."""
+    frames = y0[np.asarray(model.pos_start)[:, None] + np.arange(3)]
+    points = np.concatenate([frames, marker_places(model, y0)])
+    box = float(np.linalg.norm(np.ptp(points, axis=0)))
+    held = model.mass > 0.0
+    square = np.trace(model.T00[held], axis1=1, axis2=2) / model.mass[held]
+    return max(box, float(np.sqrt(square.max(initial=0.0)))) or 1.0
+
+
+def _at_start(model: Model, y0: Array, length: float) -> float:
+    """Speed at the start, and what gravity and loads can make of it over the length [m/s]."""
+    rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER)
+    fall = float(np.linalg.norm(model.gravity_G)) * length
+    mass = max(float(model.mass.sum()), 1e-300)
+    work = spare_work(model)
+    evaluate(model, work, 0.0, y0)
+    energies = np.zeros(3)
+    stored_energies(model, y0, work.P, energies)
+    stored = energies[1] + work.power[1]
+    gain = max(fall, 2.0 * abs(float(stored)) / mass)
+    if model.plan.element_row.shape[0] == 0:
+        gain = max(
+            gain,
+            _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,
+        )
+    return max(
+        _of_frames(model, y0[model.n_pos : model.n_pos + model.n_vel], length), float(np.sqrt(gain))
+    )
+
+
+def _of_frames(model: Model, v: Array, length: float) -> float:
+    """Return the largest size in v (n_vel,) of frames; of spins, at the distance of the length."""
+    first = np.asarray(model.vel_start)[:, None]
+    moved = np.linalg.norm(v[first + np.arange(3)], axis=1)
+    turned = np.linalg.norm(v[first + np.arange(3, 6)], axis=1) * length
+    largest = float(np.max([moved, turned], initial=0.0))
+    return largest if np.isfinite(largest) else 0.0
+
+
+def speed_of_drives(model: Model, y0: Array, times: Array, length: float) -> float:
+    """Return the largest speed that drives prescribe at times (k,) [m/s]; of turns, at a length."""
+    if not (model.joint_law >= 0).any():
+        return 0.0
+    arm = np.where(position_rows(model.joint_kind), 1.0, length)
+    speeds = driven_speeds(model, times, y0)
+    return float(np.fmax.reduce(np.abs(speeds) * arm, axis=None, initial=0.0))
 
 
 @dataclass(frozen=True)
@@ -147,3 +238,112 @@ def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
     largest = np.maximum(scale.reshape(-1, 2, 3).max(axis=(0, 2)), np.maximum(least, 1e-300))
     relative = error.reshape(-1, 2, 3).max(axis=(0, 2)) / largest
     return MomentumBalance(float(relative[0]), float(relative[1]))
+
+
+MARKERS = 32  # whose motions are kept: signals of a place follow each other
+
+
+class Recording:
+    """States y (k, n) of a model at times t (k,); each quantity is computed once.
+
+    Of a long run it is one block after the other: `memory` is what sensors keep of earlier ones,
+    the same for all blocks.
+    """
+
+    def __init__(
+        self, model: Model, t: Array, y: Array, memory: dict[Any, Any] | None = None
+    ) -> None:
+        self.model, self.t, self.y = model, t, y
+        self.memory = {} if memory is None else memory
+        self._motions: dict[int, Array] = {}
+        self._carried: dict[Any, Array] = {}
+        self._shared: dict[Any, Array] = {}
+
+    def carried(self, key: Any, compute: Callable[[Any], tuple[Array, Any]]) -> Array:
+        """Return values (k, ...) that depend on those of the block before.
+
+        `compute` gets what it kept of the block before under this key, None in the first; it
+        returns the values and what it keeps for the next.
+        """
+        if key not in self._carried:
+            self._carried[key], self.memory[key] = compute(self.memory.get(key))
+        return self._carried[key]
+
+    def position(self, marker: int) -> Array:
+        """Position (k, 3) of a marker's origin, global [m]."""
+        return self._motion(marker)[:, PLACE:AXES]
+
+    def axes(self, marker: int) -> Array:
+        """Axes of a marker in columns, global, (k, 3, 3)."""
+        return self._motion(marker)[:, AXES:VELOCITY].reshape(-1, 3, 3)
+
+    def velocity(self, marker: int) -> Array:
+        """Velocity (k, 3) of a marker's origin, global [m/s]."""
+        return self._motion(marker)[:, VELOCITY:SPIN]
+
+    def spin(self, marker: int) -> Array:
+        """Angular velocity (k, 3) of a marker, global [rad/s]."""
+        return self._motion(marker)[:, SPIN:ACCELERATION]
+
+    def _motion(self, marker: int) -> Array:
+        """Row of dynamics/model/motion.py of a marker in every state, (k, 24)."""
+        if marker not in self._motions:
+            if len(self._motions) >= MARKERS:
+                self._motions.pop(next(iter(self._motions)))
+            self._motions[marker], _ = series.marker_motions(self.model, marker, self.y)
+        return self._motions[marker]
+
+    def modes(self, body: int) -> Array:
+        """Modal coordinates (k, m) of a body."""
+        a = int(self.model.pos_start[body]) + 7
+        return self.y[:, a : a + int(self.model.n_mode[body])]
+
+    def acceleration(self, marker: int) -> Array:
+        """Acceleration (k, 3) of a marker's origin, global [m/s2]."""
+        body = int(self.model.marker_body[marker])
+        if body < 0:
+            return np.zeros((len(self.t), 3))
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        own = self.rates[:, j : j + 6 + int(self.model.n_mode[body])]
+        motion, J_m = series.marker_motions(self.model, marker, self.y)
+        return np.asarray(
+            np.einsum("kan,kn->ka", J_m[:, :3], own) + motion[:, ACCELERATION:SPIN_RATE]
+        )
+
+    def reactions(self, rows: tuple[int, ...], side: int) -> Array:
+        """Force and moment of joints on their first or second side, (k, 6), global [N, N m].
+
+        Sum over the joint tables `rows` of the model, which have the same markers. Moments
+        are about the marker of that side, 1 or 2.
+        """
+        return self.loads([2 * row + side - 1 for row in rows]).sum(axis=1)
+
+    def loads(self, places: list[int]) -> Array:
+        """Force and moment (k, n, 6) of places of `series.loaded_markers`, global [N, N m]."""
+        return np.asarray(self._loads[:, places])
+
+    def once(self, key: Any, compute: Callable[[], Array]) -> Array:
+        """Return values (k, ...) that several signals of these times need."""
+        if key not in self._shared:
+            self._shared[key] = compute()
+        return self._shared[key]
+
+    @property
+    def rates(self) -> Array:
+        """Rates (k, n) of the states."""
+        return self.along.rates
+
+    @property
+    def multipliers(self) -> Array:
+        """Multipliers (k, n_c) of the constraints."""
+        return self.along.multipliers
+
+    @cached_property
+    def along(self) -> series.Along:
+        """Rates, multipliers, constraints and energies."""
+        return series.along(self.model, self.t, self.y)
+
+    @cached_property
+    def _loads(self) -> Array:
+        """Force and moment of every joint on its two sides, (k, 2 nj, 6), and of force elements."""
+        return series.marker_loads(self.model, self.t, self.y, self.multipliers)

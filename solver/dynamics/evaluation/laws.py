@@ -1,12 +1,170 @@
-"""Values of the laws of time of a mechanism, at one time and at instants that change them."""
+"""Values of the expressions of a model: measured quantities, auxiliary states, laws of time."""
 
 import numpy as np
 
-from ...math.arrays import Array
-from ...math.compiled import inlined
+from ...math.arrays import Array, IntArray
+from ...math.compiled import inlined, lean
+from ...math.expressions.program import BY_TIME, NO_SEED, evaluated
 from ...math.laws import N_COEFFICIENT, law_value
-from ..model.model import Model
-from .measures import before_end, law_of_time
+from ...math.rotations import Triple, cross3, dot3, minus3, sum3, times3
+from ..model.model import DISPLACEMENT, DISTANCE, LAST, SPIN, Model, Quantities
+from ..model.motion import acceleration, axis, place, spin, spin_rate, velocity
+
+COINCIDENT = 1e-12  # distance of two points without a direction [m]
+
+
+@lean
+def coordinate(kind: int, axes: IntArray, one: Array, two: Array, g: Array) -> tuple[float, float]:
+    """Return value and rate of a coordinate, and fill its row g (12,)."""
+    e, n, arm = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    turning, d = minus3(spin(two), spin(one)), minus3(place(two), place(one))
+    if kind in (DISPLACEMENT, DISTANCE):
+        if kind == DISPLACEMENT:
+            n = axis(one, axes[0])
+            e, arm = dot3(n, d), cross3(n, d)
+        else:
+            e = np.sqrt(dot3(d, d))
+            n = times3(1.0 / e if e > COINCIDENT else 0.0, d)
+        for j in range(3):
+            g[j], g[3 + j], g[6 + j], g[9 + j] = -n[j], arm[j], n[j], 0.0
+        moving = minus3(velocity(two), velocity(one))
+        return e, dot3(n, moving) + dot3(arm, spin(one))
+    if kind == SPIN:
+        n = axis(one, axes[0])
+    else:
+        frame, pointer = (one, two) if axes[0] == 0 else (two, one)
+        e, n = angle_of(frame, pointer, axes[1], axes[2], axes[3])
+        if axes[0] == 1:
+            n = times3(-1.0, n)
+    for j in range(3):
+        g[j], g[3 + j], g[6 + j], g[9 + j] = 0.0, -n[j], 0.0, n[j]
+    return e, dot3(n, turning)
+
+
+@inlined
+def angle_of(frame: Array, pointer: Array, i: int, j: int, k: int) -> tuple[float, Triple]:
+    """Return the angle from axis i towards axis j of a marker to axis k of another, and n.
+
+    From -pi to pi [rad]; its rate is n . (w_pointer - w_frame).
+    """
+    x, y, arm = axis(frame, i), axis(frame, j), axis(pointer, k)
+    u, v = dot3(x, arm), dot3(y, arm)
+    n = minus3(times3(u, cross3(arm, y)), times3(v, cross3(arm, x)))
+    return np.arctan2(v, u), times3(1.0 / (u * u + v * v), n)
+
+
+@lean
+def acceleration_of(kind: int, axes: IntArray, one: Array, two: Array) -> float:
+    """Return the second derivative of a coordinate at zero coordinate accelerations."""
+    if kind in (DISPLACEMENT, DISTANCE):
+        d, d_d = minus3(place(two), place(one)), minus3(velocity(two), velocity(one))
+        d_dd = minus3(acceleration(two), acceleration(one))
+        if kind == DISTANCE:
+            e = np.sqrt(dot3(d, d))
+            e_d = dot3(d, d_d) / e
+            return (dot3(d, d_dd) + dot3(d_d, d_d) - e_d * e_d) / e
+        n = axis(one, axes[0])
+        n_d, n_dd = axis_rates(one, n)
+        return dot3(n_dd, d) + 2.0 * dot3(n_d, d_d) + dot3(n, d_dd)
+    frame, pointer = (one, two) if axes[0] == 0 else (two, one)
+    x, y, a = axis(frame, axes[1]), axis(frame, axes[2]), axis(pointer, axes[3])
+    x_d, x_dd = axis_rates(frame, x)
+    y_d, y_dd = axis_rates(frame, y)
+    a_d, a_dd = axis_rates(pointer, a)
+    u, v = dot3(x, a), dot3(y, a)
+    u_d, v_d = dot3(x_d, a) + dot3(x, a_d), dot3(y_d, a) + dot3(y, a_d)
+    u_dd = dot3(x_dd, a) + 2.0 * dot3(x_d, a_d) + dot3(x, a_dd)
+    v_dd = dot3(y_dd, a) + 2.0 * dot3(y_d, a_d) + dot3(y, a_dd)
+    s = 1.0 / (u * u + v * v)
+    rate = (u * v_d - v * u_d) * s
+    return (u * v_dd - v * u_dd) * s - 2.0 * (u * u_d + v * v_d) * rate * s
+
+
+@inlined
+def axis_rates(motion: Array, n: Triple) -> tuple[Triple, Triple]:
+    """Return first and second derivative of an axis of a marker."""
+    w = spin(motion)
+    n_d = cross3(w, n)
+    return n_d, sum3(cross3(spin_rate(motion), n), cross3(w, n_d))
+
+
+@inlined
+def before_end(quantities: Quantities, t: float) -> float:
+    """Return the time at which laws are read: at the end of a run, the instant before.
+
+    No step follows that would see what begins there, such as the rest after a table.
+    """
+    margin = LAST * quantities.end
+    return quantities.end - margin if abs(t - quantities.end) < margin else t
+
+
+@lean
+def measure(
+    quantities: Quantities, motion: Array, y: Array, first: int, quantity: Array, g: Array
+) -> None:
+    """Fill quantity (2 nm + na,) and g (nm, 12) of state y; auxiliary states begin at `first`.
+
+    `motion` (nk, 24) holds the markers.
+    """
+    n = quantities.kind.shape[0]
+    for j in range(quantities.rate.shape[0]):
+        quantity[2 * n + j] = y[first + j]
+    for m in range(n):
+        one, two = motion[quantities.marker[m, 0]], motion[quantities.marker[m, 1]]
+        e, e_d = coordinate(quantities.kind[m], quantities.axes[m], one, two, g[m])
+        e -= quantities.offset[m]
+        if quantities.turn[m] >= 0:
+            e += 2.0 * np.pi * np.round((y[first + quantities.turn[m]] - e) / (2.0 * np.pi))
+        quantity[2 * m], quantity[2 * m + 1] = e, e_d
+
+
+@lean
+def auxiliary_rate(
+    quantities: Quantities, j: int, t: float, quantity: Array
+) -> tuple[float, float]:
+    """Return the rate of auxiliary state j, and its derivative by the state itself."""
+    of, n = quantities.of_coordinate[j], quantities.kind.shape[0]
+    if of >= 0:
+        return quantity[2 * of + 1], 0.0
+    if quantities.rate[j] < 0:
+        return 0.0, 0.0
+    found = evaluated(
+        quantities.programs,
+        quantities.rate[j],
+        before_end(quantities, t),
+        quantity,
+        2 * n + j,
+        NO_SEED,
+        quantities.stack,
+    )
+    return found[0], found[1]
+
+
+@lean
+def force_size(quantities: Quantities, k: int, t: float, quantity: Array, out: Array) -> None:
+    """Fill out (3,) with the size of force element k, and its derivatives by its own coordinate
+    and by the rate of that.
+    """
+    along = quantities.along[k]
+    first, second = (2 * along, 2 * along + 1) if along >= 0 else (NO_SEED, NO_SEED)
+    found = evaluated(
+        quantities.programs,
+        quantities.force[k],
+        before_end(quantities, t),
+        quantity,
+        first,
+        second,
+        quantities.stack,
+    )
+    out[0], out[1], out[2] = found[0], found[1], found[2]
+
+
+@inlined
+def law_of_time(quantities: Quantities, law: int, t: float) -> tuple[float, float, float]:
+    """Return value, first and second derivative of an expression of the time alone."""
+    none = quantities.offset
+    found = evaluated(quantities.programs, law, t, none, BY_TIME, NO_SEED, quantities.stack)
+    return found[0], found[1], found[3]
 
 
 @inlined

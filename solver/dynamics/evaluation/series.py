@@ -11,16 +11,21 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 from ...math.compiled import lean
 from ...math.rotations import cross3, minus3, rotation_into, triple, turned
-from ..elements.bodies.floating_frame import evaluate_bodies
-from ..elements.bodies.marker import move_marker
+from ..elements.floating_frame import evaluate_bodies
 from ..elements.forces.table import FIRST_LOAD
-from ..linear_algebra.dependence import REGULAR, is_tree
-from ..model.model import Model, state_size
+from ..elements.marker import move_marker
+from ..model.model import PHI, PHI_T, Model, Work, spare_work, state_size
 from ..model.motion import N_MOTION, PLACE, place, stand
-from ..model.workspace import PHI, PHI_T, Work, spare_work
-from .derivative import by_blocks, dense_derivative_into, derivative_into
-from .energy import energies_into, momenta_into
-from .evaluation import evaluate, evaluate_rates, force_wrench, n_coupling
+from .accelerations import by_blocks, dense_derivative_into, derivative_into
+from .elimination import REGULAR, is_tree
+from .evaluation import (
+    energies_into,
+    evaluate,
+    evaluate_rates,
+    force_wrench,
+    momenta_into,
+    n_coupling,
+)
 from .laws import law_at
 
 

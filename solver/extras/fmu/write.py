@@ -22,10 +22,9 @@ from plymotion import __version__
 
 from ...errors import InputError, printable
 from ...inputs.case.record import package_entries
-from ...mechanism.building.python_functions import calling_forces
+from ...mechanism.python_functions import calling_forces
 from ...package.common.files import temporary_sibling
-from ...run.coupled import Stepper
-from ...run.coupled.stepper import DRIVE_ORDER, FORCE_ORDER
+from ...run.coupled import DRIVE_ORDER, FORCE_ORDER, Stepper
 from ...run.execution import read_run
 
 # modelDescription.xml of an FMU: variables with units, what the library can do.

@@ -7,12 +7,11 @@ step.
 
 import numpy as np
 
-from ...dynamics.elements.block_vectors import flatten, inflate, row_products
-from ...dynamics.evaluation.derivative import accelerate
+from ...dynamics.elements.floating_frame import flatten, inflate, row_products
+from ...dynamics.evaluation.accelerations import accelerate
+from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
-from ...dynamics.linear_algebra.elimination import solve
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import PHI, PHI_T
+from ...dynamics.model.model import PHI, PHI_T, Model
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from .alpha_stages import (

@@ -4,12 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics.elements.block_vectors import flatten, inflate, row_products
+from ...dynamics.elements.floating_frame import flatten, inflate, row_products
+from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
-from ...dynamics.linear_algebra.elimination import solve
 from ...dynamics.model.coordinates import move, rates_into
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import Work, new_work
+from ...dynamics.model.model import Model, Work, new_work
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, structure

@@ -9,12 +9,11 @@ and the same for velocities with Phi_q dv = -Phidot.
 """
 
 from ...dynamics.analysis.projection import SPARED, TOLERABLE, rounding
-from ...dynamics.elements.block_vectors import flatten, largest
+from ...dynamics.elements.floating_frame import flatten, largest
+from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
-from ...dynamics.linear_algebra.elimination import solve
 from ...dynamics.model.coordinates import move
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import PHI, Work
+from ...dynamics.model.model import PHI, Model, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from .pencil import Frozen, Pencil, factorise_pencil, freeze

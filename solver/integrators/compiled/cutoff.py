@@ -17,11 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics.evaluation.energy import energies_into
-from ...dynamics.evaluation.evaluation import evaluate
-from ...dynamics.linear_algebra.elimination import solve
-from ...dynamics.model.model import Model, state_size
-from ...dynamics.model.workspace import Work
+from ...dynamics.evaluation.elimination import solve
+from ...dynamics.evaluation.evaluation import energies_into, evaluate
+from ...dynamics.model.model import Model, Work, state_size
 from ...math.arrays import Array
 from ...math.compiled import lean, structure
 from ...math.rotations import along_parameters

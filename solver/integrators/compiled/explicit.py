@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.analysis.projection import project
-from ...dynamics.evaluation.derivative import derivative_into
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import Work, new_work
+from ...dynamics.evaluation.accelerations import derivative_into
+from ...dynamics.model.model import Model, Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
 from ..generic.dormand_prince import Tableau

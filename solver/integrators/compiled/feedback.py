@@ -24,11 +24,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import reaction_slope
-from ...dynamics.evaluation.measures import auxiliary_rate
-from ...dynamics.linear_algebra.elimination import solve
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import Factors, Work
+from ...dynamics.evaluation.laws import auxiliary_rate
+from ...dynamics.model.model import Factors, Model, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.expressions.program import NO_SEED, evaluated

@@ -27,11 +27,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...dynamics.linear_algebra.dependence import REGULAR, rows_depend
-from ...dynamics.linear_algebra.elimination import factorise, solve
-from ...dynamics.linear_algebra.mass_solution import add_inertia, soften
-from ...dynamics.model.model import Model, state_size
-from ...dynamics.model.workspace import Factors, Work, new_factors, place_added_rows
+from ...dynamics.evaluation.accelerations import add_inertia, soften
+from ...dynamics.evaluation.elimination import REGULAR, factorise, rows_depend, solve
+from ...dynamics.model.model import Factors, Model, Work, new_factors, place_added_rows, state_size
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters

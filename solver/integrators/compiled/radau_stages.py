@@ -16,10 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
-from ...dynamics.linear_algebra.elimination import solve
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import Work, new_work
+from ...dynamics.model.model import Model, Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, structure
 from .cutoff import Cutoff, new_cutoff

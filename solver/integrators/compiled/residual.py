@@ -19,8 +19,7 @@ from ...dynamics.evaluation.evaluation import (
     fill_jacobian,
 )
 from ...dynamics.model.coordinates import rates_into
-from ...dynamics.model.model import Model
-from ...dynamics.model.workspace import (
+from ...dynamics.model.model import (
     DAMPING,
     FORCE,
     GAMMA,
@@ -28,6 +27,7 @@ from ...dynamics.model.workspace import (
     PHI,
     PHI_T,
     STIFFNESS,
+    Model,
     Work,
 )
 from ...math.arrays import Array

@@ -23,9 +23,8 @@ K is in use while the run advances faster with it: `judge`.
 
 from ...dynamics.elements.forces.table import FIRST_LOAD
 from ...dynamics.evaluation.evaluation import force_wrench, n_coupling
-from ...dynamics.model.model import Model
+from ...dynamics.model.model import Model, Work
 from ...dynamics.model.motion import place
-from ...dynamics.model.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from ...math.rotations import Triple, column, cross3, turned_back

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...dynamics.analysis.scales import extent
+from ...dynamics.analysis.recovery import extent
 from ...dynamics.evaluation import series
 from ...dynamics.model.model import Model
 from ...errors import InputError
@@ -24,9 +24,8 @@ from ...package.body.selection import (
     with_statics,
 )
 from ...package.specification import DIRECTIONS
-from ...run.integration import complete
 from ...run.outcome import RunSpec
-from ...run.preparation import prepare
+from ...run.preparation import complete, prepare
 from ...signals import Sensor, sensors
 from .plan import DAMPED, FAINT, with_values
 

@@ -11,9 +11,8 @@ from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...math.arrays import Array
 from ...package import ModalPackage
-from ...run.integration import complete
 from ...run.outcome import RunSpec, collect
-from ...run.preparation import Prepared, prepare
+from ...run.preparation import Prepared, complete, prepare
 from ...run.timing import work_s
 from ...signals import Recording
 from .motions import difference, relatives, scales

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics.analysis.recovery import DIFFERENCE
-from ...dynamics.analysis.scales import shape_sizes
+from ...dynamics.analysis.recovery import DIFFERENCE, shape_sizes
 from ...dynamics.evaluation.laws import with_laws
 from ...dynamics.model.coordinates import moved
 from ...dynamics.model.model import Model

@@ -14,20 +14,81 @@ Reasons: docs/adr/0020.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.linalg import qr
 
 from ...dynamics.analysis.rank import FreeMotions, Rank, free_motions
-from ...dynamics.analysis.scales import extent
-from ...dynamics.evaluation.dense_equations import assemble
+from ...dynamics.analysis.recovery import extent
+from ...dynamics.elements.forces.contract import OfTime
+from ...dynamics.elements.forces.table import ELEMENTS, LOADS
+from ...dynamics.elements.joints.table import DRIVES, NAMES, position_rows
+from ...dynamics.evaluation.accelerations import assemble
 from ...dynamics.evaluation.laws import law_values
 from ...dynamics.evaluation.series import along_solution, balance
+from ...dynamics.model.coordinates import Spin, spin_accelerations, spin_velocities
 from ...dynamics.model.model import Model
+from ...inputs.case.expressions import drives
 from ...math.arrays import Array, IntArray
+from ...math.rotations import rotation_matrix, skew
+from ...mechanism import BuiltMechanism
 from ...signals import Recording, Sensor
 from .differences import Direction, Instant, derivatives
-from .turning import turning_axes
+
+if TYPE_CHECKING:
+    from ...inputs.case.tables.schema import Mechanism
+
+
+_ALIKE = 1e-6  # of the largest acceleration by the spin
+
+
+class Frame(NamedTuple):
+    """Rates of displacements and velocities that the turning of axes adds (docs/adr/0020)."""
+
+    T: Array  # (n_vel, n_vel): x' = u + T x
+    T_u: Array  # (n_vel, n_vel): u' = a + T_u u
+
+
+def turning_axes(model: Model, y: Array, W_G: Array) -> Frame:
+    """Return the terms of axes that turn at W_G (3,) [rad/s], in state y (n,).
+
+    Translations: -W x in both. Rotations, in body axes that turn at w0: -W x for displacements,
+    (w0 - W) x for velocities, so that both are seen from axes that turn at W. Modes: none.
+    """
+    T, T_u = np.zeros((model.n_vel, model.n_vel)), np.zeros((model.n_vel, model.n_vel))
+    for i in range(model.n_body):
+        a, j = int(model.pos_start[i]), int(model.vel_start[i])
+        A = rotation_matrix(y[a + 3 : a + 7])
+        W_B = A.T @ W_G
+        w0 = y[model.n_pos + j + 3 : model.n_pos + j + 6]
+        T[j : j + 3, j : j + 3] = T_u[j : j + 3, j : j + 3] = -skew(W_G)
+        T[j + 3 : j + 6, j + 3 : j + 6] = -skew(W_B)
+        T_u[j + 3 : j + 6, j + 3 : j + 6] = skew(w0 - W_B)
+    return Frame(T, T_u)
+
+
+def common_spin(model: Model, t: float, y: Array) -> Spin | None:
+    """Return the constant spin at which the whole mechanism turns in state y; None: it does not."""
+    v = y[model.n_pos : model.n_pos + model.n_vel]
+    first = int(model.vel_start[0])
+    a = int(model.pos_start[0])
+    W = rotation_matrix(y[a + 3 : a + 7]) @ v[first + 3 : first + 6]
+    rate = float(np.linalg.norm(W))
+    if rate == 0.0:
+        return None
+    r0, v0 = y[a : a + 3], v[first : first + 3]
+    # the point of the axis nearest to the first frame
+    spin = Spin(W / rate, r0 + np.cross(W, v0) / rate**2, rate)
+    if np.abs(spin_velocities(model, y, spin) - v).max() > _ALIKE * np.abs(v).max():
+        return None
+    expected = spin_accelerations(model, y, spin)
+    found = along_solution(model, np.full(1, t), y[None])[0][
+        0, model.n_pos : model.n_pos + model.n_vel
+    ]
+    scale = max(float(np.abs(expected).max()), rate**2)
+    return spin if np.abs(found - expected).max() <= _ALIKE * scale else None
+
 
 _STEADY = 1e-6  # change of the free motions in steady spin, relative to the spin's velocities
 
@@ -234,3 +295,101 @@ def _relative(values: Array, errors: Array, rest: Array) -> float:
     size = np.linalg.norm(values, axis=0)
     least = max(1e-9 * max(float(size.max(initial=0.0)), 1.0), 1e-8 * float(np.linalg.norm(rest)))
     return float(np.max(np.linalg.norm(errors, axis=0) / np.maximum(size, least), initial=0.0))
+
+
+class Realisation(NamedTuple):
+    """x' = A x + B u, y = C x + D u with named states, inputs and outputs, in SI units."""
+
+    A: Array  # (n, n)
+    B: Array  # (n, n_in)
+    C: Array  # (n_out, n)
+    D: Array  # (n_out, n_in)
+    states: list[str]
+    inputs: list[str]
+    input_units: list[str]
+    outputs: list[str]
+    output_units: list[str]
+
+
+def realisation(space: StateSpace, coordinates: list[str], auxiliary: list[str]) -> Realisation:
+    """Return the equations in the displacements of independent coordinates and their rates.
+
+    Parameters
+    ----------
+    coordinates : (n_vel,) names of the velocity coordinates
+    auxiliary : (n_aux,) names of the auxiliary states
+
+    The coordinates are chosen by a QR decomposition with pivoting of the free motions. A rate is
+    the velocity beside that which the constraints ask of the displaced state (zeta of
+    state_space.py); where the state is at rest it is the rate of the coordinate.
+    """
+    Z, n = space.free.Z, space.n_free
+    root = np.sqrt(space.inertia_scale)[:, None]
+    order: Array = qr((root * Z).T, pivoting=True, mode="r")[1] if n else np.zeros(0)
+    chosen = sorted(int(k) for k in order[:n])
+    S = np.eye(len(space.A))
+    S[:n, :n] = S[n : 2 * n, n : 2 * n] = Z[chosen]
+    inverse = np.linalg.inv(S)
+    drives = [s.name for s in space.inputs if s.drive]
+    others = [auxiliary[j] for j in space.auxiliary]
+    return Realisation(
+        A=S @ space.A @ inverse,
+        B=S @ space.B,
+        C=space.C @ inverse,
+        D=space.D,
+        states=[
+            *(coordinates[k] for k in chosen),
+            *(f"rate of {coordinates[k]}" for k in chosen),
+            *others,
+            *drives,
+            *(f"rate of {name}" for name in drives),
+        ],
+        inputs=[s.name for s in space.inputs],
+        input_units=[s.unit for s in space.inputs],
+        outputs=[name for name, _ in space.outputs],
+        output_units=[unit for _, unit in space.outputs],
+    )
+
+
+def frequency_response(space: StateSpace, w: Array) -> Array:
+    """Return G = C (i w - A)^-1 B + D at angular frequencies w (k,), (k, n_out, n_in) complex.
+
+    An input is the size of a load or actuator, or the acceleration of a drive.
+    """
+    unit = np.eye(len(space.A))
+    return np.array(
+        [space.C @ np.linalg.solve(1j * x * unit - space.A, space.B) + space.D for x in w]
+    ).reshape(len(w), *space.D.shape)
+
+
+def frequencies_between(low: float, high: float, count: int, resonances: Array) -> Array:
+    """Return rising angular frequencies, evenly on a logarithmic scale and close to resonances."""
+    near = np.concatenate([[-d, d] for d in (1e-2, 3e-3, 1e-3, 1e-4)]).ravel()
+    beside = np.outer(resonances, 1.0 + near).ravel()
+    found = np.concatenate([np.geomspace(low, high, count), beside])
+    return np.unique(found[(found >= low) & (found <= high)])
+
+
+def sources_of(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Source, ...]:
+    """Return one input per law of time: "JOINT:DRIVE" by its acceleration, "FORCE" by its size."""
+    model, found = built.model, []
+    for name, joint in mechanism.joints.items():
+        for key, row in zip(drives(joint), built.joints[name].rows[1:], strict=True):
+            assert NAMES[model.joint_kind[row]] in DRIVES
+            first = int(model.joint_row[row])
+            unit = "m" if position_rows(model.joint_kind)[first] else "rad"
+            found.append(Source(f"{name}:{key}", int(model.joint_law[row]), f"{unit}/s2", True))
+    for k, (name, force) in enumerate(mechanism.forces.items()):
+        law = int(model.force_law[k])
+        if law >= 0:
+            found.append(Source(name, law, _unit(force.kind), False))
+    return tuple(found)
+
+
+def _unit(kind: str) -> str:
+    """Return the unit of the law of a force, which its meaning states in brackets."""
+    if kind in LOADS:
+        meaning = LOADS[kind].meaning
+    else:
+        meaning = next(key.meaning for key in ELEMENTS[kind].keys if isinstance(key, OfTime))
+    return meaning.partition("[")[2].partition("]")[0]

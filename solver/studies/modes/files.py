@@ -11,10 +11,9 @@ from scipy.io import savemat
 from ...inputs.case.write import dump
 from ...package.common.files import refuse_foreign, temporary_sibling, write_text
 from ...report.style import Canvas, colour, house_style
-from ..linearisation.named_states import Realisation, realisation
-from ..linearisation.participation import coordinate_names
-from .campbell import Diagram, draw
-from .found import Found, Response
+from ..linearisation.modes import coordinate_names
+from ..linearisation.state_space import Realisation, realisation
+from .found import Diagram, Found, Response, draw
 from .shapes import draw_shapes
 from .state import States
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...dynamics.evaluation.spinning import Spin
+from ...dynamics.model.coordinates import Spin
 from ...dynamics.model.model import Model
 from ...errors import InputError, PackageError
 from ...inputs.case.load import Case, load_case
@@ -14,23 +14,22 @@ from ...inputs.case.record import case_file
 from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...mechanism import BuiltMechanism, build
-from ...mechanism.consistent.initial import Start, consistent_state
-from ...mechanism.starting.equilibrium import resting_state
-from ...mechanism.starting.relative_equilibrium import (
+from ...mechanism.consistent import Start, consistent_state
+from ...mechanism.equilibrium import (
     Steady,
     given_spin,
     hub_axis,
     relative_equilibrium,
+    resting_state,
     spin_about,
 )
-from ...mechanism.starting.start import starting_state
+from ...mechanism.start import starting_state
 from ...run.execution import read_run
-from ...run.integration import complete
 from ...run.outcome import RunSpec
-from ...run.preparation import prepare
+from ...run.preparation import complete, prepare
 from ...workers.packages import build_packages, specs_of
 from ..cases import build_folder, chosen_run
-from ..linearisation.turning import common_spin
+from ..linearisation.state_space import common_spin
 from .place import At
 
 # The run of a case, with packages built if out of date.

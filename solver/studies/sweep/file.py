@@ -17,7 +17,7 @@ from ...package.common.object_file import check_file_checksum, version_of, write
 from ...package.common.plain_data import cell_text
 from ...results import ResultError
 from ...results.summary import MEASURES
-from ...run.integration import output_times
+from ...run.preparation import output_times
 from .member import CHECKS, COST, DAMAGE, Row
 from .plan import Plan
 

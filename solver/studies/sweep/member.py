@@ -16,9 +16,8 @@ from ...inputs.case.record import with_parts
 from ...math.arrays import Array
 from ...results import Signal, signal_summary
 from ...results.codes import DEFECT, INPUT, PACKAGE
-from ...run.integration import histories_of, integrated, output_times
 from ...run.outcome import RunSpec
-from ...run.preparation import prepare
+from ...run.preparation import histories_of, integrated, output_times, prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
 from .plan import Packages, Plan

@@ -3,7 +3,7 @@
 A force element is one file of this folder: a kernel of its wrench, one of its rows in Newton's
 matrix, and an `Element` or `Load` that says everything else. Nothing else names it: table.py finds
 the file, inputs/case/tables/kinds.py makes the table of the case file from its keys,
-mechanism/building/case_tables.py its markers, parameters and law. CONTRIBUTING.md has the recipe.
+mechanism/case_tables.py its markers, parameters and law. CONTRIBUTING.md has the recipe.
 
 Markers of an `Element`: z along its key `axis` (global z without one), x along `axis_1` if it has
 one; in the given starting position both markers have the same axes. Their origins are the places.
@@ -48,7 +48,7 @@ from ....math.catalogue import (
     Three,
 )
 from ....math.rotations import Triple
-from ...model.workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
+from ...model.model import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
 Key = Direction | Number | Three | OfTime
 # Entry of the values of a `CoordinateForce`: whether its coordinate is the angle (True) or the

@@ -3,7 +3,7 @@
 A joint is one file of this folder: a kernel that fills its constraint rows, and `JOINT`, a `Joint`
 that says everything else. Nothing else names it: dynamics/elements/joints/table.py finds the file,
 inputs/case/tables/kinds.py makes the table of the case file from its keys,
-mechanism/building/case_tables.py its markers and drives, signals/joints.py its coordinates.
+mechanism/case_tables.py its markers and drives, signals/joints.py its coordinates.
 CONTRIBUTING.md has the recipe.
 
 Kernel
@@ -12,7 +12,7 @@ Kernel
     def name(rows, k, one, two, PARAMETER, ...) -> None
 
 fills rows k, k+1, ... of `rows` (n_c, N_ROW), one for each letter of `units`. rows[i] holds, in the
-columns of dynamics/model/workspace.py,
+columns of dynamics/model/model.py,
 
     0..11   C: Phidot = C (v_1, w_1, v_2, w_2) + Phi_t, velocities and angular velocities of the
             markers in global components

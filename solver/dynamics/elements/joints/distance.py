@@ -9,8 +9,8 @@ from ....errors import InputError
 from ....math.arrays import Array
 from ....math.compiled import jit
 from ....math.rotations import dot3, minus3
+from ...model.model import GAMMA, PHI, PHI_T
 from ...model.motion import acceleration, place, velocity
-from ...model.workspace import GAMMA, PHI, PHI_T
 from .contract import Joint, Number, Numbers
 
 LEAST = 1e-9  # length [m] below which the places coincide

@@ -9,9 +9,9 @@ accelerations, moved to the right. Paper: Eq. (10), Eq. (11).
 from ....math.arrays import Array
 from ....math.compiled import jit
 from ....math.rotations import Triple, cross3, dot3, minus3, sum3
+from ...model.model import GAMMA, PHI, PHI_T
 from ...model.motion import acceleration, axis, place, spin_rate, velocity
 from ...model.motion import spin as spin_of
-from ...model.workspace import GAMMA, PHI, PHI_T
 
 
 @jit

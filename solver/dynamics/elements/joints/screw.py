@@ -8,8 +8,8 @@ import numpy as np
 from ....math.arrays import Array
 from ....math.compiled import jit
 from ....math.rotations import cross3, dot3, minus3, sum3, times3
+from ...model.model import GAMMA, PHI, PHI_T
 from ...model.motion import axis, place, spin, velocity
-from ...model.workspace import GAMMA, PHI, PHI_T
 from .contract import ANGLE, Direction, DrivenBy, Joint, Number, Numbers, Z
 from .rotation_drive import ROTATION_DRIVE
 from .rows import along_axis, on_z_axis, orthogonal_axes, parallel_z

@@ -7,9 +7,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from ....checks.monitors.geometric_stiffness import Loading, geometric_stiffness
-from ....checks.monitors.spin import SpinMonitor
-from ....dynamics.analysis.scales import extent, shape_sizes
+from ....checks.stability import Loading, SpinMonitor, geometric_stiffness
+from ....dynamics.analysis.recovery import extent, shape_sizes
 from ....dynamics.model.coordinates import move_rows
 from ....math.arrays import Array
 from ....mechanism import BuiltMechanism

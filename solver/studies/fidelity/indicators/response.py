@@ -5,8 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ....dynamics.evaluation.dense_equations import masses_and_jacobians
-from ....dynamics.evaluation.derivative import residuals
+from ....dynamics.evaluation.accelerations import masses_and_jacobians, residuals
 from ....dynamics.model.model import Model, state_size
 from ....math.arrays import Array, IntArray
 from ....math.compiled import lean

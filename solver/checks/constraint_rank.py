@@ -1,0 +1,196 @@
+"""Rank of the constraints along a run: the smallest singular value that counts, and its minimum."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..dynamics.analysis.rank import (
+    Independence,
+    certificate,
+    difference,
+    new_independence,
+    new_spectrum,
+    scaled_jacobian_into,
+    smallest_at,
+)
+from ..dynamics.evaluation.evaluation import energies_into, evaluate
+from ..dynamics.model.model import Model, Work, new_work
+from ..integrators.generic.base import Dense, Integrator
+from ..math.arrays import Array, IntArray
+from ..math.compiled import inlined, lean, structure
+
+LOW, HIGH = 0, 1  # entries of `limits`
+
+
+@structure
+class Observation(NamedTuple):
+    """Memory of a run that is watched."""
+
+    work: Work
+    rows: Independence
+    energy: Array  # (k, 3) kinetic, strain, potential, at ends of steps noted one by one [J]
+    pivots: Array  # (k,) of their certificates
+    noted: IntArray  # (1,) how many they are
+    limits: Array  # (2,) pivots between which a step needs no look
+    safe: Array  # (nb,) square of the spin below which it needs none [rad2/s2]
+    regular: Array  # (1,) pivot of every step of a mechanism without loops; 0: to be found
+
+
+def new_observation(model: Model, most: int) -> Observation:
+    """Return memory for a model, and `most` steps noted one by one; spins need no look."""
+    return Observation(
+        new_work(model),
+        new_independence(model),
+        np.zeros((most, 3)),
+        np.zeros(most),
+        np.zeros(1, dtype=np.int64),
+        np.array([-np.inf, np.inf]),
+        np.full(model.n_body, np.inf),
+        np.zeros(1),
+    )
+
+
+@lean
+def observe(
+    model: Model, seen: Observation, t: Array, y: Array, energy: Array, pivots: Array
+) -> None:
+    """Fill energy (k, 3) and pivots (k,) of steps that end at t (k,), y (k, n)."""
+    for s in range(t.shape[0]):
+        pivots[s] = _observe(model, seen, t[s], y[s], energy[s])
+
+
+@lean
+def note(model: Model, seen: Observation, t: float, y: Array) -> bool:
+    """Keep energy and pivot of the next step, which ends at t, y (n,); tell if it needs a look."""
+    k = seen.noted[0]
+    pivot = _observe(model, seen, t, y, seen.energy[k])
+    seen.pivots[k] = pivot
+    seen.noted[0] = k + 1
+    doubt = not (pivot > seen.limits[LOW] and pivot < seen.limits[HIGH])
+    for i in range(model.n_body):
+        j = model.n_pos + model.vel_start[i] + 3
+        spin = y[j] * y[j] + y[j + 1] * y[j + 1] + y[j + 2] * y[j + 2]
+        doubt = doubt or spin >= seen.safe[i]
+    return doubt
+
+
+@inlined
+def _observe(model: Model, seen: Observation, t: float, y: Array, energy: Array) -> float:
+    evaluate(model, seen.work, t, y)
+    energies_into(model, seen.work, y, energy)
+    if seen.regular[0] > 0.0:
+        return seen.regular[0]
+    return certificate(model, seen.work, seen.rows, t, y)
+
+
+NEAR = 0.05  # smallest singular value, over the largest that it had in the run
+SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+ROUGH = 0.02  # of a step: as near a minimum, sigma^2 is a parabola
+
+
+@dataclass
+class Rank:
+    """Scaled Jacobian of a state, and the smallest singular value that counts."""
+
+    t: float
+    C: Array  # (nb, r, n) by body
+    sigma: float
+
+
+class ConstraintRank:
+    """Decompose the scaled Jacobian of constraints in states of a run.
+
+    Parameters
+    ----------
+    model : a mechanism
+    seen : its memory, shared with the monitor
+    joint_names : of the model's joints
+    """
+
+    def __init__(self, model: Model, seen: Observation, joint_names: list[str]) -> None:
+        self.model, self._seen, self._joint_names = model, seen, joint_names
+        self.count = min(model.n_constraint - model.redundant, model.n_vel)
+        self._spectrum = new_spectrum(seen.rows)
+        self.typical = 0.0  # largest of the smallest singular values so far
+
+    def scaled_jacobian(self, t: float, y: Array) -> Array:
+        """C (n_c, n_vel) of a state, dense."""
+        seen = self._seen
+        C = np.zeros((self.model.n_constraint, self.model.n_vel))
+        scaled_jacobian_into(self.model, seen.work, seen.rows, float(t), y, C)
+        return C
+
+    def decompose(self, t: float, y: Array) -> Rank:
+        """Return the rank of a state y (n,) at t [s]."""
+        seen, null = self._seen, self.model.n_constraint - self.count
+        C = np.zeros_like(seen.rows.C)
+        sigma = smallest_at(self.model, seen.work, seen.rows, self._spectrum, null, float(t), y, C)
+        self.typical = max(self.typical, sigma)
+        return Rank(float(t), C, sigma)
+
+    def _at(self, t: float, dense: Dense) -> Rank:
+        return self.decompose(t, dense(t))
+
+    def valley(self, a: Rank, b: Rank, integrator: Integrator) -> tuple[float, float] | None:
+        """Return times between which sigma may go through zero; None if it does not."""
+        change = difference(self.model, self._spectrum, a.C, b.C)
+        if a.sigma + b.sigma > change:
+            return None
+        dense = integrator.dense_output()
+        if change > SMALL_CHANGE and b.t - a.t > 0.02 * integrator.h:
+            middle = self._at(0.5 * (a.t + b.t), dense)
+            return self.valley(a, middle, integrator) or self.valley(middle, b, integrator)
+        ahead = 1e-6 * (b.t - a.t)
+        fall = (a.sigma - self._at(a.t + ahead, dense).sigma) / ahead
+        rise = (b.sigma - self._at(b.t - ahead, dense).sigma) / ahead
+        if fall <= 0.0 or rise <= 0.0:
+            return None
+        # where the tangents at both ends meet
+        bottom = (rise * a.sigma + fall * b.sigma - fall * rise * (b.t - a.t)) / (fall + rise)
+        return (a.t, b.t) if bottom < NEAR * self.typical else None
+
+    def smallest(self, t: float, y: Array) -> tuple[float, list[str]]:
+        """Smallest singular value that counts, and the joints whose rows make it."""
+        U, s, _ = np.linalg.svd(self.scaled_jacobian(t, y), full_matrices=False)
+        small = np.flatnonzero(s[: self.count] < max(NEAR * self.typical, s[self.count - 1]))
+        share = np.abs(U[:, [*small, self.count - 1]]).max(axis=1)
+        row = self.model.joint_row
+        names = [
+            name
+            for k, name in enumerate(self._joint_names)
+            if share[row[k] : row[k + 1]].max() > 0.1 * share.max()
+        ]
+        return float(s[self.count - 1]), names
+
+    def least(self, a: float, b: float, dense: Dense) -> tuple[float, float]:
+        """Return the smallest singular value between times a and b, and its time.
+
+        Golden section, then parabolas through sigma^2, which is smooth where sigma has an edge.
+        """
+
+        def square(t: float) -> float:
+            return self._at(t, dense).sigma ** 2
+
+        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+        at_c, at_d, enough = square(c), square(d), ROUGH * (b - a)
+        while b - a > enough:
+            if at_c < at_d:
+                b, d, at_d = d, c, at_c
+                c = b - GOLDEN * (b - a)
+                at_c = square(c)
+            else:
+                a, c, at_c = c, d, at_d
+                d = a + GOLDEN * (b - a)
+                at_d = square(d)
+        least, t = min((at_c, c), (at_d, d))
+        for width in (0.5 * (b - a), 0.05 * (b - a)):
+            middle = min(max(t, a + width), b - width)
+            left, here, right = (square(middle + x) for x in (-width, 0.0, width))
+            bend = left - 2.0 * here + right
+            if bend <= 0.0:
+                break
+            t = middle + min(max(0.5 * width * (left - right) / bend, -width), width)
+            least = min(least, square(t))
+        return float(least**0.5), t

@@ -1,1 +1,0 @@
-"""What is watched during a run: spin, buckling, singular positions, energy."""

@@ -1,0 +1,414 @@
+"""Watch a run for flexible bodies that lose their stiffness: by spin, or by buckling.
+
+For the geometric stiffness the accelerations of a state are held while a body bends a little
+further. What its elastic forces then gain beside K q is the geometric stiffness: of its own
+inertia loads and weight (Z0, Z1, G3), and of the forces and moments at its markers (H).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.elements.floating_frame import centrifugal_matrix, stiffening_matrices
+from ..dynamics.elements.joints.table import RIGID
+from ..dynamics.evaluation import series
+from ..dynamics.model.model import GROUND, Model
+from ..integrators.generic.base import Dense
+from ..integrators.generic.drive import Steps, StopRequest
+from ..math.arrays import Array, IntArray
+from ..math.rotations import rotation_matrices
+from ..results.codes import BUCKLING, BUCKLING_LOAD, SPIN, Finding
+
+
+@dataclass(frozen=True)
+class CarriedMass:
+    """A mass that moves with an interface of a flexible body and is not in its own M."""
+
+    body: int
+    phi: Array  # (3, m)
+    mass: float
+
+
+def carried_masses(model: Model) -> list[CarriedMass]:
+    """Rigid bodies fixed at the interfaces of flexible bodies.
+
+    Heavy point masses are such bodies (mechanism/build.py); T11 has the others.
+    """
+    found = []
+    for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
+        for side in (0, 1):
+            marker, other = (int(model.joint_marker[joint, s]) for s in (side, 1 - side))
+            body = int(model.marker_body[other])
+            if body != GROUND and model.n_mode[body] == 0:
+                found.append((marker, float(model.mass[body])))
+    carried = []
+    for marker, mass in found:
+        body = int(model.marker_body[marker])
+        if body != GROUND and model.n_mode[body] > 0:
+            m = int(model.n_mode[body])
+            s = int(model.marker_start[marker])
+            phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
+            carried.append(CarriedMass(body, phi, mass))
+    return carried
+
+
+@dataclass
+class SpinMonitor:
+    """Find the instant when spinning takes away the last stiffness of a linear body.
+
+    Criterion, for every flexible body: the smallest eigenvalue of
+    K_ij - w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), masses carried
+    at its interfaces included once, is positive. Bodies with geometric stiffening are left out.
+    """
+
+    model: Model
+    body_names: list[str]
+    stop: bool = True
+    findings: list[Finding] = field(default_factory=list)  # one for each invalid body
+
+    def __post_init__(self) -> None:
+        self._carried = carried_masses(self.model)
+        # A stiffened body does not lose its stiffness by spinning: see indicators.py.
+        stiffened = np.diff(self.model.second_start) > 0
+        self._flexible = [
+            i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
+        ]
+        self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
+        self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
+
+    def _spin_without_doubt(self, body: int) -> float:
+        """Spin below which the margin is positive about any axis: no eigenvalues needed there."""
+        K, _ = self._matrices(body, np.zeros(3))
+        # About three orthogonal axes the lost stiffness adds up to twice the whole w^2 (phi.phi).
+        largest = 0.5 * np.einsum("aajk->jk", self._lost[body])
+        inverse = np.linalg.inv(np.linalg.cholesky(K))
+        top = float(np.linalg.eigvalsh(inverse @ largest @ inverse.T)[-1])
+        return 1.0 / np.sqrt(top) if top > 0 else np.inf
+
+    def _matrices(self, body: int, w: Array) -> tuple[Array, Array]:
+        """Return modal stiffness and the stiffness lost by spinning, (m, m) each."""
+        m = int(self.model.n_mode[body])
+        two = int(self.model.square_start[body])
+        K = self.model.K_qq[two : two + m * m].reshape(m, m)
+        lost = centrifugal_matrix(w, self.model.T11[9 * two : 9 * (two + m * m)], m)
+        for c in self._carried:
+            if c.body == body:
+                along = c.phi.T @ w
+                lost = lost + c.mass * ((w @ w) * (c.phi.T @ c.phi) - np.outer(along, along))
+        return K, lost
+
+    def _lost_by_axes(self, body: int) -> Array:
+        """Return L (3, 3, m, m): the stiffness lost at w is the sum of w_a w_b L_ab."""
+        m, axes = int(self.model.n_mode[body]), np.eye(3)
+        L = np.zeros((3, 3, m, m))
+        for a in range(3):
+            L[a, a] = self._matrices(body, axes[a])[1]
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            both = self._matrices(body, axes[a] + axes[b])[1]
+            L[a, b] = L[b, a] = 0.5 * (both - L[a, a] - L[b, b])
+        return L
+
+    def spin(self, body: int, y: Array) -> Array:
+        """Angular velocity (3,) of the body's frame, body components [rad/s]."""
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        return y[j + 3 : j + 6]
+
+    def matrices(self, body: int, y: Array) -> tuple[Array, Array]:
+        """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
+        return self._matrices(body, self.spin(body, y))
+
+    def margin(self, body: int, y: Array) -> float:
+        """Smallest eigenvalue of the softened modal stiffness [1/s2]."""
+        K, lost = self._matrices(body, self.spin(body, y))
+        return float(np.linalg.eigvalsh(K - lost)[0])
+
+    def critical_spin(self, body: int, direction: Array) -> float:
+        """Spin about `direction` (3,) at which the margin vanishes [rad/s]; inf if never."""
+        K, lost = self._matrices(body, direction / np.linalg.norm(direction))
+        inverse = np.linalg.inv(np.linalg.cholesky(K))
+        largest = float(np.linalg.eigvalsh(inverse @ lost @ inverse.T)[-1])
+        return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
+
+    def check(self, y: Array) -> list[int]:
+        """Return the bodies that are invalid in state y."""
+        return [i for i in self._flexible if self.margin(i, y) <= 0.0]
+
+    def _found(self, body: int, t: float, y: Array) -> Finding:
+        w = self.spin(body, y)
+        name = self.body_names[body]
+        critical = self.critical_spin(body, w)
+        text = (
+            f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
+            "natural frequency of the body in its frame, with the masses that it carries "
+            f"({critical:.4g} rad/s). A linear body has no stiffness at this speed: results after "
+            "this time are invalid. Set geometric_stiffening = true, use a stiffer or shorter "
+            f"body, or reduce the speed{self._feedback()}. "
+            'on_invalid = "warn" continues the run'
+        )
+        spin = float(np.linalg.norm(w))
+        self.findings.append(SPIN.finding(text, body=name, t=t, value=spin))
+        return self.findings[-1]
+
+    def _feedback(self) -> str:
+        """Another cause of motion that is too fast, where there is one."""
+        if not (self.model.quantities.period > 0.0).any():
+            return ""
+        return (
+            "; if a sampled controller moves it, compare with a shorter sample_time: its loop may "
+            "be unstable"
+        )
+
+    def at_start(self, t: float, y: Array) -> Finding | None:
+        """Check the start; return what is found if the run should not begin."""
+        found = [self._found(i, t, y) for i in self.check(y)]
+        return found[0] if found and self.stop else None
+
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Check the steps just taken; called by `integrate`."""
+        first = {}  # body -> step in which it becomes invalid
+        invalid = {finding.body for finding in self.findings}
+        for i in self._flexible:
+            if self.body_names[i] not in invalid:
+                step = self._first_invalid(i, steps)
+                if step is not None:
+                    first[i] = step
+        request = None
+        for i, step in sorted(first.items(), key=lambda entry: entry[1]):
+            if self.stop and step > min(first.values()):
+                break
+            dense = steps.dense_output(step)
+            t = self._crossing(i, steps.t[step], steps.t[step + 1], dense)
+            found = self._found(i, t, dense(t))
+            if self.stop and (request is None or t < request.t_stop):
+                request = StopRequest(t, found.text, found.code)
+        return request
+
+    def safe_spin(self, body: int) -> float:
+        """Spin of a body that is not critical about any axis [rad/s]; inf: none is."""
+        return self._safe_spin[body]
+
+    def safe_spins(self) -> Array:
+        """Spins below which a body needs no look, (nb,) [rad/s]; inf: none at any spin."""
+        safe = np.full(self.model.n_body, np.inf)
+        for body, spin in self._safe_spin.items():
+            safe[body] = spin
+        return safe
+
+    def _first_invalid(self, body: int, steps: Steps) -> int | None:
+        """Return the first step at whose end a body is invalid; None if there is none."""
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        w = steps.y[1:, j + 3 : j + 6]
+        doubtful = np.flatnonzero(np.einsum("ka,ka->k", w, w) >= self._safe_spin[body] ** 2)
+        if doubtful.size == 0:
+            return None
+        K, _ = self._matrices(body, np.zeros(3))
+        w = w[doubtful]
+        lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
+        invalid = doubtful[np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0]
+        return int(invalid[0]) if invalid.size else None
+
+    def _crossing(self, body: int, low: float, high: float, dense: Dense) -> float:
+        """Bisect a step for the time at which the margin passes zero."""
+        while high - low > 1e-9 * max(1.0, abs(high)):
+            middle = 0.5 * (low + high)
+            if self.margin(body, dense(middle)) > 0.0:
+                low = middle
+            else:
+                high = middle
+        return float(high)
+
+
+STATES = 8  # groups of states whose rates and loads are kept
+
+
+@dataclass
+class Loading:
+    """Rates dy/dt (k, n) and marker loads (k, n_load, 6) of states, kept for all bodies.
+
+    They are those of the whole mechanism: solved for each of its bodies anew, the cost of a look
+    would be the square of the number of bodies.
+    """
+
+    model: Model
+    _kept: dict[bytes, tuple[Array, Array]] = field(default_factory=dict)
+
+    def __call__(
+        self, t: Array, y: Array, along: tuple[Array, Array] | None = None
+    ) -> tuple[Array, Array]:
+        """Return rates and loads at times t (k,) and states y (k, n) of one run.
+
+        `along`: rates and multipliers, if they are known.
+        """
+        key = t.tobytes()
+        found = self._kept.pop(key, None)
+        if found is None:
+            rates, multipliers = along or series.along_solution(self.model, t, y)
+            found = rates, series.marker_loads(self.model, t, y, multipliers)
+        self._kept[key] = found  # the last used is last
+        if len(self._kept) > STATES:
+            self._kept.pop(next(iter(self._kept)))
+        return found
+
+
+def geometric_stiffness(
+    model: Model,
+    tables: Model,
+    i: int,
+    t: Array,
+    y: Array,
+    loaded: tuple[Array, Array] | None = None,
+) -> Array:
+    """Return the geometric stiffness (k, m, m) of body i at times t (k,) and states y (k, n) [N m].
+
+    `tables` is a model of the same mechanism whose body i is of second order; accelerations and
+    joint forces are those of `model`; `loaded` as `Loading` returns them, if they are known.
+    """
+    m, a, j = int(model.n_mode[i]), int(model.pos_start[i]), int(model.vel_start[i])
+    rates, loads = loaded or Loading(model)(t, y)
+    v_d = rates[:, model.n_pos + j :]
+    A = rotation_matrices(y[:, a + 3 : a + 7])
+    w = y[:, model.n_pos + j + 3 : model.n_pos + j + 6]
+    pull = np.einsum("kba,kb->ka", A, v_d[:, :3] - model.gravity_G)
+    Kg = stiffening_matrices(tables, i, w, v_d[:, 3:6], pull, v_d[:, 6 : 6 + m])
+    for place, marker in enumerate(series.loaded_markers(model).tolist()):
+        start = int(tables.marker_second[marker])
+        if model.marker_body[marker] == i and start >= 0:
+            H = tables.marker_H[start : start + 6 * m * m].reshape(6, m, m)
+            both = loads[:, place].reshape(-1, 2, 3)
+            load_B = np.einsum("kba,ksb->ksa", A, both).reshape(-1, 6)
+            Kg = Kg - np.tensordot(load_B, H, 1)
+    return np.asarray(0.5 * (Kg + Kg.transpose(0, 2, 1)))
+
+
+LOOKS = 1000  # of a run, and one of each block of steps
+# Over the lowest frequency of the body [rad]: it does not notice a load that passes sooner, as the
+# waves of stress that follow a sudden release.
+LASTS = 0.05
+
+
+def buckling_text(name: str, t: float, *, linear: bool = False) -> str:
+    """Return the message for a body, stiffened by default, that buckles at t [s]."""
+    beyond, remedy = "Second-order displacements are accurate up to this load only", "Split"
+    if linear:
+        beyond = "A linear body keeps its full stiffness"
+        remedy = "Set geometric_stiffening = true, split"
+    return (
+        f"{name}: at t = {t:.6g} s the loads of the motion and of the joints reach the buckling "
+        f"load of the body. {beyond}: results after this time are invalid. {remedy} the body, "
+        "stiffen it, or reduce the load"
+    )
+
+
+@dataclass
+class BucklingMonitor:
+    """Find when elastic and geometric stiffness together lose an eigenvalue.
+
+    A stiffened body buckles then, and second-order displacements do not follow it far: the run
+    ends, if asked to. A linear body keeps its stiffness, which is wrong from then on.
+
+    A load that passes sooner than the body can follow is none that it buckles under.
+
+    Parameters
+    ----------
+    tables : the same mechanism with the second-order terms of all bodies that have them
+    bodies : these bodies
+    t_end : of the run [s]
+    """
+
+    model: Model
+    tables: Model
+    bodies: Sequence[int]
+    spin: SpinMonitor
+    t_end: float
+    stop: bool = True
+    findings: list[Finding] = field(default_factory=list)  # one for each body
+    _last: int = -1  # part of the run in which the last look was
+    _since: dict[int, float] = field(default_factory=dict)  # start of a loss that lasts so far [s]
+    _loading: Loading = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._loading = Loading(self.model)
+        self._lasts = {i: self._lasting(i) for i in self.bodies}
+
+    def _lasting(self, i: int) -> float:
+        """Return how long a loss must last to count [s]."""
+        m, two = int(self.model.n_mode[i]), int(self.model.square_start[i])
+        lowest = np.linalg.eigvalsh(self.model.K_qq[two : two + m * m].reshape(m, m))[:1]
+        return LASTS / float(lowest[0]) ** 0.5 if lowest.size and lowest[0] > 0.0 else 0.0
+
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Check the steps just taken; called by `integrate`."""
+        part = np.floor(steps.t[1:] * (LOOKS / self.t_end)).astype(int)
+        looks = 1 + np.flatnonzero(np.diff(part, prepend=self._last) > 0)
+        self._last = int(part[-1]) if part.size else self._last
+        request, known = None, {finding.body for finding in self.findings}
+        for i in self.bodies:
+            if self.spin.body_names[i] in known:
+                continue
+            t = self._lost(i, steps, looks)
+            if t is None:
+                continue
+            found = self._found(i, t)
+            ends = self.stop and stiffened(self.model, i)
+            if ends and (request is None or t < request.t_stop):
+                request = StopRequest(t, found.text, found.code)
+        return request
+
+    def margin(self, i: int, t: Array, y: Array) -> Array:
+        """Smallest eigenvalue of the stiffness of body i in states y (k, n), (k,) [1/s2]."""
+        elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
+        whole = elastic + geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
+        found = np.full(t.size, np.nan)
+        finite = np.isfinite(whole).all(axis=(1, 2))
+        found[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]
+        return found
+
+    def _lost(self, i: int, steps: Steps, looks: IntArray) -> float | None:
+        """Return the time at which body i has been without stiffness long enough [s]."""
+        first = 1  # end of a step that is not looked at yet
+        while True:
+            if i not in self._since:
+                ahead = looks[looks >= first]
+                lost = self._without(i, steps, ahead)
+                if not lost.any():
+                    return None
+                k = int(np.argmax(lost))
+                ends = np.arange(int(ahead[k - 1]) + 1 if k > 0 else first, int(ahead[k]) + 1)
+                first = int(ends[np.argmax(self._without(i, steps, ends))])
+                dense = steps.dense_output(first - 1)
+                self._since[i] = self._crossing(i, steps.t[first - 1], steps.t[first], dense)
+            until = self._since[i] + self._lasts[i]
+            last = min(int(np.searchsorted(steps.t, until)), len(steps))
+            ends = np.arange(first, last + 1)
+            back = ~self._without(i, steps, ends)
+            if not back.any():
+                return until if steps.t[last] >= until else None
+            del self._since[i]
+            first = int(ends[np.argmax(back)]) + 1
+
+    def _without(self, i: int, steps: Steps, ends: IntArray) -> NDArray[np.bool_]:
+        """Tell at which ends of steps (k,) body i has no stiffness left, (k,)."""
+        if not ends.size:
+            return np.zeros(0, dtype=bool)
+        return ~(self.margin(i, steps.t[ends], steps.y[ends]) > 0.0)
+
+    def _found(self, i: int, t: float) -> Finding:
+        """Keep and return what was found at t [s]."""
+        name, linear = self.spin.body_names[i], not stiffened(self.model, i)
+        code = BUCKLING_LOAD if linear else BUCKLING
+        text = buckling_text(name, t, linear=linear)
+        self.findings.append(code.finding(text, body=name, t=t))
+        return self.findings[-1]
+
+    def _crossing(self, i: int, low: float, high: float, dense: Dense) -> float:
+        """Bisect a step for the time at which the margin passes zero."""
+        while high - low > 1e-6 * self.t_end:
+            middle = np.array([0.5 * (low + high)])
+            if self.margin(i, middle, dense(middle))[0] > 0.0:
+                low = float(middle[0])
+            else:
+                high = float(middle[0])
+        return float(high)

@@ -1,1 +1,0 @@
-"""Linear systems with the structure of a mechanism, solved body by body."""

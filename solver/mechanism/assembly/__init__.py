@@ -1,1 +1,0 @@
-"""From readable tables of a mechanism to the arrays of its model."""

@@ -1,1 +1,0 @@
-"""From the tables of a case to the readable tables of a mechanism."""

@@ -1,0 +1,324 @@
+"""Joints, couplings, force elements, laws and measured quantities from the tables of a case."""
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..dynamics.elements.couplings.contract import ROWS
+from ..dynamics.elements.couplings.table import COUPLINGS
+from ..dynamics.elements.forces.table import ELEMENTS
+from ..dynamics.elements.joints.contract import Displacement, DrivenBy
+from ..dynamics.elements.joints.table import COORDINATES, JOINTS
+from ..dynamics.model.model import ANGLE, DISPLACEMENT, DISTANCE, SPIN
+from ..errors import InputError
+from ..inputs.case.expressions import (
+    AXES,
+    REACTIONS,
+    CaseScope,
+    Read,
+    coupled,
+    drives,
+    expression,
+    force_terms,
+    is_along,
+    is_load,
+    law,
+    of_time_alone,
+)
+from ..math import laws
+from ..math.arrays import Array
+from ..math.catalogue import Number, Three
+from ..math.expressions.program import Node, constant, value_at
+from ..math.laws import Law, NamedCurve, law_value
+from ..math.laws import curve as curve_of
+from ..math.rows import column
+from .places import Places, axes
+from .tables import (
+    CoordinateTable,
+    CouplingRow,
+    ForceTable,
+    JointTable,
+    Measured,
+    StateTable,
+    curve,
+    rate_of,
+    reaction,
+    state,
+    value,
+)
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.kinds import CaseJoint, ElementTable, LoadTable
+    from ..inputs.case.tables.kinds import CoordinateTable as CoordinateKeys
+    from ..inputs.case.tables.laws import LoadLaw, RotationDrive, TranslationDrive
+    from ..inputs.case.tables.schema import Mechanism
+
+
+def drive_law(given: "RotationDrive | TranslationDrive", mechanism: "Mechanism", key: str) -> Law:
+    """Return the law of a drive, which may be an expression of the time."""
+    if given.expression is not None:
+        scope = CaseScope(mechanism)
+        return laws.of_expression(expression(given.expression, scope, f"{key}.expression"))
+    return law_of(given)
+
+
+def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
+    """Return the law of a table that has exactly one and no expression (tables/laws.py)."""
+    if given.polynomial is not None:
+        return laws.polynomial(given.polynomial)
+    if given.smooth_step is not None:
+        step = given.smooth_step
+        return laws.smooth_step(step.value, step.duration, step.start)
+    if given.table is not None:
+        points = column(given.table.times), column(given.table.values)
+        return laws.table(*points, given.table.interpolation)
+    # Keys that only some of the tables have.
+    keys = {key: getattr(given, key, None) for key in ("constant", "ramp", "speed")}
+    offset = getattr(given, "angle", 0.0) or getattr(given, "displacement", 0.0)
+    if keys["constant"] is not None:
+        return laws.polynomial([keys["constant"]])
+    if keys["ramp"] is not None:
+        rise = keys["ramp"]
+        return laws.ramp(rise.speed, rise.duration, offset, sine=rise.shape == "sine")
+    return laws.polynomial([offset, keys["speed"] or 0.0])
+
+
+def shifted(law: Law, by: float) -> Law:
+    """Return a law plus a constant."""
+    if law.expression is not None:
+        return replace(law, expression=law.expression + constant(by))
+    coefficients = law.coefficients.copy()
+    coefficients[:, 0] += by
+    return replace(law, coefficients=coefficients)
+
+
+@dataclass(frozen=True)
+class BuiltJoint:
+    """Position of a joint of the case in the model."""
+
+    kind: str
+    rows: tuple[int, ...]  # joint tables of the model: the joint itself, then its drives
+    shift: Array  # (3,) vector from place one to two at the given start, in the joint's axes [m]
+
+
+def joint_tables(
+    mechanism: "Mechanism", places: Places
+) -> tuple[list[JointTable], dict[str, BuiltJoint]]:
+    """Return the joints and drives, each drive after its joint, and their positions in the
+    model."""
+    tables: list[JointTable] = []
+    built = {}
+    for name, joint in mechanism.joints.items():
+        kind = joint.kind
+        A_GM = axes(getattr(joint, "axis", None) or [0.0, 0.0, 1.0], getattr(joint, "axis_2", None))
+        key = f"joints.{name}.between"
+        one, two = (places.marker(key, place, A_GM) for place in joint.between)
+        shift = places.shift(one, two)
+        first = len(tables)
+        tables.append(JointTable(name, kind, one, two, parameters=_numbers(name, joint, shift)))
+        driven_by = {key.name: key for key in JOINTS[kind].keys if isinstance(key, DrivenBy)}
+        for drive_key, drive in drives(joint).items():
+            driven = driven_by[drive_key].drive
+            coordinate = driven.coordinate
+            start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
+            given = drive_law(drive, mechanism, f"joints.{name}.{drive_key}")
+            law = shifted(given, float(start))
+            label = f"{name} ({drive_key.replace('_', ' ')})"
+            tables.append(JointTable(label, driven.kind, one, two, law))
+        built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)
+    return tables, built
+
+
+def _numbers(name: str, joint: "CaseJoint", shift: Array) -> tuple[float, ...]:
+    """Return the numbers of a joint in the order of its kernel."""
+    kind = JOINTS[joint.kind]
+    given = {key.name: getattr(joint, key.name) for key in kind.keys if isinstance(key, Number)}
+    given["between"] = joint.between
+    try:
+        complete = kind.complete(given, shift)
+    except InputError as error:
+        raise InputError(f"joints.{name}{error}") from error
+    return tuple(complete[key] for key in kind.parameters)
+
+
+class Reader:
+    """Turns the names that expressions read into coordinates, states and curves of a model.
+
+    Attributes
+    ----------
+    found : what has been read so far
+    """
+
+    def __init__(
+        self,
+        mechanism: "Mechanism",
+        places: Places,
+        joints: dict[str, BuiltJoint],
+        tables: list[JointTable],
+    ) -> None:
+        self.mechanism, self.places = mechanism, places
+        self.found = Measured()
+        self._joints, self._tables = joints, tables
+        self._states: dict[tuple[str, ...], int] = {}
+        self._curves: dict[tuple[str, str], int] = {}
+        self._places: dict[str, int] = {}
+
+    def force(self, name: str, keys: "CoordinateKeys") -> ForceTable:
+        """Return a force along a coordinate, with its states and curves."""
+        terms = force_terms(name, keys, self.mechanism)
+        for curve_name in terms.curves:
+            given = getattr(keys, curve_name)
+            law = curve_of(given.x, given.y, smooth=given.interpolation == "spline")
+            self._curves[name, curve_name] = self.found.curve(law)
+        along = self._coordinate(terms.along)
+        # Their expressions may read each other: numbers first.
+        first = len(self.found.states)
+        for j, own in enumerate(terms.states):
+            self._states[name, own.name] = first + j
+        for own in terms.states:
+            rate = None if own.rate is None else self.placed(own.rate)
+            start = self.placed(own.start)
+            update = None if own.update is None else self.placed(own.update)
+            jumps = own.level is None and (own.update is not None or own.inputs is not None)
+            period = float(keys.sample_time) if jumps else 0.0  # type: ignore[attr-defined]
+            inputs = None if own.inputs is None else [self.placed(node) for node in own.inputs]
+            label = f"{name}.{own.name}"
+            event = None
+            if own.level is not None:
+                event = along, own.level, 1.0 if own.upwards else -1.0
+            kept = StateTable(label, rate, start, own.scale, update, period, inputs, name, event)
+            self.found.state(kept)
+        table = self.found.coordinates[along]
+        size = self.placed(terms.force)
+        return ForceTable(name, keys.kind, table.marker_1, table.marker_2, size=size, along=along)
+
+    def placed(self, node: Node) -> Node:
+        """Return a tree with the quantities of the model for those of the case."""
+        quantity = None if node.quantity is None else self._quantity(node.quantity)
+        children = tuple(self.placed(child) for child in node.children)
+        return replace(node, children=children, quantity=quantity)
+
+    def _quantity(self, read: Hashable) -> Hashable:
+        if isinstance(read, NamedCurve):
+            return read
+        if not isinstance(read, Read):
+            assert isinstance(read, tuple)
+            return curve(self._curves[read])
+        if read.kind == "state":
+            return state(self._states[read.names])
+        if read.kind == "reaction":
+            joint = self._joints[read.names[0]].rows[0]  # without the drives
+            return reaction(self.found.reaction(joint, REACTIONS.index(read.names[1])))
+        m = self._coordinate(read)
+        return rate_of(m) if read.rate else value(m)
+
+    def of_joint(self, name: str, coordinate: str) -> int:
+        """Return the number of a coordinate of a joint."""
+        return self.found.coordinate(self._of_joint(name, coordinate))
+
+    def _coordinate(self, read: Read) -> int:
+        names = read.names
+        if read.kind == "joint":
+            return self.of_joint(*names)
+        one, two = (self._place(place) for place in self._pair(read))
+        if read.kind == "length":
+            return self.found.coordinate(CoordinateTable(DISTANCE, one, two))
+        kind = SPIN if read.kind == "spin" else DISPLACEMENT
+        axis = AXES.index(names[1])
+        return self.found.coordinate(CoordinateTable(kind, one, two, (axis,)))
+
+    def _pair(self, read: Read) -> tuple[str, str]:
+        return (read.names[0], read.names[1]) if read.kind == "length" else ("", read.names[0])
+
+    def _place(self, place: str) -> int:
+        """Return the marker of a place, with global axes at the start; of the ground for ""."""
+        if place not in self._places:
+            self._places[place] = (
+                self.places.marker("expression", place, np.eye(3))
+                if place
+                else self.places.ground_axes()
+            )
+        return self._places[place]
+
+    def _of_joint(self, name: str, coordinate: str) -> CoordinateTable:
+        built, of = self._joints[name], COORDINATES[coordinate]
+        table = self._tables[built.rows[0]]
+        one, two = table.marker_1, table.marker_2
+        if isinstance(of, Displacement):
+            return CoordinateTable(DISPLACEMENT, one, two, (of.axis,), float(built.shift[of.axis]))
+        axes = (of.frame - 1, of.x, of.y, of.arm)
+        return CoordinateTable(ANGLE, one, two, axes, first=self._first(built))
+
+    def _first(self, built: BuiltJoint) -> float:
+        """Return the angle at which a driven joint starts [rad]."""
+        for row in built.rows[1:]:
+            law = self._tables[row].law
+            if self._tables[row].kind == "rotation_drive" and law is not None:
+                if law.expression is not None:
+                    return value_at(law.expression)
+                start = np.array([0, len(law.times)], dtype=np.int64)
+                return float(law_value(start, law.times, law.coefficients, 0, 0.0)[0])
+        return 0.0
+
+
+def coupling_rows(mechanism: "Mechanism", reader: Reader) -> list[CouplingRow]:
+    """Return the couplings in the order of the case; `reader` gets their coordinates."""
+    rows = []
+    for name, coupling in mechanism.couplings.items():
+        kind = COUPLINGS[coupling.kind]
+        pair = coupled(name, coupling, mechanism)
+        values = {key.name: getattr(coupling, key.name) for key in kind.keys}
+        terms = [
+            (reader.of_joint(*side), ratio)
+            for side, ratio in zip(pair, kind.ratios(values), strict=True)
+        ]
+        rows.append(CouplingRow(name, ROWS[kind.unit], tuple(terms)))
+    return rows
+
+
+_Z = [0.0, 0.0, 1.0]
+
+
+def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list[ForceTable]:
+    """Return the force elements in the order of the case; `reader` gets what they read."""
+    found = []
+    for name, force in mechanism.forces.items():
+        if is_along(force):
+            found.append(reader.force(name, force))
+            continue
+        given = law(force)
+        table = _load(name, force, places) if is_load(force) else _element(name, force, places)
+        if given is not None and given.expression is not None:
+            tree = expression(given.expression, CaseScope(mechanism), f"forces.{name}.expression")
+            if of_time_alone(tree):  # a law: an input of linearised equations and of FMUs
+                table = replace(table, law=laws.of_expression(tree))
+            else:
+                table = replace(table, size=reader.placed(tree))
+        elif given is not None:
+            table = replace(table, law=law_of(given))
+        found.append(table)
+    return found
+
+
+def _element(name: str, force: "ElementTable", places: Places) -> ForceTable:
+    kind = ELEMENTS[force.kind]
+    A_GM = axes(getattr(force, "axis", _Z), getattr(force, "axis_1", None))
+    key = f"forces.{name}.between"
+    one, two = (places.marker(key, place, A_GM) for place in force.between)
+    given = {k.name: getattr(force, k.name) for k in kind.keys if isinstance(k, Number | Three)}
+    given["between"] = force.between
+    try:
+        numbers = kind.numbers(given, places.shift(one, two))
+    except InputError as error:
+        raise InputError(f"forces.{name}{error}") from error
+    return ForceTable(name, force.kind, one, two, numbers)
+
+
+def _load(name: str, load: "LoadTable", places: Places) -> ForceTable:
+    at = places.marker(f"forces.{name}.at", load.at, np.eye(3))
+    reference = at if load.frame == "following" else places.ground_axes()
+    direction = np.array(load.direction, dtype=float)
+    direction /= np.linalg.norm(direction)
+    return ForceTable(name, load.kind, reference, at, tuple(direction.tolist()))

@@ -1,1 +1,0 @@
-"""Positions and velocities that satisfy the constraints."""

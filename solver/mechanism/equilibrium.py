@@ -1,0 +1,484 @@
+"""Static equilibrium, and relative equilibrium in steady spin about a fixed axis.
+
+Newton's method for the independent positions: Z'(f - Phi_q' lambda) = 0, where the
+columns of Z span the null space of Phi_q. The joints are closed again after each step. If
+the stiffness has a negative eigenvalue, the step still reduces the potential energy. The search
+therefore ends in a minimum, not in an unstable equilibrium. Following loads have no potential; for
+them, the work along the step is used.
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..dynamics.analysis.rank import FreeMotions, free_motions
+from ..dynamics.elements.joints.table import DRIVES, JOINTS, NAMES
+from ..dynamics.evaluation.accelerations import Equations, assemble
+from ..dynamics.evaluation.evaluation import started
+from ..dynamics.evaluation.laws import law_values, with_laws
+from ..dynamics.model.coordinates import Spin, moved, spin_accelerations, spin_velocities, turned
+from ..dynamics.model.model import GROUND, Model
+from ..errors import InputError, few
+from ..math.arrays import Array
+from .build import BuiltMechanism
+from .consistent import Start
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.solver import Solver
+
+
+_TOLERANCE = (
+    1e-10  # tolerance of the unbalanced accelerations, relative to the largest due to the loads
+)
+_NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that is treated as zero
+_MAX_STEP = 0.3  # [m, rad, modes]
+_MAX_ITERATIONS = 200
+_NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
+_CLOSED = 1e-12
+_DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
+
+
+def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Model, Array]:
+    """Return the state y (n,) at rest in static equilibrium, and the model with laws that hold it.
+
+    Drives and loads keep what they have at t = 0.
+
+    Raises
+    ------
+    InputError
+        As `equilibrium`.
+    """
+    found = equilibrium(model, start, body_names)
+    values = law_values(model, 0.0)
+    values[:, 1:] = 0.0
+    still = with_laws(model, 0.0, values)
+    return still, started(still, 0.0, resting(model, found.positions, np.zeros(model.n_vel)))
+
+
+def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.0) -> Start:
+    """Return the start with positions of static equilibrium at time t; velocities do not change.
+
+    Gravity, springs, bushings and loads have their values at t; drives keep their positions
+    at t.
+
+    Raises
+    ------
+    InputError
+        No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
+    """
+    positions = closed(model, start.positions, t)
+    largest = 0.0
+    for _ in range(_MAX_ITERATIONS):
+        here = _Balance(model, positions, t)
+        largest = max(largest, float(np.max(np.abs(here.equations.f) / model.inertia_scale)))
+        K = here.stiffness(positions)
+        stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
+        if np.max(np.abs(here.push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
+            if stiffness.size == 0 or stiffness[0] > -_NEUTRAL:
+                return replace(start, positions=positions)
+            step = here.Z @ directions[:, 0]
+            positions = closed(model, moved(model, positions, _sized(step, _NUDGE)), t)
+            continue
+        if stiffness[0] > _NEUTRAL:
+            step = here.Z @ np.linalg.solve(K, here.unbalanced)
+        else:
+            along = directions.T @ here.unbalanced
+            step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), _NEUTRAL)))
+        positions = _downhill(model, here, positions, limited(step), t)
+    raise InputError(
+        f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
+        f"{pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
+        "elasticity can balance"
+    )
+
+
+class _Balance:
+    """Unbalanced forces at rest in a position, and the free directions."""
+
+    def __init__(self, model: Model, positions: Array, t: float) -> None:
+        self.model, self.t = model, t
+        self.equations = _at_rest(model, positions, t)
+        free = free_motions(self.equations, model.inertia_scale)
+        self.Z = free.Z
+        # least squares in the metric of the inertia
+        self.multipliers = free.P.T @ self.equations.f
+        self.unbalanced = self.Z.T @ self.equations.f  # (n_free,)
+        self.push = self.Z @ self.unbalanced  # (n_vel,) as accelerations
+
+    def force(self, positions: Array) -> Array:
+        """Return f - Phi_q' lambda (n_vel,) in another position, at these multipliers."""
+        equations = _at_rest(self.model, positions, self.t)
+        return np.asarray(equations.f - equations.Phi_q.T @ self.multipliers)
+
+    def stiffness(self, positions: Array) -> Array:
+        """Return the stiffness over inertia (n_free, n_free) along Z [1/s2]."""
+        K = np.zeros((self.Z.shape[1], self.Z.shape[1]))
+        for k, z in enumerate(self.Z.T):
+            h = _DIFFERENCE / np.max(np.abs(z))
+            ahead = self.force(moved(self.model, positions, h * z))
+            behind = self.force(moved(self.model, positions, -h * z))
+            K[:, k] = self.Z.T @ (behind - ahead) / (2.0 * h)
+        return K
+
+
+def resting(model: Model, positions: Array, velocities: Array) -> Array:
+    """Return the state y (n,) of positions and velocities; angles turn as at the given start."""
+    return np.concatenate([positions, velocities, model.quantities.start, [0.0]])
+
+
+def _at_rest(model: Model, positions: Array, t: float) -> Equations:
+    return assemble(model, t, started(model, t, resting(model, positions, np.zeros(model.n_vel))))
+
+
+def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:
+    """Return the position after a step, shortened until the unbalanced forces do work along it."""
+    for _ in range(30):
+        there = closed(model, moved(model, positions, step), t)
+        before = here.equations.f @ step
+        after = here.force(there) @ step
+        if before + after >= 0.0:
+            break
+        step = 0.5 * step
+    return there
+
+
+def closed(model: Model, positions: Array, t: float) -> Array:
+    """Return positions with the joints closed by the least change, elastic motion included."""
+    for _ in range(50):
+        equations = _at_rest(model, positions, t)
+        if np.max(np.abs(equations.Phi), initial=0.0) < _CLOSED:
+            return positions
+        step = -free_motions(equations, model.inertia_scale).P @ equations.Phi
+        positions = moved(model, positions, limited(step))
+    raise InputError(
+        "solver.start: the joints cannot be closed during the search for equilibrium "
+        f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions closer to it"
+    )
+
+
+def limited(step: Array) -> Array:
+    """Return a step (n_vel,) that moves no coordinate by more than 0.3 m, rad or modal units."""
+    return step * min(1.0, _MAX_STEP / max(float(np.max(np.abs(step))), 1e-300))
+
+
+def _sized(step: Array, size: float) -> Array:
+    return step * (size / float(np.max(np.abs(step))))
+
+
+def pushed(model: Model, push: Array, body_names: list[str]) -> str:
+    """Describe the largest unbalanced acceleration and its body."""
+    largest, text = -1.0, ""
+    for i, name in enumerate(body_names):
+        j = int(model.vel_start[i])
+        parts = {
+            "m/s2": np.linalg.norm(push[j : j + 3]),
+            "rad/s2": np.linalg.norm(push[j + 3 : j + 6]),
+            "1/s2 in a mode": np.max(
+                np.abs(push[j + 6 : j + 6 + int(model.n_mode[i])]), initial=0.0
+            ),
+        }
+        for unit, size in parts.items():
+            if size > largest:
+                largest, text = (
+                    float(size),
+                    f"body {name} still has an unbalanced acceleration of {size:.3g} {unit}",
+                )
+    return text
+
+
+_ABOUT = "about z"  # freedom that a spin needs, in the axes of a joint
+_HELD = {"x", "y", "about x", "about y"}  # freedoms that fix its axis
+
+
+def given_spin(solver: "Solver") -> Spin | None:
+    """Return the spin of `[solver]`, if it has one."""
+    if solver.spin is None:
+        return None
+    return spin_about(solver.spin.axis, solver.spin.point, solver.spin.speed)
+
+
+def spin_about(axis: Array | list[float], point: Array | list[float], rate: float) -> Spin:
+    """Return a spin about a line; `axis` of any length."""
+    direction = np.array(axis, dtype=float)
+    return Spin(direction / np.linalg.norm(direction), np.array(point, dtype=float), float(rate))
+
+
+def hub_axis(built: BuiltMechanism) -> tuple[Array, Array]:
+    """Return the axis (3,) and a point of it: of the driven hinge to the ground, or the only hinge.
+
+    Raises
+    ------
+    InputError
+        There is none, or more than one.
+    """
+    driven, free = _hinges(built)
+    found = driven or free
+    lines = list(found.values())
+    first = lines[0] if lines else None
+    if first is not None and all(_same(first, line) for line in lines[1:]):
+        return first
+    if first is None:
+        why = "no hinge connects a body to the ground"
+    else:
+        why = f"the joints {few(found)} to the ground have different axes"
+    raise InputError(
+        f"the axis of the spin is missing: {why}. Expected --axis X,Y,Z, or "
+        "solver.spin = { axis = [X, Y, Z] } in the case"
+    )
+
+
+def _hinges(built: BuiltMechanism) -> tuple[dict[str, tuple[Array, Array]], ...]:
+    """Return the lines of hinges to the ground by joint: those with a drive, all."""
+    model = built.model
+    driven: dict[str, tuple[Array, Array]] = {}
+    free: dict[str, tuple[Array, Array]] = {}
+    for name, joint in built.joints.items():
+        pair = [int(k) for k in model.joint_marker[joint.rows[0]]]
+        ground = [k for k in pair if model.marker_body[k] == GROUND]
+        removes = set(JOINTS[joint.kind].removes)
+        if _ABOUT in removes or not removes >= _HELD or len(ground) != 1:
+            continue
+        line = model.marker_A[ground[0]][:, 2].copy(), model.marker_x[ground[0]].copy()
+        free[name] = line
+        drives = [DRIVES[NAMES[model.joint_kind[row]]] for row in joint.rows[1:]]
+        if any(_ABOUT in drive.removes for drive in drives):
+            driven[name] = line
+    return driven, free
+
+
+def _same(one: tuple[Array, Array], two: tuple[Array, Array]) -> bool:
+    away = two[1] - one[1]
+    parallel = np.linalg.norm(np.cross(one[0], two[0])) < 1e-9
+    return bool(parallel and np.linalg.norm(np.cross(one[0], away)) < 1e-9)
+
+
+_CONSTANT = 1e-6  # the same for loads in turned positions
+_CONSISTENT = 1e-9  # velocities that joints contradict, relative to the largest
+_ITERATIONS = 40
+_PATIENCE = 8  # iterations in which what is unbalanced must fall by a hundredth
+_LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
+_TURNS = (1.0, 2.5)  # [rad] angles at which loads are compared
+
+
+class Steady(NamedTuple):
+    """A relative equilibrium."""
+
+    model: Model  # whose drives turn with it and whose loads keep their size
+    y: Array  # (n,)
+
+
+def relative_equilibrium(
+    model: Model,
+    start: Start,
+    spin: Spin,
+    joint_names: list[str],
+    body_names: list[str],
+    t: float = 0.0,
+) -> Steady:
+    """Return the relative equilibrium near the given positions; loads are those at time t.
+
+    Raises
+    ------
+    InputError
+        Joints that do not let the mechanism turn; loads that are not constant in axes that turn
+        with it; no equilibrium found.
+    """
+    positions = closed(model, start.positions, t)
+    _Turning(model, positions, spin, t).require(joint_names)
+    found, trouble = _newton(model, positions, spin, t)
+    if found is None:
+        found, trouble = _from_rest(model, start, spin, body_names, t)
+    if found is None:
+        raise InputError(
+            f"no relative equilibrium at a spin of {spin.rate:g} rad/s: "
+            f"{pushed(model, trouble, body_names)}. Expected loads that joints, springs, "
+            "elasticity and the spin can balance"
+        )
+    here = _Turning(model, found, spin, t)
+    here.require(joint_names)
+    _require_constant(model, found, spin, t, body_names)
+    return Steady(here.model, here.y)
+
+
+def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> Steady:
+    """Return a mechanism in relative equilibrium y (n,) after it has turned by an angle [rad]."""
+    positions = turned(model, y[: model.n_pos], spin, angle)
+    there = _Turning(model, positions, spin, t, angle)
+    return Steady(there.model, there.y)
+
+
+class _Turning:
+    """A mechanism in given positions that turns at a spin.
+
+    ready : the model has the drives of the spin already
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        positions: Array,
+        spin: Spin,
+        t: float,
+        angle: float = 0.0,
+        *,
+        ready: bool = False,
+    ) -> None:
+        self.positions, self.spin, self.t = positions, spin, t
+        self.model = model if ready else _with_spin(model, positions, spin, t, angle)
+        self.v = spin_velocities(model, positions, spin)
+        self.y = started(self.model, t, resting(model, positions, self.v))
+
+    def evaluated(self) -> tuple[Equations, Array]:
+        """Return the equations, and the forces (n_vel,) less those that the spin takes."""
+        equations = assemble(self.model, self.t, self.y)
+        a = spin_accelerations(self.model, self.positions, self.spin)
+        return equations, equations.f - equations.M @ a
+
+    def require(self, joint_names: list[str]) -> None:
+        """Raise InputError if joints to the ground do not let it turn; names them."""
+        equations = assemble(self.model, self.t, self.y)
+        off = np.abs(equations.Phi_q @ self.v + equations.Phi_t)
+        if off.size == 0 or off.max() <= _CONSISTENT * max(1.0, float(np.abs(self.v).max())):
+            return
+        model = self.model
+        held = [
+            name
+            for k, name in enumerate(joint_names)
+            if off[int(model.joint_row[k]) : int(model.joint_row[k + 1])].max(initial=0.0)
+            > 1e-3 * off.max()
+        ]
+        x, y, z = self.spin.axis
+        raise InputError(
+            f"spin about ({x:g}, {y:g}, {z:g}): joint {few(held)} does not let the "
+            "mechanism turn as a whole about this axis. Expected an axis along that of the joint "
+            "to the ground"
+        )
+
+
+def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: float) -> Model:
+    """Return the model with drives at the rates of the spin, after a turn, and constant loads."""
+    values = law_values(model, t)
+    values[:, 1:] = 0.0
+    laws = [int(k) for k in model.joint_law]
+    if max(laws, default=-1) >= 0:
+        unit = np.zeros_like(values)
+        unit[[k for k in laws if k >= 0], 1] = 1.0
+        y = resting(model, positions, spin_velocities(model, positions, spin))
+        still = assemble(with_laws(model, t, values), t, y)
+        share = assemble(with_laws(model, t, values + unit), t, y).Phi_t - still.Phi_t
+        needed = -(still.Phi_q @ y[model.n_pos : model.n_pos + model.n_vel]) - still.Phi_t
+        for joint, law in enumerate(laws):
+            rows = slice(int(model.joint_row[joint]), int(model.joint_row[joint + 1]))
+            if law >= 0 and np.any(share[rows]):
+                rate = float(needed[rows] @ share[rows] / (share[rows] @ share[rows]))
+                values[law, 1] = rate
+                values[law, 0] += angle * rate / spin.rate if spin.rate else 0.0
+    return with_laws(model, t, values)
+
+
+def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array | None, Array]:
+    """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
+    largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
+    for _ in range(_ITERATIONS):
+        here = _Turning(model, positions, spin, t)
+        equations, g = here.evaluated()
+        free = free_motions(equations, model.inertia_scale)
+        unbalanced = free.Z.T @ g
+        push = free.Z @ unbalanced
+        largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
+        size = float(np.linalg.norm(unbalanced))
+        if np.max(np.abs(push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
+            return positions, push
+        if size > 0.99 * sizes[-_PATIENCE]:
+            break  # the spin is to grow in steps
+        sizes.append(size)
+        K = _stiffness(model, here, equations, g, free)
+        step = limited(free.Z @ _solved(K, unbalanced))
+        for _ in range(12):
+            try:
+                there = closed(model, moved(model, positions, step), t)
+            except InputError:
+                step = 0.5 * step
+                continue
+            after = _Turning(model, there, spin, t)
+            left = (
+                free_motions(after.evaluated()[0], model.inertia_scale).Z.T @ after.evaluated()[1]
+            )
+            if np.linalg.norm(left) < size:
+                break
+            step = 0.5 * step
+        else:
+            return None, push
+        positions = there
+    return None, push
+
+
+def _stiffness(
+    model: Model, here: _Turning, equations: Equations, g: Array, free: FreeMotions
+) -> Array:
+    """Return the stiffness over inertia (n_free, n_free) along Z, multipliers held [1/s2]."""
+    multipliers = free.P.T @ g
+    K = np.zeros((free.Z.shape[1], free.Z.shape[1]))
+
+    def force(positions: Array) -> Array:
+        # Rates of drives are of no effect here: multipliers are held.
+        near = _Turning(here.model, positions, here.spin, here.t, ready=True)
+        there, found = near.evaluated()
+        return np.asarray(found - there.Phi_q.T @ multipliers)
+
+    for k, z in enumerate(free.Z.T):
+        h = _DIFFERENCE / float(np.max(np.abs(z)))
+        ahead = force(moved(model, here.positions, h * z))
+        behind = force(moved(model, here.positions, -h * z))
+        K[:, k] = free.Z.T @ (behind - ahead) / (2.0 * h)
+    return K
+
+
+def _solved(K: Array, b: Array) -> Array:
+    """Return the solution of K x = b without the directions that have no stiffness."""
+    U, s, Vt = np.linalg.svd(K)
+    use = s > max(_NEUTRAL, 1e-14 * s.max(initial=0.0))
+    return np.asarray(Vt[use].T @ ((U[:, use].T @ b) / s[use]))
+
+
+def _from_rest(
+    model: Model, start: Start, spin: Spin, body_names: list[str], t: float
+) -> tuple[Array | None, Array]:
+    """Follow the equilibrium from rest as the spin grows."""
+    try:
+        positions = equilibrium(model, start, body_names, t).positions
+    except InputError:  # held up by the spin alone
+        positions = closed(model, start.positions, t)
+    share, step, push = 0.0, 0.125, np.zeros(model.n_vel)
+    while share < 1.0:
+        target = min(1.0, share + step)
+        found, push = _newton(model, positions, spin._replace(rate=target * spin.rate), t)
+        if found is None:
+            step *= 0.5
+            if step < _LEAST_STEP:
+                return None, push
+            continue
+        positions, share, step = found, target, 2.0 * step
+    return positions, push
+
+
+def _require_constant(
+    model: Model, positions: Array, spin: Spin, t: float, body_names: list[str]
+) -> None:
+    """Raise InputError if the loads change when the mechanism has turned."""
+    if spin.rate == 0.0:
+        return
+    for angle in _TURNS:
+        there = _Turning(model, turned(model, positions, spin, angle), spin, t, angle)
+        equations, g = there.evaluated()
+        free = free_motions(equations, model.inertia_scale)
+        push = free.Z @ (free.Z.T @ g)
+        loads = float(np.max(np.abs(g) / model.inertia_scale))
+        if np.max(np.abs(push), initial=0.0) > _CONSTANT * max(loads, 1e-9):
+            raise InputError(
+                "spin: the loads are not constant in axes that turn with the mechanism: after "
+                f"{np.degrees(angle):.0f} deg {pushed(model, push, body_names)}. Expected gravity "
+                "and loads along the axis, or loads that follow the bodies, and springs to the "
+                "ground that are the same in all directions across the axis"
+            )

@@ -1,0 +1,82 @@
+"""Functions of the user that controllers call, after the user has allowed it."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..dynamics.elements.forces.contract import Code
+from ..dynamics.elements.forces.table import COORDINATE_FORCES
+from ..errors import InputError
+from ..inputs.case.expressions import is_along
+from ..math.arrays import Array
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.schema import Mechanism
+
+
+Called = Callable[[float, Array], float]
+OPTION = "--allow-python"
+
+
+def require_permission(mechanism: "Mechanism") -> None:
+    """Raise InputError if the mechanism has functions of the user."""
+    for name, code in _codes(mechanism).items():
+        raise InputError(
+            f'forces.{name}.code.file = "{code.file}": runs Python code, which can do anything '
+            f"that you can; expected `plymotion run {OPTION}` if you trust it"
+        )
+
+
+def calling_forces(mechanism: "Mechanism") -> list[str]:
+    """Return the names of the forces that call functions of the user."""
+    return list(_codes(mechanism))
+
+
+def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
+    """Return the functions of the user by force, each with a memory of its own; runs their files.
+
+    Raises
+    ------
+    InputError
+        A file that fails, or has no such function.
+    """
+    return {name: _loaded(f"forces.{name}.code", code) for name, code in _codes(mechanism).items()}
+
+
+def _codes(mechanism: "Mechanism") -> dict[str, Any]:
+    found = {}
+    for name, force in mechanism.forces.items():
+        if is_along(force):
+            for key in COORDINATE_FORCES[force.kind].keys:
+                if isinstance(key, Code):
+                    found[name] = getattr(force, key.name)
+    return found
+
+
+def _loaded(key: str, code: Any) -> Called:
+    space: dict[str, Any] = {"__name__": "user_code"}
+    try:
+        exec(compile(code.source, code.file, "exec"), space)
+    except Exception as error:
+        raise InputError(f'{key}.file = "{code.file}": {_words(error)}') from error
+    function = space.get(code.function)
+    memory: dict[Any, Any] = {}
+    if not callable(function):
+        raise InputError(f'{key}.function = "{code.function}": {code.file} has no such function')
+
+    def called(t: float, inputs: Array) -> float:
+        where = f"{key}: {code.function}() at t = {t:.6g} s"
+        try:
+            value = float(function(t, inputs, memory))
+        except Exception as error:
+            raise InputError(f"{where}: {_words(error)}") from error
+        if not np.isfinite(value):
+            raise InputError(f"{where} returned {value}; expected a finite number")
+        return value
+
+    return called
+
+
+def _words(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"

@@ -1,0 +1,266 @@
+"""The state in which a run starts: as given, quasi-static, in equilibrium, or in steady spin."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..dynamics.analysis.quasi_static import (
+    motions_without_strain,
+    quasi_static_deformations,
+    quasi_static_deformations_of_loops,
+)
+from ..dynamics.analysis.recovery import extent, shape_sizes
+from ..dynamics.elements.added_inertia import undetermined_body
+from ..dynamics.elements.joints.table import DRIVES, NAMES
+from ..dynamics.evaluation.accelerations import assemble
+from ..dynamics.evaluation.elimination import is_tree
+from ..dynamics.evaluation.series import balance
+from ..dynamics.model.coordinates import Spin
+from ..dynamics.model.model import Model
+from ..errors import InputError, few
+from ..math.arrays import Array
+from ..math.rotations import matrix_to_vector, rotation_matrix
+from ..results.codes import START_MOVED, Finding
+from .consistent import DEFORMED, Start, closed_by_frames, consistent_state, frames_close, rows_of
+from .equilibrium import equilibrium, relative_equilibrium
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.schema import Mechanism
+
+
+def require_inertia(
+    model: Model,
+    y: Array,
+    body_names: list[str],
+    t: float = 0.0,
+    light: Callable[[], Model] | None = None,
+) -> None:
+    """Check that accelerations follow from the loads in state y (n,) at time t [s].
+
+    A body without inertia in a direction must be held in it by joints. `light` gives the model with
+    moderate mass points: these have inertia in the same directions, without the round-off of heavy
+    ones.
+
+    Raises
+    ------
+    InputError
+        A body that is not; names it, the direction, and what helps.
+    """
+    if model.added_inertia.size == 0:
+        return
+    e = assemble(model, t, y)
+    found = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
+    if found is not None and light is not None:
+        model = light()
+        e = assemble(model, t, y)
+        found = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
+    if found is None:
+        return
+    body, direction = found
+    name = f"bodies.{body_names[body]}" if body < len(body_names) else "a virtual body"
+    turns = float(abs(direction[3:]).max()) > 1e-6
+    vector = direction[3:] if turns else direction[:3]
+    axis = ", ".join(f"{x:.3g}" for x in vector / (vector @ vector) ** 0.5 + 0.0)
+    how = f"turn about its axis ({axis})" if turns else f"move along ({axis})"
+    raise InputError(
+        f"{name}: it can {how} without inertia, and no joint holds it there, so that no "
+        "acceleration follows from the loads; expected inertia about every axis that the joints "
+        "leave free. Give it inertia, or a joint that holds it (universal in place of spherical)"
+    )
+
+
+_TOLERANCE = 1e-8  # of the change of the shapes, in the norm of the strain energy
+_DIVERGED = 1e8  # energy of a change, of that of the first
+_NOTHING = 1e-20  # strain energy over that of the first change that is round-off
+_STILL = 1e-13  # displacement over the size that is round-off
+_MAX_ITERATIONS = 40
+
+
+def quasi_static_state(
+    model: Model, start: Start, y: Array, joint_names: list[str], body_names: list[str]
+) -> Array:
+    """Return the state (n,) in which the shapes of all bodies balance the loads at t = 0.
+
+    Parameters
+    ----------
+    y : (n,) `consistent_state` of `start`
+
+    Raises
+    ------
+    InputError
+        As `consistent_state`; the shapes do not converge: the loads of a body grow with its
+        deformation (buckling, a spin above its first frequency), or joints do not let the
+        mechanism move while the shapes are held.
+    """
+    first, joined, rigid, tree = 0.0, False, 0, is_tree(model)
+    energies, size = np.zeros(model.n_body), extent(model, y)
+    for _ in range(_MAX_ITERATIONS):
+        changes = (
+            quasi_static_deformations_of_loops(model, 0.0, y, rigid)
+            if joined
+            else quasi_static_deformations(model, 0.0, y)
+        )
+        energies = np.array([_energy(model, i, change) for i, change in enumerate(changes)])
+        first = first or float(energies.sum())
+        moves = max(
+            float(np.max(shape_sizes(model, i) * np.abs(change), initial=0.0))
+            for i, change in enumerate(changes)
+        )
+        if not np.isfinite(first) or energies.sum() <= _NOTHING * first or moves <= _STILL * size:
+            break
+        if not energies.sum() < _DIVERGED * first:
+            raise _not_converged(body_names, energies, joined=joined)
+        before, whole = y, 0.0
+        y = y.copy()
+        for i, change in enumerate(changes):
+            a = int(model.pos_start[i]) + 7
+            y[a : a + len(change)] += change
+            whole += _energy(model, i, y[a : a + len(change)])
+        if not (joined or tree or frames_close(model, y)):
+            joined, y, rigid = True, before, motions_without_strain(model, 0.0, before)
+            continue
+        deformed = replace(start, positions=y[: model.n_pos])
+        y = consistent_state(model, deformed, joint_names, deforming=joined)
+        if energies.sum() <= _TOLERANCE**2 * whole:
+            break
+    else:
+        raise _not_converged(body_names, energies, joined=joined)
+    return y
+
+
+def _not_converged(body_names: list[str], energies: Array, *, joined: bool) -> InputError:
+    why = (
+        "its loads at t = 0 grow with its deformation, or the mechanism cannot move with rigid "
+        "bodies"
+    )
+    if joined:
+        why = f"the joints of a loop hold it. {DEFORMED}"
+    worst = [name for name, e in zip(body_names, energies, strict=False) if e == energies.max()]
+    return InputError(
+        f'solver.start = "quasi-static": the shape of {few(worst)} does not converge: {why}. '
+        'Expected start = "positions" or "equilibrium" here'
+    )
+
+
+def _energy(model: Model, body: int, q: Array) -> float:
+    m, square = len(q), int(model.square_start[body])
+    K = model.K_qq[square : square + m * m].reshape(m, m)
+    return float(q @ K @ q)
+
+
+_CONTRADICTION = 1e-9  # rate of a drive against the spin, relative
+
+
+def starting_state(
+    model: Model,
+    start: Start,
+    kind: str,
+    joint_names: list[str],
+    body_names: list[str],
+    spin: Spin | None = None,
+    light: Callable[[], Model] | None = None,
+) -> Array:
+    """Return the initial state y (n,) of a run; `kind` is solver.start of a case.
+
+    With a spin, equilibrium is that of the mechanism turning at it. `light` is as in
+    `require_inertia`.
+
+    Raises
+    ------
+    InputError
+        As `consistent_state`, `equilibrium`, `relative_equilibrium`, `quasi_static_state` and
+        `require_inertia`; a drive that does not turn with the spin.
+    """
+    y = consistent_state(model, start, joint_names)
+    if kind == "equilibrium":
+        closed = replace(start, positions=y[: model.n_pos])
+        if spin is not None and spin.rate != 0.0:
+            if start.velocities.any():
+                raise InputError(
+                    f"solver.spin.speed = {spin.rate:g}: expected no velocity, angular_velocity or "
+                    "modal_rates of bodies, which turn with the spin"
+                )
+            y = relative_equilibrium(model, closed, spin, joint_names, body_names).y
+            _require_drives(model, y, spin, joint_names)
+        else:
+            found = equilibrium(model, closed, body_names)
+            y = consistent_state(model, found, joint_names)
+    elif kind == "quasi-static":
+        y = quasi_static_state(model, start, y, joint_names, body_names)
+    require_inertia(model, y, body_names, light=light)
+    return y
+
+
+def _require_drives(model: Model, y: Array, spin: Spin, joint_names: list[str]) -> None:
+    """Raise InputError if the laws of drives contradict the spin; names them."""
+    off = np.abs(balance(model, np.zeros(1), y[None]).Phi_d[0])
+    if off.max(initial=0.0) <= _CONTRADICTION * max(1.0, abs(spin.rate)):
+        return
+    joint = int(np.searchsorted(model.joint_row, int(off.argmax()), side="right")) - 1
+    raise InputError(
+        f"solver.spin.speed = {spin.rate:g} rad/s: {joint_names[joint]} has another rate at t = 0. "
+        "Expected a drive at this speed about the axis of the spin, and none between the bodies"
+    )
+
+
+def moved_findings(
+    mechanism: "Mechanism", model: Model, start: Start, y0: Array, body_names: list[str]
+) -> list[Finding]:
+    """Return one finding of all bodies that do not start, in y0 (n,), where the case says.
+
+    Drives are left out: what they prescribe at t = 0 is asked for. So is where a search for
+    equilibrium ends, the place of a body that is given none, and that beside given deformations.
+    """
+    bodies = mechanism.bodies
+    deformed = any(getattr(body, "modal_coordinates", None) for body in bodies.values())
+    if mechanism.solver.start == "equilibrium" or deformed or not model.n_constraint:
+        return []
+    if not _moved(model, start.positions, y0, body_names):
+        return []
+    rows = np.ones(model.n_constraint, dtype=bool)
+    for joint, kind in enumerate(model.joint_kind):
+        if NAMES[kind] in DRIVES:
+            rows[rows_of(model, joint)] = False
+    given = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
+    y = closed_by_frames(model, given, rows)
+    found = []
+    for share, i, distance, angle in _moved(model, given, y, body_names):
+        name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
+        keys = "" if getattr(bodies.get(name), "part_of", None) else _keys(place)
+        found.append((share, f"{name} by {distance:.3g} m and {np.degrees(angle):.3g} deg{keys}"))
+    if not found:
+        return []
+    listed = few((words for _, words in sorted(found, reverse=True)), "; ")
+    text = (
+        f"to close the joints at the start, bodies were moved from their given places: {listed}. "
+        "If this is the start that is meant, give these values; if not, check lengths, ground "
+        "points, axes and positions"
+    )
+    return [START_MOVED.finding(text, t=0.0, value=max(found)[0])]
+
+
+def _moved(
+    model: Model, given: Array, y: Array, body_names: list[str]
+) -> list[tuple[float, int, float, float]]:
+    """Return share, index, distance [m] and angle [rad] of bodies beyond the limit in y."""
+    size, found = extent(model, y), []
+    for i in range(len(body_names)):
+        a = int(model.pos_start[i])
+        turn = rotation_matrix(given[a + 3 : a + 7]).T @ rotation_matrix(y[a + 3 : a + 7])
+        angle = float(np.linalg.norm(matrix_to_vector(turn)))
+        distance = float(np.linalg.norm(y[a : a + 3] - given[a : a + 3]))
+        share = max(angle, distance / size if given[a : a + 3].any() else 0.0)
+        if share > START_MOVED.limit:
+            found.append((share, i, distance, angle))
+    return found
+
+
+def _keys(place: Array) -> str:
+    """Return the keys that give a body this place (7,), in brackets."""
+    turn = np.degrees(matrix_to_vector(rotation_matrix(place[3:])))
+    position, rotation = (
+        ", ".join(f"{x:.9g}" for x in np.round(part, 9) + 0.0) for part in (place[:3], turn)
+    )
+    return f" (position = [{position}], rotation_deg = [{rotation}])"

@@ -1,0 +1,368 @@
+"""A mechanism that moves from one communication point to the next, with inputs in between."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..dynamics.elements.forces.contract import OfTime
+from ..dynamics.elements.forces.table import ELEMENTS, LOADS
+from ..dynamics.elements.joints.contract import Displacement, DrivenBy
+from ..dynamics.elements.joints.table import JOINTS
+from ..dynamics.evaluation.laws import law_values
+from ..dynamics.model.model import Model
+from ..errors import InputError
+from ..inputs.case.expressions import drives, is_along, is_load, law
+from ..integrators.choice import make_integrator
+from ..integrators.generic.base import Integrator
+from ..integrators.table import INTEGRATORS
+from ..math.arrays import Array
+from ..math.laws import N_COEFFICIENT
+from ..mechanism import BuiltMechanism
+from ..signals import recorded
+from .outcome import RunSpec
+from .preparation import Prepared, prepare
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.schema import Mechanism
+
+
+# An input between communication points, from the values that came so far.
+
+KEPT = 3  # values, enough for a parabola
+
+
+class Course:
+    """Polynomials in time for one input, each of one communication step.
+
+    Only the past of an input is known, so a step uses the polynomial of `order` 0, 1 or 2 through
+    its last values. A force takes it as it is. A drive is part of a constraint and must not jump:
+    it goes by a polynomial of degree 5 from where it stands to the value, rate and acceleration
+    that the polynomial has at the end of the step. Both have the same error, the third derivative
+    of the input times h^3 for order 2.
+
+    Parameters
+    ----------
+    drive : continuous with two derivatives
+    order : of the polynomial
+    start : (3,) value, rate, acceleration at t = 0
+    """
+
+    def __init__(self, start: Array, *, drive: bool, order: int) -> None:
+        self._drive, self._order = drive, order
+        self._at = np.array(start, dtype=float)  # of a drive, where it stands
+        self._times: list[float] = []
+        self._values: list[float] = []
+
+    def piece(self, t: float, h: float, value: float, rates: Array) -> Array:
+        """Return coefficients (6,) of powers of the time after t, for a step of h [s].
+
+        value : of the input at t
+        rates : (2,) first and second derivative at t where they are known; nan: not
+        """
+        if not self._times:
+            # As if it had followed the parabola of its start before t.
+            rate, acceleration = self._at[1:]
+            for back in (-2.0 * h, -h):
+                past = value + rate * back + 0.5 * acceleration * back**2
+                self._note(t + back, float(past))
+        self._note(t, value)
+        ahead = self._ahead(t, value, rates)
+        if not self._drive:
+            return np.concatenate([ahead, np.zeros(3)])
+        end = np.array(
+            [
+                ahead[0] + ahead[1] * h + ahead[2] * h * h,
+                ahead[1] + 2.0 * ahead[2] * h,
+                2.0 * ahead[2],
+            ]
+        )
+        found = _join(self._at, end, h)
+        self._at = end
+        return found
+
+    def _note(self, t: float, value: float) -> None:
+        self._times, self._values = [*self._times, t][-KEPT:], [*self._values, value][-KEPT:]
+
+    def _ahead(self, t: float, value: float, rates: Array) -> Array:
+        """Return coefficients (3,) of the polynomial through the last values."""
+        count = self._order + 1
+        since = np.array(self._times[-count:]) - t
+        found = np.zeros(3)
+        found[0] = value
+        known = np.isfinite(rates)
+        if known[0]:
+            found[1] = rates[0]
+            if known[1]:
+                found[2] = 0.5 * rates[1]
+            elif self._order == 2:
+                found[2] = (self._values[-2] - value - rates[0] * since[-2]) / since[-2] ** 2
+        elif count > 1:
+            rows = since[:-1, None] ** np.arange(1, count)
+            change = np.array(self._values[-count:-1]) - value
+            found[1:count] = np.linalg.solve(rows, change)
+        return found
+
+
+def _join(begin: Array, end: Array, h: float) -> Array:
+    """Return coefficients (6,) of the quintic from (3,) to (3,) value, rate, acceleration in h."""
+    c = np.zeros(6)
+    c[:3] = begin[0], begin[1], 0.5 * begin[2]
+    gap = end[0] - (c[0] + c[1] * h + c[2] * h * h)
+    rate = (end[1] - (c[1] + 2.0 * c[2] * h)) * h
+    acceleration = (end[2] - begin[2]) * h * h
+    c[3] = (10.0 * gap - 4.0 * rate + 0.5 * acceleration) / h**3
+    c[4] = (-15.0 * gap + 7.0 * rate - acceleration) / h**4
+    c[5] = (6.0 * gap - 3.0 * rate + 0.5 * acceleration) / h**5
+    return c
+
+
+# What another program can write: laws of drives, of loads and of actuators.
+
+NEVER = 1e300  # [s], beginning of pieces that are out of use
+
+
+@dataclass(frozen=True)
+class Input:
+    """One law that is written from outside.
+
+    Attributes
+    ----------
+    name : key of the case: "joints.hinge.drive", "forces.push"
+    unit : rad, m, N or N m
+    law : number of the law in the model
+    offset : what the law of the model is above the value of the case [m]
+    drive : whether it is a drive, which must not jump; otherwise a force or torque
+    start : (3,) value, rate and acceleration of the law of the case at t = 0
+    """
+
+    name: str
+    unit: str
+    law: int
+    offset: float
+    drive: bool
+    start: Array
+
+
+def inputs_of(mechanism: "Mechanism", built: BuiltMechanism) -> list[Input]:
+    """Return all drives, then all forces that have a law of time, in the order of the case.
+
+    A force by an expression is part of the mechanism, and no input.
+    """
+    values = law_values(built.model, 0.0)
+    return [*_drives(mechanism, built, values), *_forces(mechanism, built, values)]
+
+
+def _drives(mechanism: "Mechanism", built: BuiltMechanism, values: Array) -> Iterator[Input]:
+    for name, joint in mechanism.joints.items():
+        by = {key.name: key.drive for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)}
+        its = built.joints[name]
+        for row, key in zip(its.rows[1:], drives(joint), strict=True):
+            coordinate, offset = by[key].coordinate, 0.0
+            if isinstance(coordinate, Displacement):
+                offset = float(its.shift[coordinate.axis])
+            number = int(built.model.joint_law[row])
+            start = values[number] - [offset, 0.0, 0.0]
+            yield Input(f"joints.{name}.{key}", coordinate.unit, number, offset, True, start)
+
+
+def _forces(mechanism: "Mechanism", built: BuiltMechanism, values: Array) -> Iterator[Input]:
+    for k, (name, force) in enumerate(mechanism.forces.items()):
+        number = int(built.model.force_law[k])
+        if is_along(force) or law(force) is None or number < 0:
+            continue
+        meaning = LOADS[force.kind].meaning if is_load(force) else _actuator(force.kind)
+        unit = "N m" if "[N m]" in meaning else "N"
+        yield Input(f"forces.{name}", unit, number, 0.0, False, values[number])
+
+
+def _actuator(kind: str) -> str:
+    """Meaning of the law of an element, with its unit."""
+    return next(key.meaning for key in ELEMENTS[kind].keys if isinstance(key, OfTime))
+
+
+def shift_law(model: Model, number: int, by: float) -> None:
+    """Add a constant to a law, in the arrays of the model; one by an expression becomes a parabola.
+
+    What the law does later stays known to the scales of the run (dynamics/analysis/recovery.py).
+    """
+    if model.quantities.law[number] >= 0:
+        value, rate, acceleration = law_values(model, 0.0)[number]
+        write_piece(model, number, 0.0, np.array([value, rate, 0.5 * acceleration]))
+    model.law_coefficient[model.law_start[number] : model.law_start[number + 1], 0] += by
+
+
+def write_piece(model: Model, number: int, t: float, coefficients: Array) -> None:
+    """Let a law be a polynomial of the time after t [s], in the arrays of the model.
+
+    coefficients : (k,) of ascending powers
+    """
+    first, end = int(model.law_start[number]), int(model.law_start[number + 1])
+    model.quantities.law[number] = -1
+    model.law_time[first + 1 : end] = NEVER
+    model.law_time[first] = t
+    model.law_coefficient[first] = 0.0
+    model.law_coefficient[first, : min(len(coefficients), N_COEFFICIENT)] = coefficients
+
+
+# A mechanism that moves from one communication point to the next, with inputs in between.
+
+DRIVE_ORDER, FORCE_ORDER = 2, 1
+
+
+class Stepper:
+    """A run under way in the hands of another program.
+
+    Steps of the integrator end at every communication point, and it goes on from there as from a
+    start. Outputs are those at the end of the step.
+
+    Parameters
+    ----------
+    spec : the run; its laws of inputs are of use for the start and for the tolerances only
+    inputs : names of those that are written from outside; None: all. The others follow the case
+
+    Raises
+    ------
+    InputError
+        An unknown input; an integrator that cannot restart at communication points.
+    """
+
+    t: float  # [s]
+    y: Array  # (n,) state
+    _started: bool  # the prepared mechanism has been started from
+    _integrator: Integrator | None  # from the first step on
+
+    def __init__(self, spec: RunSpec, inputs: Sequence[str] | None = None) -> None:
+        self._spec = spec
+        _require_restarts(spec)
+        self._begin(prepare(spec.mechanism, spec.packages))
+        self._started = False
+        known = {found.name: found for found in inputs_of(spec.mechanism, self._prepared.built)}
+        for name in inputs or ():
+            if name not in known:
+                raise InputError(f"{name}: no such input; expected some of {', '.join(known)}")
+        self.inputs: list[Input] = [
+            found for name, found in known.items() if inputs is None or name in inputs
+        ]
+        # One that looks at a whole run before it has values cannot be an output.
+        looking = [n for n, sensor in self._prepared.measured.items() if sensor.look is not None]
+        self.left_out = tuple(looking)
+        self.outputs = {
+            name: sensor for name, sensor in self._prepared.measured.items() if name not in looking
+        }
+
+    def start(
+        self,
+        values: Array | None = None,
+        *,
+        drive_order: int = DRIVE_ORDER,
+        force_order: int = FORCE_ORDER,
+    ) -> Array:
+        """Close the joints with these inputs (k,) at t = 0; return the outputs (n,).
+
+        values : None: those of the case
+        drive_order, force_order : 0, 1 or 2, of the polynomials between communication points
+
+        Raises
+        ------
+        InputError
+            A mechanism that cannot be assembled.
+        """
+        own = np.array([given.start[0] for given in self.inputs])
+        change = np.zeros(len(own)) if values is None else values - own
+
+        def adjust(model: Model) -> None:
+            for given, by in zip(self.inputs, change, strict=True):
+                if by:
+                    shift_law(model, given.law, float(by))
+
+        if change.any() or self._started:  # otherwise prepared when it was made
+            self._begin(prepare(self._spec.mechanism, self._spec.packages, adjust=adjust))
+        self._started = True
+        self._courses = [
+            Course(
+                given.start + np.array([by, 0.0, 0.0]),
+                drive=given.drive,
+                order=drive_order if given.drive else force_order,
+            )
+            for given, by in zip(self.inputs, change, strict=True)
+        ]
+        return self._measured()
+
+    def advance(self, t: float, values: Array, rates: Array | None = None) -> Array:
+        """Move on to t [s] and return the outputs there, (n,).
+
+        Parameters
+        ----------
+        values : (k,) inputs at the present time
+        rates : (k, 2) their first and second derivatives; nan, or None: unknown
+
+        Raises
+        ------
+        InputError
+            The run cannot go on; the message says why. `t` and `y` are those of its last step.
+        """
+        if self._integrator is None:
+            prepared = self._prepared
+            if prepared.refused is not None:
+                raise InputError(prepared.refused.message)
+            self._integrator = make_integrator(
+                prepared.model, prepared.y0, prepared.mechanism.solver, prepared.treatment
+            )
+        h, known = t - self.t, np.full((len(values), 2), np.nan) if rates is None else rates
+        for given, course, value, its in zip(
+            self.inputs, self._courses, values, known, strict=True
+        ):
+            piece = course.piece(self.t, h, float(value), its)
+            piece[0] += given.offset
+            write_piece(self._prepared.model, given.law, self.t, piece)
+        self._move(self._integrator, t)
+        return self._measured()
+
+    def warnings(self) -> list[str]:
+        """Return what the monitors have found since the last call."""
+        prepared = self._prepared
+        found = [*prepared.notes, *prepared.spin.findings, *prepared.passage.findings]
+        found += prepared.buckling.findings if prepared.buckling is not None else []
+        texts = [f"[{finding.code}] {finding.text}" for finding in found]
+        fresh = [text for text in texts if text not in self._told]
+        self._told.update(fresh)
+        return fresh
+
+    def _begin(self, prepared: Prepared) -> None:
+        self._prepared, self._watch = prepared, prepared.watch
+        self._integrator = None
+        self.t, self.y = 0.0, prepared.y0
+        self._memory: dict[Any, Any] = {}
+        self._told: set[str] = set()
+
+    def _move(self, integrator: Any, t: float) -> None:
+        integrator.go_on(t)
+        nowhere = np.empty(0), np.empty((0, integrator.n))
+        while integrator.status == "running":
+            integrator.stride(*nowhere, 0, True)
+            request = self._watch(integrator.steps_taken())
+            integrator.take_up()
+            self.t, self.y = integrator.t, integrator.y
+            if request is not None:
+                raise InputError(request.message)
+        if integrator.status != "finished":
+            raise InputError(integrator.message)
+
+    def _measured(self) -> Array:
+        """Return the outputs at the present time, (n,)."""
+        block = np.array([self.t]), self.y[None]
+        _, found = next(recorded(self.outputs, self._prepared.model, lambda: [block], self._memory))
+        return np.array([values[0] for _, values in found])
+
+
+def _require_restarts(spec: RunSpec) -> None:
+    """Raise InputError for integrators that need what was before a communication point."""
+    name = spec.mechanism.solver.integrator
+    if not INTEGRATORS[name].samples:
+        able = [f'"{other}"' for other, kind in INTEGRATORS.items() if kind.samples]
+        raise InputError(
+            f'solver.integrator = "{name}": goes on from earlier steps, which inputs that change '
+            f"at communication points do not allow; expected {' or '.join(able)}"
+        )
