@@ -17,7 +17,7 @@ from plymotion.solver.math.laws import Hermite
 RANK_TOLERANCE = 1e-9  # of the scaled Jacobian's singular values, over the largest
 CREEPING, TOO_MANY = 1e-6, 500  # steps so short beside the longest, so many in a row
 NOT_CONTROLLED = 1e20  # absolute tolerance of multipliers: they take no part in the error norm
-MISSING = "ida: needs scikit-sundae, which is not installed: pip install plymotion[peers]"
+MISSING = "ida: needs scikit-sundae, which is not installed: pip install scikit-sundae"
 
 
 class SundialsIda(Peer):

@@ -78,8 +78,7 @@ def pandas() -> ModuleType:
         import pandas as found
     except ImportError as error:
         raise ImportError(
-            "to_pandas() needs pandas, which is not installed; expected "
-            "pip install plymotion[pandas]"
+            "to_pandas() needs pandas, which is not installed; expected pip install pandas"
         ) from error
     return found
 
@@ -327,6 +326,6 @@ def pyplot() -> Any:
         from matplotlib import pyplot as found
     except ImportError as error:
         raise ImportError(
-            "plot() needs matplotlib, which is not installed; expected pip install plymotion[plot]"
+            "plot() needs matplotlib, which is not installed; expected pip install matplotlib"
         ) from error
     return found

@@ -230,7 +230,7 @@ def _text(whole: str, name: str, rotation: float, count: int, *, second_order: b
     limit = f"below {ROTATION.limit:g} rad"
     if rotation > tau:
         limit += "; this result is invalid"
-    split = "split the body"
+    split = "model the part as several bodies with fixed joints between them"
     if count:
         now = f" ({count} now)" if count > 1 else ""
         number = ceil((UNEVEN if count > 1 else 1.0) * count * rotation / ROTATION.limit)

@@ -114,7 +114,8 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
     text = (
         f"{name}: at t = {t[k]:.4g} s the mass matrix of the body{whose} is not positive: "
         "it has moved too far from its frame for second-order displacements. A chord or "
-        "mean-axis frame, or splitting the body (a beam: more segments), helps"
+        "mean-axis frame, or several bodies with fixed joints between them (a beam: more "
+        "segments), helps"
     )
     found = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
     yield found if lost[k] else replace(found, level="warning")

@@ -29,8 +29,7 @@ def completion(parser: argparse.ArgumentParser, shell: str) -> str:
         import shtab
     except ImportError as error:
         raise InputError(
-            "completion: shtab is not installed; expected the extra `completion`: "
-            "pip install plymotion[completion]"
+            "completion: shtab is not installed; expected `pip install shtab`"
         ) from error
     for action in _actions(parser):
         if action.type is Path:

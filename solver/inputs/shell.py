@@ -216,7 +216,7 @@ class ShellPly(Ply):
 class ShellLaminate(Laminate):
     """`[laminates.NAME]`: plies from BOTTOM to TOP along the normal of the shell.
 
-    Either `plies`, or the short form of one material: `material`, `angles_deg` and
+    Either `plies`, or the short form of one material: `material`, `angles_deg` or `layup`, and
     `ply_thickness`. Both may be repeated and mirrored, in this order: [0/30]3s is
     angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
@@ -243,7 +243,7 @@ class ShellLaminate(Laminate):
     @model_validator(mode="after")
     def _thick(self) -> Self:
         if self.plies is None and self.ply_thickness is None:
-            raise ValueError("expected `ply_thickness` with `angles_deg`")
+            raise ValueError("expected `ply_thickness` with the short form")
         return self
 
 

@@ -54,7 +54,7 @@ def house_style(*, formulas: bool = False) -> Iterator[None]:
     except ImportError as error:
         raise InputError(
             "report: figures need matplotlib, which is not installed; expected "
-            "the extra `plot`: pip install plymotion[plot]"
+            "`pip install matplotlib`"
         ) from error
     with matplotlib.rc_context():
         matplotlib.rcdefaults()  # without matplotlibrc of the current folder, which can start LaTeX

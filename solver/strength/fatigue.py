@@ -80,7 +80,7 @@ def check_rainflow(key: str) -> None:
         import rainflow  # noqa: F401 - optional
     except ImportError:
         raise InputError(
-            f'{key}: cycles are counted by the package rainflow: pip install "plymotion[fatigue]"'
+            f"{key}: cycles are counted by the package rainflow: pip install rainflow"
         ) from None
 
 

@@ -288,7 +288,7 @@ class Dask:
         except ImportError as error:
             raise InputError(
                 f"--scheduler {scheduler}: needs dask.distributed ({error}): "
-                "pip install 'plymotion[dask]'"
+                "pip install distributed"
             ) from error
         for name in ("distributed", "distributed.client", "tornado.application", "asyncio"):
             # The end of a scheduler is a traceback there, and an InputError of `distribute`.

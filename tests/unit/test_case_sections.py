@@ -141,4 +141,4 @@ def test_errors_of_a_described_section_name_both_files(case, tmp_path):
     (line, missing) = str(error.value).splitlines()
     assert line.startswith(f"{case}: sections.bar.file: ")
     assert line.endswith("box-layup-2.toml: mesh.widht: unknown key; did you mean 'width'?")
-    assert missing.endswith("box-layup-2.toml: mesh.width: missing; expected a value")
+    assert "box-layup-2.toml: mesh.width: missing; expected a value: outer width" in missing

@@ -105,7 +105,7 @@ BAD = {
     "not finite": (ANGLE, f'{FIRST} = "1 / angle"', "is not finite"),
     "a root": (ANGLE, f'{FIRST} = "sqrt(-angle)"', "finite value"),
     "twice": (f"{FIRST} = [0]\n{ANGLE}", f'{FIRST} = "angle"', "varied twice, by set and"),
-    "unused": (ANGLE, "", r"unknown key angle"),
+    "unused": (ANGLE, "", r"angle: expected a dotted key"),
     "key": ('"sections.tube:laminates.wal.angles_deg.1" = [1]', "", "did you mean 'wall'"),
     "place": ('"sections.tube:laminates.wall.angles_deg.2" = [1]', "", "known: 0, 1"),
     "owner": ('"sections.tub:laminates.wall.angles_deg.1" = [1]', "", "did you mean 'sections.tub"),

@@ -113,7 +113,7 @@ def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> 
     try:
         return draw()
     except (InputError, ModuleNotFoundError) as error:  # the numbers are still there
-        print(f"no figures: {error}; they need pip install plymotion[plot]", file=sys.stderr)
+        print(f"no figures: {error}; they need pip install matplotlib", file=sys.stderr)
         return []
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ...dynamics.elements.forces.table import ELEMENTS
 from ...dynamics.elements.joints.table import JOINTS
 from ...dynamics.model.model import LAST
-from ...errors import InputError, collected, nearest, unknown
+from ...errors import InputError, collected, few, nearest, unknown
 from ...integrators.choice import treatment_of
 from ...math import laws
 from ...math.arrays import is_positive_definite
@@ -63,7 +63,10 @@ def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> 
     owner, dot, point = place.partition(".")
     if not dot:
         expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
-        return [f'{key} = "{place}": expected {expected}']
+        body = mechanism.bodies.get(owner)
+        known = list(mechanism.ground) if owner == "ground" else body and interfaces(body)
+        such = f", such as {few(f'{owner}.{name}' for name in known)}" if known else ""
+        return [f'{key} = "{place}": expected {expected}{such}']
     if owner == "ground" and ground:
         if point in mechanism.ground:
             return []

@@ -9,8 +9,8 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from ...errors import InputError, nearest, refuse, unknown
-from ..common.table import bare_lines, members, validated, without_annotations
+from ...errors import InputError, refuse, unknown
+from ..common.table import bare_lines, meant, members, validated, without_annotations
 from ..common.text_file import read_toml
 from ..section.description import shape
 from .bodies.specifications import BodySpec, BodySpecs
@@ -155,7 +155,7 @@ def checked_case(
     for key in base:
         if key not in Mechanism.model_fields:
             known = [*CaseFile.model_fields, *Mechanism.model_fields]
-            raise InputError(f"{file}: {key}: unknown key{nearest(key, known)}")
+            raise InputError(f"{file}: {key}: unknown key{meant(key, known)}")
     findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
     quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
 

@@ -185,6 +185,11 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
         if part not in known and "changes" in known:
             right = f"{'.'.join(parts[:number])}:{'.'.join(parts[number:])}"
             raise Misplaced(f'{shown}: a key of the description follows a colon, "{right}"')
+        if part not in known and len(parts) == 1:
+            raise Misplaced(
+                f'{shown}: expected a dotted key, such as "bodies.arm.length", or `keys` with such '
+                f"keys{nearest(part, known)}"
+            )
         if part not in known:
             raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{nearest(part, known)}")
         if isinstance(here, BaseModel):

@@ -6,12 +6,13 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from ...errors import unknown
 from ...package.common.materials import MaterialError, material_from_dict, read_strength
 from ...package.common.plausible import MIXED
 from ...package.specification import PlyTable
+from .layup import angles_of
 from .table import Name, Table, entry, optional
 
 
@@ -154,6 +155,11 @@ def _error_of(name: str, text: str) -> str:
 Angle = Annotated[float, Field(ge=-90, le=90)]
 
 
+def _readable(layup: str) -> str:
+    angles_of(layup)
+    return layup
+
+
 class Ply(Table):
     """One entry of `plies`."""
 
@@ -177,13 +183,17 @@ class Laminate(Table):
 
     BOTTOM to TOP is along the normal of the shell. Either `plies`, or the short form of one
     material: `material` and `angles_deg`, with `ply_thickness`, which a section may leave out. Both
-    may be repeated and mirrored, in this order: [0/30]3s is angles_deg = [0, 30], repeat = 3,
+    may be repeated and mirrored, in this order: layup = "[0/30]3s" is angles_deg = [0, 30], repeat = 3,
     symmetric = true.
     """
 
     plies: list[Ply] | None = optional("the plies in their order", min_length=1)
     material: Name | None = optional("short form: material of all plies")
     angles_deg: list[Angle] | None = optional("short form: angle of each ply", "deg", min_length=1)
+    layup: Annotated[str, AfterValidator(_readable)] | None = optional(
+        "instead of `angles_deg`: the angles as text, such as [0/45/-45/90]s, [±45/0_2]2s or "
+        "[(0/90)_3/45]T"
+    )
     ply_thickness: float | None = optional(
         "short form: thickness of each ply; of a section absent: equal shares of the wall",
         "m",
@@ -194,11 +204,13 @@ class Laminate(Table):
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        short = (self.material, self.angles_deg, self.ply_thickness)
-        if self.plies is not None and short != (None, None, None):
+        angles = (self.angles_deg, self.layup)
+        if self.plies is not None and (self.material, *angles, self.ply_thickness) != (None,) * 4:
             raise ValueError("expected either `plies` or the short form, found keys of both")
-        if self.plies is None and (self.material is None or self.angles_deg is None):
-            raise ValueError("expected `plies`, or `material` with `angles_deg`")
+        if self.plies is None and (self.material is None or angles.count(None) != 1):
+            raise ValueError("expected `plies`, or `material` with either `angles_deg` or `layup`")
+        if self.layup is not None and (self.repeat > 1 or self.symmetric):
+            raise ValueError("expected neither `repeat` nor `symmetric` with `layup`: [0/90]2s")
         if len({ply.thickness is None for ply in self.plies or ()}) > 1:
             raise ValueError("expected `thickness` in all plies or in none")
         return self
@@ -210,7 +222,8 @@ class Laminate(Table):
             for p in self.plies or ()
             for _ in range(p.repeat)
         ] or [
-            _ply(str(self.material), angle, self.ply_thickness) for angle in self.angles_deg or ()
+            _ply(str(self.material), angle, self.ply_thickness)
+            for angle in (angles_of(self.layup) if self.layup else self.angles_deg or ())
         ]
         plies *= self.repeat
         return plies + plies[::-1] if self.symmetric else plies

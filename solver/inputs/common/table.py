@@ -4,12 +4,15 @@ A message has one line: file, key, value, expectation.
 """
 
 import re
+from collections.abc import Iterable, Sequence
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
+from annotated_types import MaxLen, MinLen
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Tag, ValidationError
+from pydantic.fields import FieldInfo
 
-from ...errors import InputError, did_you_mean, nearest, printable
+from ...errors import InputError, few, nearest, printable
 
 
 def usable_path(text: str) -> str:
@@ -88,9 +91,8 @@ def plain_table(table: BaseModel) -> Any:
 
 
 Model = TypeVar("Model", bound=BaseModel)
-_WORDS = {"model_type": "expected a table", "dict_type": "expected a table"}
+FEW = 8  # words that a message lists
 _DECIMAL = re.compile(r"0\.0{6,}\d+")  # a limit like 1e-30, which pydantic writes out
-_WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a list"}
 
 
 def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
@@ -119,17 +121,117 @@ def validated(model: type[Model], table: Any, where: object, **context: Any) -> 
 
 def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
     """Return the same without a file: messages that begin with the key."""
-    return sorted({_line(item, model) for item in error.errors()})
+    found: dict[str, list[str]] = {}  # key and value: what is expected, by member of a union
+    unknown: dict[tuple[Any, ...], list[str]] = {}  # table: keys that it does not have
+    items = error.errors()
+    for item in items:
+        path, kind = follow(model, item["loc"])
+        if item["type"] == "extra_forbidden":
+            unknown.setdefault(item["loc"][:-1], []).append(str(path[-1]))
+        elif not _is_whole(item, items):
+            head, text = _line(item, model, path, kind)
+            found.setdefault(head, []).append(text)
+    for table, names in unknown.items():
+        path, kind = follow(model, table)
+        key = printable(".".join(map(str, path)))
+        *others, own = _kinds_with(names, model, table)
+        if len(names) > 1 and others:  # the kind is wrong, not the keys
+            found = {head: v for head, v in found.items() if not head.startswith(f"{key}.")}
+            text = f"{', '.join(map(printable, names))} are keys of {few(others, ' or ')}"
+            found[f'{key}.kind = "{own}"'] = [text]
+            continue
+        for name in names:
+            *others, own = _kinds_with([name], model, table)
+            hint = meant(name, _keys(kind))
+            meant_here = "." in hint or any(name in known for known in _keys(kind))
+            if others and not meant_here:
+                has = "has" if len(others) == 1 else "have"
+                hint = f" of {own}; {few(others)} {has} it"
+            found[printable(f"{key}.{name}" if key else name)] = [f"unknown key{hint}"]
+    return sorted(f"{head}: {_joined(texts)}".removeprefix(": ") for head, texts in found.items())
 
 
-def _line(item: Any, model: type[BaseModel]) -> str:
-    path, kind = follow(model, item["loc"])
+# Common words, and what they are here; with a dot the key of another table.
+MEANT = {
+    "angle": ("angle_deg", "ply_angle_deg", "rotation_deg", "start_deg"),
+    "angles": ("angles_deg",),
+    "ball": ("spherical",),
+    "bending": ("bending-xy",),
+    "bernoulli": ("classical",),
+    "b": ("width",),
+    "circle": ("ellipse",),
+    "density": ("rho",),
+    "displacement": ("deflection",),
+    "dt": ("output_step",),
+    "duration": ("t_end",),
+    "euler_bernoulli": ("classical",),
+    "force": ("expression",),
+    "h": ("height",),
+    "hinge": ("revolute",),
+    "k": ("stiffness",),
+    "c": ("damping",),
+    "d": ("derivative",),
+    "i": ("integral",),
+    "p": ("proportional",),
+    "lay_up": ("layup",),
+    "loads": ("forces",),
+    "moi": ("inertia",),
+    "newmark": ("generalized-alpha",),
+    "pid": ("controller",),
+    "pin": ("revolute",),
+    "pipe": ("tube",),
+    "poisson": ("nu",),
+    "second_order": ("solver.geometric_stiffening",),
+    "slider": ("prismatic",),
+    "static": ("equilibrium",),
+    "stress": ("ply_stress",),
+    "time": ("t_end",),
+    "tolerance": ("rtol",),
+    "torque": ("moment",),
+    "torsional_spring": ("rotary_spring",),
+    "value": ("law",),
+    "weld": ("fixed",),
+    "young": ("E",),
+}
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """Return "; did you mean 'x'?" for a common word or the nearest one; else some known words."""
+    known = list(known)
+    for ours in MEANT.get(re.sub(r"\W", "_", word.lower()), ()):
+        if ours in known or "." in ours:
+            return f"; did you mean {ours!r}?"
+    return nearest(word, known)
+
+
+def _kinds_with(names: Sequence[str], model: type[BaseModel], table: tuple[Any, ...]) -> list[Any]:
+    """Return the other kinds of a table that have all these keys, and its own kind."""
+    kinds = members(follow(model, table[:-1])[1]) if table else {}
+    if not kinds:
+        return [""]
+    return [*(n for n, kind in kinds.items() if set(names) <= set(_keys(kind))), table[-1]]
+
+
+def _is_whole(item: Any, items: Sequence[Any]) -> bool:
+    """Tell whether an error is of a list as another member of a union; its items have errors."""
+    way = item["loc"][:-1]
+    return isinstance(item.get("input"), list) and any(
+        other["loc"][: len(way)] == way and len(other["loc"]) > len(way) + 1 for other in items
+    )
+
+
+def _joined(texts: Sequence[str]) -> str:
+    """Return what the members of a union expect in one text."""
+    first, *rest = dict.fromkeys(texts)
+    return " or ".join([first, *(re.sub("^(expected|value should be) ", "", t) for t in rest)])
+
+
+def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tuple[str, str]:
+    """Return key and value of an error, and what is expected."""
     key = printable(".".join(str(part) for part in path))
-    if item["type"] == "extra_forbidden":
-        _, table = follow(model, item["loc"][:-1])
-        return f"{key}: unknown key{nearest(str(path[-1]), _keys(table))}"
+    field = _field(model, item["loc"])
     if item["type"] == "missing":
-        return f"{key}: missing; expected {_expected(path, kind)}"
+        return key, f"missing; expected {_expected(path, kind, field)}"
     if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
         discriminator = str(item["ctx"]["discriminator"]).strip("'()")
         choices = members(kind)
@@ -137,27 +239,84 @@ def _line(item: Any, model: type[BaseModel]) -> str:
         expected = "expected one of " + ", ".join(f'"{tag}"' for tag in tags)
         expected += "".join(f", or the key {tag}" for tag in choices if tag not in tags)
         if item["type"] == "union_tag_not_found":
-            return f"{key}.{discriminator}: missing; {expected}"
+            return f"{key}.{discriminator}", f"missing; {expected}"
         value = item["ctx"]["tag"]
-        hint = nearest(value, tags)
+        hint = meant(value, tags)
         hint = hint if hint.startswith("; did") else ""
-        return f'{key}.{discriminator} = "{value}": {expected}{hint}'
-    text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
+        return f'{key}.{discriminator} = "{value}"', f"{expected}{hint}"
+    text = item["msg"].removeprefix("Value error, ")
     text = _DECIMAL.sub(lambda m: f"{float(m[0]):g}", text[0].lower() + text[1:])
     if not path:  # a contradiction of the whole file, whose text names the keys
-        return text
-    hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
-    return f"{key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
+        return "", text
+    value = item.get("input")
+    inner = re.match(r"([\w.-]+): ", text)
+    if isinstance(value, dict) and inner is not None:  # about a key of the table
+        return f"{key}.{inner[1]}", text[inner.end() :]
+    if item["type"] == "list_type":
+        text = f"expected a list{_of_numbers(field)}"
+    elif item["type"] in ("model_type", "model_attributes_type", "dict_type"):
+        text = f"expected a table{_with_keys(kind)}"
+    elif item["type"] in ("float_type", "int_type") and isinstance(value, str):
+        unit = _unit(field)
+        text += f" [{unit}]" * bool(unit) + ", without quotes" * _is_number(value)
+    hint = ""
+    if _one_of_words(kind):
+        hint = meant(str(value), get_args(kind))
+        hint = hint if hint.startswith("; did") else ""
+    return f"{key} = {_short(value)}", f"{text.replace('input', 'value')}{hint}"
 
 
-def _expected(path: list[Any], kind: Any) -> str:
+def _field(model: type[BaseModel], location: tuple[Any, ...]) -> FieldInfo | None:
+    """Return the field of a key, None for an item of a list or of named tables."""
+    _, table = follow(model, location[:-1])
+    return _fields(table).get(str(location[-1])) if location else None
+
+
+def _unit(field: FieldInfo | None) -> str:
+    extra = field.json_schema_extra if field is not None else None
+    return str(extra["unit"]).replace("-", "") if isinstance(extra, dict) else ""
+
+
+def _of_numbers(field: FieldInfo | None) -> str:
+    """Return how many numbers a list of a fixed length has, with an example."""
+    least = [m.min_length for m in field.metadata if isinstance(m, MinLen)] if field else []
+    most = [m.max_length for m in field.metadata if isinstance(m, MaxLen)] if field else []
+    if field is None or least != most or not most:
+        return ""
+    if field.annotation != list[float]:
+        return f" of {most[0]}"
+    return f" of {most[0]} numbers, such as {[0.0] * (most[0] - 1) + [1.0]}"
+
+
+def _with_keys(kind: Any) -> str:
+    fields = _fields(kind)
+    asked = [name for name, field in fields.items() if field.is_required()]
+    if asked:
+        return f" with {', '.join(asked)}"
+    return "".join(f", such as {{ {name} = ... }}" for name in list(fields)[:1])
+
+
+def _expected(path: list[Any], kind: Any, field: FieldInfo | None) -> str:
     """Return what a missing key should have: a table, named tables or a value."""
     named = get_origin(kind) is dict
     if not named and not (isinstance(kind, type) and issubclass(kind, BaseModel)):
-        return "a value"
+        if _one_of_words(kind) and len(get_args(kind)) <= FEW:
+            return f"one of {', '.join(map(repr, get_args(kind)))}"
+        meaning = re.split(r"[;:.] ", (field.description if field else "") or "")[0]
+        unit = _unit(field)
+        return "a value" + f": {meaning}" * bool(meaning) + f" [{unit}]" * bool(unit)
     if not all(isinstance(part, str) for part in path):  # in a list
         return "a table"
-    return f"a table [{printable('.'.join(path))}{'.NAME' if named else ''}]"
+    where = f"a table [{printable('.'.join(path))}{'.NAME' if named else ''}]"
+    return where + ("" if named else _with_keys(kind))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _one_of_words(kind: Any) -> bool:
@@ -224,7 +383,13 @@ def members(kind: Any) -> dict[Any, Any]:
     return found
 
 
+def _fields(kind: Any) -> dict[str, FieldInfo]:
+    """Return the fields of a table of this type by their keys."""
+    if not (isinstance(kind, type) and issubclass(kind, BaseModel)):
+        return {}
+    return {field.alias or name: field for name, field in kind.model_fields.items()}
+
+
 def _keys(kind: Any) -> list[str]:
     """Return the keys that are known in a table of this type."""
-    known = isinstance(kind, type) and issubclass(kind, BaseModel)
-    return sorted(f.alias or n for n, f in kind.model_fields.items()) if known else []
+    return sorted(_fields(kind))

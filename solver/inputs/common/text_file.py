@@ -76,7 +76,7 @@ def read_yaml(file: Path) -> Any:
     try:
         from yaml import YAMLError
     except ImportError as error:
-        raise InputError("YAML files need PyYAML: pip install 'plymotion[blade]'") from error
+        raise InputError("YAML files need PyYAML: pip install pyyaml") from error
     try:
         with file.open("rb") as stream:
             text = stream.read(BYTES + 1)

@@ -1,0 +1,91 @@
+"""Natural mistakes in the starters of `plymotion new`: each message leads to what is meant."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.common.text_file import read_toml
+from plymotion.solver.inputs.shell_specification import shell_spec
+
+STARTERS = Path(__file__).parents[2] / "solver/commands/starters"
+PUSH = '\n[forces.push]\nkind = "force"\nat = "arm.tip"\n'
+SWEEP = '\n[sweeps.a]\nrun = "base"\n[sweeps.a.vary]\n'
+MISTAKES = [
+    ("robot-arm", 'quantity = "moment"', 'quantity = "torque"', "did you mean 'moment'?"),
+    (
+        "arm",
+        "length = 0.5",
+        "length = 0.5\nsecond_order = true",
+        "unknown key; did you mean 'solver.geometric_stiffening'?",
+    ),
+    (
+        "panel",
+        "damping_ratio",
+        "segments = 4\ndamping_ratio",
+        "segments: unknown key of shell; beam",
+    ),
+    ("arm", "E1 = 129.2e9", "E1 = 135", r"E1 = 135: expected Pa, as E2 = 9.4e+09: in GPa?"),
+    ("arm", 'kind = "orthotropic"', 'kind = "isotropic"', "E1, E2, E3, G12, G13, G23, nu12, nu13"),
+    ("arm", "length = 0.5", 'length = 0.5\ntheory = "bernoulli"', "did you mean 'classical'?"),
+    ("arm", 'kind = "revolute"', 'kind = "hinge"', "did you mean 'revolute'?"),
+    ("arm", 'shape = "rectangle"', 'shape = "pipe"', "did you mean 'tube'?"),
+    ("arm", "axis = [0.0, 0.0, 1.0]", 'axis = "z"', "list of 3 numbers, such as [0.0, 0.0, 1.0]"),
+    ("arm", "output_step = 0.005", "dt = 0.005", "did you mean 'output_step'?"),
+    ("arm", "output_step = 0.005", "", "missing; expected a value: interval of the results [s]"),
+    ("arm", "rho = 1550.0", "density = 1550.0", "did you mean 'rho'?"),
+    ("arm", "t_end = 1.5", 't_end = "1.5"', "valid number [s], without quotes"),
+    ("arm", '"arm.root"', '"arm"', 'or "ground.POINT", such as arm.root, arm.tip'),
+    ("arm", '"ground.base"', '"ground"', "such as ground.base"),
+    ("arm", 'tip = { at = "end" }', 'tip = { at = "tip" }', "'start' or 'end' or a valid number"),
+    ("arm", "drive = {", "drive = 3.14 # {", "drive = 3.14: expected a table, such as { speed"),
+    (
+        "arm",
+        "[runs.base]",
+        f"{PUSH}value = 3\n[runs.base]",
+        "expected a table [forces.push.law], such",
+    ),
+    ("arm", "[runs.base]", f"[loads.a]\nat = 1\n{PUSH}[runs.base]", "did you mean 'forces'?"),
+    (
+        "arm",
+        "[runs.base]",
+        f"[runs.base]\n{SWEEP}L = [1, 2]",
+        'expected a dotted key, such as "bodies',
+    ),
+    ("arm", "[bodies.arm]", '[[bodies]]\nname = "arm"', "expected a table"),
+    (
+        "robot-arm",
+        "[runs.flexible]",
+        f'[runs.base]\n{SWEEP}"sections.tube.laminates.wall.angles_deg.0" = [0, 30]',
+        'follows a colon, "sections.tube:laminates.wall.angles_deg.0"',
+    ),
+]
+
+
+@pytest.mark.parametrize(("starter", "old", "new", "message"), MISTAKES)
+def test_the_message_leads_to_what_is_meant(
+    tmp_path: Path, starter: str, old: str, new: str, message: str
+) -> None:
+    shutil.copytree(STARTERS / starter, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "case.toml"
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError) as error:
+        load_case(file)
+    assert message in str(error.value)
+
+
+def test_a_list_of_wrong_words_is_no_wrong_word(tmp_path: Path) -> None:
+    """Items of a list have errors of their own, without one of the other form of the key."""
+    shutil.copytree(STARTERS / "panel", tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "panel.toml"
+    file.write_text(file.read_text().replace('fixed = "all"', 'fixed = ["x"]'))
+    with pytest.raises(InputError) as error:
+        shell_spec(read_toml(file, "shell description"), file)
+    assert str(error.value).startswith(
+        f"{file}: supports.root.fixed.0 = \"x\": value should be 'ux'"
+    )
+    assert "symmetry" not in str(error.value)
