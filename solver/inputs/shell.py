@@ -217,8 +217,8 @@ class ShellLaminate(Laminate):
     """`[laminates.NAME]`: plies from BOTTOM to TOP along the normal of the shell.
 
     Either `plies`, or the short form of one material: `material`, `angles_deg` or `layup`, and
-    `ply_thickness`. Both may be repeated and mirrored, in this order: [0/30]3s is
-    angles_deg = [0, 30], repeat = 3, symmetric = true.
+    `ply_thickness`. Plies and angles may be repeated and mirrored, in this order:
+    layup = "[0/30]3s" is angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
 
     plies: list[ShellPly] | None = optional(  # type: ignore[assignment]

@@ -211,7 +211,7 @@ def test_a_script_is_known_by_all_that_it_reads(plate: Path) -> None:
             "expected `offset` with `material` only",
         ),
         ('material = "cfrp"', 'material = "cfpr"', 'laminates.skin = "cfpr": no such material'),
-        ("ply_thickness = 0.125e-3", "", "expected `ply_thickness` with `angles_deg`"),
+        ("ply_thickness = 0.125e-3", "", "expected `ply_thickness` with the short"),
         ("symmetric = true", 'offset = "botom"', "laminates.skin.offset"),
         ("symmetric = true", 'shear_correction = "5/7"', "laminates.skin.shear_correction"),
         ("force = [0, 0, 10.0]", "", "loads.bending.tip"),

@@ -22,7 +22,8 @@ def angles_of(text: str) -> list[float]:
     if len(text) > MOST_CHARACTERS:
         raise ValueError(f"expected {MOST_CHARACTERS} characters at most")
     digits = _SUBSCRIPTS.sub(lambda m: "_" + "".join(str(ord(c) - ord("₀")) for c in m[0]), text)
-    plain = re.sub(r"\s*([^\d.])\s*|_(?=[sStT])", r"\1", digits.replace("ₛ", "s").replace("ₜ", "T"))
+    spaced = digits.replace("ₛ", "s").replace("ₜ", "T")
+    plain = re.sub(r"_(?=[sStT])", "", re.sub(r"\s*([^\d.])\s*", r"\1", spaced))
     if not plain.startswith("["):
         raise ValueError("expected brackets, such as [0/45/-45/90]s")
     angles, end = _group(plain, 1)

@@ -182,9 +182,9 @@ class Laminate(Table):
     """`[laminates.NAME]`: plies of a section, outermost first; of a shell from BOTTOM to TOP.
 
     BOTTOM to TOP is along the normal of the shell. Either `plies`, or the short form of one
-    material: `material` and `angles_deg`, with `ply_thickness`, which a section may leave out. Both
-    may be repeated and mirrored, in this order: layup = "[0/30]3s" is angles_deg = [0, 30], repeat = 3,
-    symmetric = true.
+    material: `material` and `angles_deg` or `layup`, with `ply_thickness`, which a section may
+    leave out. Plies and angles may be repeated and mirrored, in this order: layup = "[0/30]3s" is
+    angles_deg = [0, 30], repeat = 3, symmetric = true.
     """
 
     plies: list[Ply] | None = optional("the plies in their order", min_length=1)
