@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from samples.exchange_routes import PROGRAMS
 from samples.exchange_samples import bar, request
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.formats.ansys import body_of, matrices, mesh_of
 from plymotion.preprocess.exchange.free_body import Cells
 from plymotion.preprocess.exchange.import_table import Files

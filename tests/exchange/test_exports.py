@@ -8,7 +8,7 @@ import pytest
 from samples.dmig_cards import read_dmig
 from samples.exchange_samples import bar, exported, request
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main
 from plymotion.preprocess.exchange.formats.dmig import superelement
 from plymotion.solver.package import ModalPackage, read_package, write_package

@@ -10,7 +10,7 @@ import pytest
 from samples.exchange_routes import PROGRAMS
 from samples.exchange_samples import DIRECTIONS, bar, request
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.arrays import Array

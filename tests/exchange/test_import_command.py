@@ -9,7 +9,7 @@ import pytest
 from samples.brick_model import Brick, brick
 from samples.exchange_samples import bar, request, write_matrices
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package

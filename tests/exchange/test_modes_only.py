@@ -7,7 +7,7 @@ import pytest
 from samples.brick_model import brick
 from samples.exchange_samples import DENSITY, SIZE, request
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.formats.calculix import read_modes
 from plymotion.preprocess.exchange.formats.uff import read
 from plymotion.preprocess.exchange.import_file import imported

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from samples.brick_model import CORNERS, Brick, brick
 from samples.exchange_samples import DENSITY, SIZE, TOTAL, bar, request
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, validate, write_package
 

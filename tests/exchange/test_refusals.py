@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from samples.brick_model import Brick
 from samples.exchange_samples import TOTAL, bar, request, write_matrices
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main
 from plymotion.solver.errors import InputError
 

@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sp
 from samples.exchange_samples import bar, exported, request
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, read_package, write_package
 

@@ -16,7 +16,7 @@ from samples.case_samples import HEAD, SOLVER
 from samples.exchange_samples import bar, request
 from samples.fmu_samples import SLIDER
 
-from plymotion.preprocess.exchange import free_body as from_matrices
+from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.extras.blade.stations import TEXT
 from plymotion.solver.package.body.io import write_package
