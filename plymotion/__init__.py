@@ -12,8 +12,8 @@ mechanism. See docs/adr/0001 for the two links in this folder.
 docs/python.md explains the names below. Each is imported when it is asked for.
 """
 
-import os
-from importlib import import_module
+import os as _os
+from importlib import import_module as _import_module
 
 __version__ = "0.1.0"
 
@@ -55,17 +55,17 @@ __all__ = sorted([*_PUBLIC, "__version__"])
 def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(import_module(f"{__name__}.{_PUBLIC[name]}"), name)
+    found = getattr(_import_module(f"{__name__}.{_PUBLIC[name]}"), name)
     globals()[name] = found
     return found
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_PUBLIC])
+    return __all__
 
 
-# A checkout without symlinks (Windows) has text files where the links should
-# be: look for the halves beside this folder instead.
-_root = os.path.dirname(os.path.realpath(__file__))
-if not os.path.isdir(os.path.join(_root, "solver")):
-    __path__.append(os.path.dirname(_root))
+# A checkout without symbolic links (Windows) has text files where the links should be: look for the
+# halves beside this folder instead.
+_root = _os.path.dirname(_os.path.realpath(__file__))
+if not _os.path.isdir(_os.path.join(_root, "solver")):
+    __path__.append(_os.path.dirname(_root))

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
-HOW_TO_INSTALL_FENICSX = (
-    "Run `make fenicsx` in a checkout to find or install FEniCSx, or install it: on Debian "
-    "and Ubuntu `apt-get install python3-dolfinx-real python3-slepc4py-real python3-gmsh "
-    "python3-h5py python3-scipy gcc python3-dev`; with conda `conda install -c conda-forge "
-    "fenics-dolfinx petsc=*=*real* slepc4py python-gmsh c-compiler`."
-)
+HOW_TO_INSTALL_FENICSX = """\
+Run `make fenicsx` in a checkout to find or install FEniCSx, or install it by one of these lines:
+  Debian, Ubuntu: apt-get install python3-dolfinx-real python3-slepc4py-real python3-gmsh \
+python3-h5py python3-scipy gcc python3-dev
+  conda: conda install -c conda-forge fenics-dolfinx 'petsc=*=*real*' slepc4py python-gmsh \
+c-compiler h5py scipy"""
 
 
 class InputError(Exception):

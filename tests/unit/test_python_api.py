@@ -61,7 +61,7 @@ def test_import_loads_no_library(repository):
 
 
 def test_all_names_are_there_and_others_are_not():
-    assert set(pm.__all__) <= set(dir(pm))
+    assert dir(pm) == pm.__all__, "neither os nor modules of the package, and no name twice"
     for name in pm.__all__:
         assert getattr(pm, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'simulate'"):
