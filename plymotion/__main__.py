@@ -3,7 +3,7 @@
 import sys
 
 try:
-    from .solver.interrupts import end_at_once
+    from .solver.system.interrupts import end_at_once
 except KeyboardInterrupt:
     sys.exit(130)
 

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..solver.errors import escape_control_characters
-from ..solver.interrupts import INTERRUPTED, exit_code, heard
 from ..solver.package.common.plain_data import shard
+from ..solver.system.interrupts import INTERRUPTED, exit_code, heard
 from .mesh_input import scripts
 
 BODY_EPILOG = """\

@@ -7,15 +7,13 @@ cells and elements that descriptions name without unusual settings (higher degre
 
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
 
-from ..solver.math.cores import cores
 from ..solver.package.body.schema import MASS_FORMS
 from ..solver.package.shell import elements
+from ..solver.system.platform import cores, processes
 from .fenicsx import NODES, PlainMesh
 
 SOLIDS = ("tetrahedron", "hexahedron")
@@ -31,7 +29,7 @@ def compile_ahead(say: Callable[[str], None]) -> None:
     begin = time.perf_counter()
     tasks: list[tuple[Any, ...]] = [(shell, *words) for words in lists_of_shells()]
     tasks += [(section, cell) for cell in NODES] + [(solid, cell) for cell in SOLIDS]
-    with ProcessPoolExecutor(cores(), get_context("spawn")) as pool:
+    with processes(cores(), fresh=True) as pool:
         for done in [pool.submit(*task) for task in tasks]:
             done.result()
     say(f"texts of {len(tasks)} cells and elements ready in {time.perf_counter() - begin:.1f} s")

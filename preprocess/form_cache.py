@@ -7,12 +7,12 @@ and removes what is incomplete.
 """
 
 import contextlib
-import fcntl  # not on Windows, where there is no DOLFINx
 import os
 from pathlib import Path
 from typing import IO
 
 from ..solver.math.disk_cache import DiskCache
+from ..solver.system.platform import locked
 
 LOCK = "in-use"
 _held: list[IO[bytes]] = []  # as long as the process lives
@@ -31,12 +31,9 @@ def use_own_folder() -> None:
 def hold(folder: Path) -> IO[bytes]:
     """Return the lock of a folder in use; what is incomplete goes if no other process holds it."""
     file = (folder / LOCK).open("ab")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    if locked(file.fileno()):
         _remove_incomplete(folder)
-    except BlockingIOError:
-        pass
-    fcntl.flock(file, fcntl.LOCK_SH)
+    locked(file.fileno(), shared=True, wait=True)
     return file
 
 

@@ -1,7 +1,7 @@
 """The command line: check, compile, packages, run, modes, report, section, shell, sweep, ..."""
 
 if __name__ == "__main__":
-    from .interrupts import end_at_once
+    from .system.interrupts import end_at_once
 
     end_at_once()
 
@@ -18,17 +18,10 @@ from .commands.parser import parser, run_command
 from .errors import InputError, PackageError, escape_control_characters
 from .inputs.case.record import CASE_FILE
 from .inputs.common.mesh_files import scripts
-from .interrupts import (
-    INTERRUPTED,
-    ending_words,
-    exit_code,
-    heard,
-    ignore,
-    of_a_signal,
-)
 from .package.common.files import named_by_user
 from .studies.exit_codes import INPUT
 from .studies.screen import shown
+from .system.interrupts import INTERRUPTED, ending_words, exit_code, heard, ignore, of_a_signal
 
 NO_READER = 141  # exit code: as of a program that SIGPIPE ends
 

@@ -19,7 +19,7 @@ from ..solver.extras.blade.stations import Station, frequencies_at_rest
 from ..solver.inputs.case.record import CASE_FILE
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
-from ..solver.math.cores import cores
+from ..solver.system.platform import cores
 from ..solver.workers.described import Entry, Made, make_files, write_specs
 from ..solver.workers.executors import Local
 from ..solver.workers.launch import keep_preprocessors

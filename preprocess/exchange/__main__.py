@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...solver.errors import InputError, PackageError, escape_control_characters
-from ...solver.interrupts import INTERRUPTED
+from ...solver.system.interrupts import INTERRUPTED
 
 TABLES = 4  # exit code: the source has modes only, and their tables are written
 TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid")

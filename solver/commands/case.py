@@ -10,8 +10,6 @@ from typing import Any
 
 from ..errors import InputError, counted
 from ..inputs.case.record import case_file
-from ..interrupts import INTERRUPTED
-from ..math.cores import cores
 from ..math.disk_cache import state_of, state_since
 from ..package.common.files import RECORD as FILES
 from ..studies.cases import build_folder, chosen_runs, chosen_sweeps, turn
@@ -23,6 +21,8 @@ from ..studies.finished import (
     refuse_foreign_record,
     request_of,
 )
+from ..system.interrupts import INTERRUPTED
+from ..system.platform import cores
 
 # The sweeps of a case that a command was asked for.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from plymotion import __version__
 
-from ..interrupts import starting
+from ..system.interrupts import starting
 from . import body_arguments as bodies
 from . import case_arguments as cases
 from .arguments import COMMAND, CommandParser, command, flag

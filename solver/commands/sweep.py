@@ -7,7 +7,6 @@ import time
 from pathlib import Path
 
 from ..errors import InputError
-from ..interrupts import INTERRUPTED
 from ..package.common.files import refuse_foreign, refuse_link, write_text
 from ..package.common.plain_data import share
 from ..studies.exit_codes import INCOMPLETE
@@ -16,6 +15,7 @@ from ..studies.sweep.member import FAILED, PENDING, STOPPED
 from ..studies.sweep.plan import read_plan
 from ..studies.sweep.show import draw_sweep, outcome_lines
 from ..studies.sweep.work import Work, settled
+from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
 
 SHARDS = "sweep-*-of-*.h5"

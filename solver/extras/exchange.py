@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..interrupts import INTERRUPTED
+from ..system.interrupts import INTERRUPTED
 from ..workers.launch import environment, importable
 from .measured_modes import experimental_package, load_measurement, write_measured
 

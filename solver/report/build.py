@@ -3,20 +3,17 @@
 import hashlib
 import importlib.metadata
 import json
-import multiprocessing
-import sys
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError
-from ..interrupts import ignore, shielded
-from ..math.cores import cores
 from ..math.disk_cache import file_sha256, sources_sha256
 from ..package.common.files import write_text
+from ..system.interrupts import ignore, shielded
+from ..system.platform import cores, processes
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
 from .fidelity import fidelity_section, ladder_file, with_ladder
 from .figures import draw_balance, draw_comparison, draw_exposure, draw_motion, draw_spectrum
@@ -192,7 +189,7 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
         with house_style():  # also tells that matplotlib is missing
             count = min(cores(), len(stale)) if len(stale) > FEW else 1
             if count > 1:
-                with ProcessPoolExecutor(count, _context(), ignore) as pool:
+                with processes(count, ignore) as pool:
                     try:
                         with shielded():  # processes start in `map`
                             drawn = pool.map(_draw, stale)
@@ -234,11 +231,6 @@ def _write_keys(file: Path, keys: dict[str, str]) -> None:
 def _draw(drawing: Drawing) -> None:
     with house_style():
         drawing.draw(drawing.path, *drawing.arguments)
-
-
-def _context() -> Any:
-    """A copy of this process has matplotlib and the data already."""
-    return multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
 
 
 def _keys(file: Path) -> dict[str, str]:

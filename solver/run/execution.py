@@ -15,10 +15,10 @@ from ..checks.finished import FinishedRun
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.generic.drive import Steps, StopRequest, Watch
-from ..interrupts import held
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.codes import Finding
+from ..system.interrupts import held
 from .inputs_digest import inputs_sha256, still
 from .outcome import RunSpec, collect, disk_note, nearest_folder
 from .preparation import Prepared, histories_of, integrated, prepare

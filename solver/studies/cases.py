@@ -1,15 +1,17 @@
 """A case of a command: its runs and sweeps, and the folder of its results."""
 
 import logging
+import os
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, few, nearest
 from ..inputs.case.record import case_file, case_name
 from ..package.common.files import refuse_link
+from ..system.platform import POSIX, locked
 
 if TYPE_CHECKING:
     from ..inputs.case.load import Case
@@ -60,34 +62,23 @@ POLL_S = 0.1
 def turn(folder: Path) -> Iterator[None]:
     """Lock a folder, which is made if missing; the end of the process, however it ends, unlocks it.
 
-    Without such locks (Windows), commands are not serialised.
+    Without such locks (docs/platforms.md), commands are not serialised.
     """
     refuse_link(folder / "any")
-    try:
-        import fcntl
-        import os
-    except ImportError:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield
-        return
     made = _make(folder)
-    descriptor = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(folder, os.O_RDONLY) if POSIX else None  # Windows opens no folders
     try:
         told = False
-        while True:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
+        with suppress(OSError):  # a file system without locks
+            while descriptor is not None and not locked(descriptor):
                 if not told:
                     LOGGER.info("%s: waiting for another command", folder)
                 told = True
                 time.sleep(POLL_S)
-            except OSError:  # a file system without locks
-                break
         yield
     finally:
-        os.close(descriptor)
+        if descriptor is not None:
+            os.close(descriptor)
         _remove_empty(made)
 
 

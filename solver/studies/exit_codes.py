@@ -5,7 +5,7 @@ import tempfile
 import traceback
 from collections.abc import Iterable
 
-from ..interrupts import INTERRUPTED
+from ..system.interrupts import INTERRUPTED
 
 # Exit codes of the commands.
 

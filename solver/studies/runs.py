@@ -2,10 +2,9 @@
 
 import json
 import multiprocessing
-import sys
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -14,7 +13,14 @@ from typing import Any
 
 from ..errors import InputError, PackageError, few
 from ..inputs.case.messages import ERRORS, out_of_range
-from ..interrupts import (
+from ..package.common.files import refuse_foreign
+from ..results import RunResult
+from ..results.summary import damping_lines, invalid_words
+from ..run.execution import run_file
+from ..run.inputs_digest import up_to_date
+from ..run.outcome import RunSpec
+from ..run.timing import timing_text
+from ..system.interrupts import (
     INTERRUPTED,
     asked,
     ending_words,
@@ -23,13 +29,7 @@ from ..interrupts import (
     of_a_signal,
     passed_to_children,
 )
-from ..package.common.files import refuse_foreign
-from ..results import RunResult
-from ..results.summary import damping_lines, invalid_words
-from ..run.execution import run_file
-from ..run.inputs_digest import up_to_date
-from ..run.outcome import RunSpec
-from ..run.timing import timing_text
+from ..system.platform import context, processes
 from .exit_codes import DEFECT, INCOMPLETE, INPUT, report
 
 # One run file, with `[fidelity]` or without: what commands and the Python interface call.
@@ -201,9 +201,8 @@ def _here(tasks: list[_Task]) -> Iterator[Outcome]:
 
 def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
     """Do runs in processes; after Ctrl-C those under way end and the others do not begin."""
-    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    stop = context.Event()
-    pool = ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(stop,))
+    stop = context().Event()
+    pool = processes(jobs, _begin, stop)
 
     def children() -> list[int]:
         return [child.pid for child in multiprocessing.active_children() if child.pid is not None]

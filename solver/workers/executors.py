@@ -13,13 +13,11 @@ from concurrent.futures import (
     BrokenExecutor,
     CancelledError,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
 )
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -27,7 +25,8 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from ..errors import InputError
-from ..interrupts import asked, ignore, shielded
+from ..system.interrupts import asked, ignore, shielded
+from ..system.platform import context, processes
 
 # What all executors have in common, and the loop that keeps one of them busy.
 
@@ -172,9 +171,8 @@ class _Process:
 
     def __init__(self) -> None:
         # A fresh interpreter: threads and open files of this one are none of its own.
-        context = get_context("spawn")
-        self._theirs, self._ours = context.Pipe(duplex=False)
-        self.pool = ProcessPoolExecutor(1, context, _begin, (self._theirs,))
+        self._theirs, self._ours = context(fresh=True).Pipe(duplex=False)
+        self.pool = processes(1, _begin, self._theirs, fresh=True)
 
     def close(self, *, at_once: bool) -> None:
         if at_once:

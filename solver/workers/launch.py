@@ -5,8 +5,6 @@ import contextlib
 import json
 import os
 import platform
-import shutil
-import signal
 import subprocess
 import tempfile
 import threading
@@ -22,6 +20,7 @@ import plymotion
 
 from ..errors import InputError
 from ..inputs.common.mesh_files import are_refused, content_sha256
+from ..system.platform import end, link_or_copy, own_group
 from .executors import Executor, Local, Task, distribute
 from .interpreter import LAUNCHER, find_interpreter
 
@@ -63,10 +62,7 @@ def importable() -> Iterator[Path]:
         return
     with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
         link = Path(folder) / "plymotion"
-        try:
-            link.symlink_to(package, target_is_directory=True)
-        except OSError:  # Windows, without permission to create links
-            shutil.copytree(package, link)
+        link_or_copy(package, link)
         yield Path(folder)
 
 
@@ -134,7 +130,7 @@ class Preprocessor:
             pass_fds=_of_job() if start.ranks > 1 else (),
             text=True,
             encoding="utf-8",
-            start_new_session=True,
+            **own_group(),
         )
 
     def make(self, spec: Path, progress: Callable[[str], None]) -> Line | None:
@@ -162,7 +158,7 @@ class Preprocessor:
 
     def interrupt(self) -> None:
         """Interrupt the process; it removes its unfinished file."""
-        self._signal(signal.SIGINT)
+        end(self._process)
 
     def end(self, timeout: float) -> None:
         """Hand out no more work, wait for the process for `timeout` [s], then kill it."""
@@ -172,12 +168,8 @@ class Preprocessor:
         try:
             self._process.wait(timeout)
         except subprocess.TimeoutExpired:
-            self._signal(signal.SIGKILL)
+            end(self._process, at_once=True)  # and its compiler processes, if any
             self._process.wait()
-
-    def _signal(self, number: int) -> None:
-        with contextlib.suppress(ProcessLookupError):  # it has ended in the meantime
-            os.killpg(self._process.pid, number)  # including its compiler processes, if any
 
     def exit_code(self) -> int:
         """Exit code of the process; negative: ended by that signal."""

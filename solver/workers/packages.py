@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, few
 from ..inputs.case.record import package_entries
-from ..math.cores import cores
 from ..package.common.container import has_fingerprint
 from ..package.common.files import refuse_link
 from ..package.common.plain_data import by_mesh, canonical
 from ..package.specification import fingerprint
+from ..system.platform import cores
 from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 

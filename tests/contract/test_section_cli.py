@@ -195,7 +195,7 @@ def test_without_fenicsx_the_message_says_what_to_do(
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(interpreter, "SYSTEM_PYTHON", str(tmp_path / "python3"))
     monkeypatch.setattr(interpreter, "checkouts", list)
-    remedy = r"(?s)`make fenicsx`.*\n  Debian, Ubuntu: apt-get install .*\n  conda: conda install [^\n]*$"
+    remedy = r"(?s)`make fenicsx`.*\n  Debian, Ubuntu: apt-get .*\n  conda: conda install [^\n]*$"
     with pytest.raises(InputError, match=remedy):
         find_interpreter()
 

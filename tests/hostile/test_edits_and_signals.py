@@ -280,7 +280,7 @@ def test_workers_hear_no_signal_before_they_ignore_it(tmp_path):
     """They are started with signals blocked, which is in force from their first instruction."""
     if not Path("/proc/self/status").is_file():
         pytest.skip("reads masks of signals from Linux")
-    from plymotion.solver.interrupts import shielded
+    from plymotion.solver.system.interrupts import shielded
     from plymotion.solver.workers.executors import _Process
 
     with shielded():

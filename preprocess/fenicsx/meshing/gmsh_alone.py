@@ -8,10 +8,10 @@ estimated from the mesh of its curves, and ends by a signal if that takes more m
 gmsh has no limit of its own.
 """
 
+import contextlib
 import json
 import os
 import re
-import resource
 import runpy
 import sys
 import tempfile
@@ -134,8 +134,11 @@ def _cells_of(surface: int) -> float:
 
 def count(script: str, parameters: str, memory: int) -> None:
     """Print the number of cells, or end by a signal: gmsh aborts where it gets no memory."""
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    with contextlib.suppress(ImportError):  # Windows has no such limits
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
     gmsh.initialize([], readConfigFiles=False)
     gmsh.option.setNumber("General.Terminal", 0)
     print(cell_count(script, json.loads(parameters)))

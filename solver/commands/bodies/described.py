@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...interrupts import INTERRUPTED
+from ...system.interrupts import INTERRUPTED
 from ...workers.described import Entry, Made, Request, SpecOf, make_files, write_specs
 from ...workers.executors import Local, executor_of
 from ...workers.launch import kept_preprocessors, mpi_job

@@ -20,13 +20,15 @@ import json
 import os
 import re
 import secrets
+import shutil
 import socket
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 from ...errors import InputError
-from ...interrupts import note_complete
+from ...system.interrupts import note_complete
+from ...system.platform import has_ended
 
 SEAL = b"\nplymotion sha256 "
 LENGTH = len(SEAL) + 64 + 1
@@ -141,8 +143,7 @@ class DiskFile(io.RawIOBase):
         code = self._error.errno or errno.EIO
         words = f"{os.strerror(code)}; the file needs {self._end + LENGTH} bytes"
         with contextlib.suppress(OSError, AttributeError):
-            room = os.statvfs(self.path.parent)
-            words += f", {room.f_bavail * room.f_frsize} are free"
+            words += f", {shutil.disk_usage(self.path.parent).free} are free"
         raise OSError(code, words, str(self.path)) from self._error
 
 
@@ -346,17 +347,5 @@ def _clean(folder: Path) -> None:
     with contextlib.suppress(OSError):
         for file in folder.iterdir():
             found = _OURS.fullmatch(file.name)
-            if found and not _alive(int(found[1])):
+            if found and has_ended(int(found[1])):
                 file.unlink(missing_ok=True)
-
-
-def _alive(process: int) -> bool:
-    """Tell whether a process runs; one that has ended may still wait for its parent (Linux)."""
-    try:
-        os.kill(process, 0)
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except ProcessLookupError:
-        return False
-    except (OSError, IndexError):
-        return True
-    return state not in ("Z", "X")

@@ -14,12 +14,12 @@ from tqdm import tqdm
 
 from ...errors import InputError
 from ...inputs.case.record import solver_sha256
-from ...interrupts import held
 from ...math.compiled import COMPILED
 from ...math.disk_cache import state_of
 from ...package.common.plain_data import data_sha256
 from ...results import ResultError
 from ...results.codes import WORKER_LOST
+from ...system.interrupts import held
 from ...workers.executors import Executor, Local, Task, distribute
 from .file import believed_rows, result_of, write_sweep
 from .member import FAILED, Row, compute

@@ -14,10 +14,9 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Any
 
+from .platform import ENDING, POSIX, alarm, blocked, pass_on
+
 INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
-NUMBERS = [signal.SIGINT, signal.SIGTERM]
-if sys.platform != "win32":
-    NUMBERS.append(signal.SIGHUP)
 
 SAME_S = 0.3  # a worker hears a signal to the group twice: by itself, and from its parent
 
@@ -143,28 +142,27 @@ def held(patience_s: float | None = None) -> Iterator[None]:
             raise KeyboardInterrupt
 
     def limit() -> None:
-        if patience_s is None or alarm:
+        if patience_s is None or stops:
             return
-        if not hasattr(signal, "setitimer"):
-            raise KeyboardInterrupt
-        alarm.append(signal.signal(signal.SIGALRM, expired))
         # Repeated: Python drops an exception within a finalizer.
-        signal.setitimer(signal.ITIMER_REAL, patience_s, 0.2)
+        stop = alarm(patience_s, expired)
+        if stop is None:
+            raise KeyboardInterrupt
+        stops.append(stop)
 
     def expired(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    alarm: list[Any] = []
+    stops: list[Callable[[], None]] = []
     main = threading.current_thread() is threading.main_thread()
     try:
         with _handled(delay):
-            if asked() and main and hasattr(signal, "setitimer"):
+            if asked() and main and POSIX:
                 limit()
             yield
     finally:
-        if alarm:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, alarm[0])
+        for end_of_alarm in stops:
+            end_of_alarm()
     if late and not _commands:
         raise KeyboardInterrupt
 
@@ -206,16 +204,14 @@ def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:
     def forward(number: int, frame: FrameType | None) -> None:
         note(number)
         stop.set()
-        for child in processes() if os.getpid() == parent else []:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(child, number)
+        pass_on(number, processes() if os.getpid() == parent else ())
 
     return _handled(forward)
 
 
 def ignore() -> None:
     """Leave all signals to the parent process, which ends this one; or to nobody, at the end."""
-    for number in NUMBERS:
+    for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
 
 
@@ -225,24 +221,13 @@ def shielded() -> Iterator[None]:
 
     A signal to this process counts after the block.
     """
-    with postponed():
-        if not hasattr(signal, "pthread_sigmask"):
-            yield
-            return
-        from multiprocessing import resource_tracker
-
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, NUMBERS)
-        try:
-            resource_tracker.ensure_running()  # a process too; its start unblocks some
-            signal.pthread_sigmask(signal.SIG_BLOCK, NUMBERS)
-            yield
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with postponed(), blocked():
+        yield
 
 
 def handle(handler: Callable[[int, FrameType | None], None]) -> None:
     """Set the handler of a process for all signals that are not ignored."""
-    for number in NUMBERS:
+    for number in ENDING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, handler)
 
@@ -252,7 +237,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.getsignal(number) for number in NUMBERS}
+    before = {number: signal.getsignal(number) for number in ENDING}
     handle(handler)
     try:
         yield

@@ -1,0 +1,1 @@
+"""Signals, processes, and what depends on the operating system."""

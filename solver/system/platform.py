@@ -1,0 +1,174 @@
+"""What POSIX has and other systems lack, each with a fallback (docs/platforms.md).
+
+PLYMOTION_NO_FORK=1 takes the fallbacks on POSIX as well: no forks, groups of processes, masks and
+timers of signals, locks, or links.
+"""
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+POSIX: bool = os.name == "posix" and os.environ.get("PLYMOTION_NO_FORK", "0") in ("", "0")
+
+# Signals that end a command.
+ENDING = [signal.SIGINT, signal.SIGTERM]
+if sys.platform != "win32" and POSIX:
+    ENDING.append(signal.SIGHUP)
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+# Processes.
+
+
+def context(*, fresh: bool = False) -> Any:
+    """Return how `multiprocessing` starts processes.
+
+    Parameters
+    ----------
+    fresh : as new interpreters; otherwise as copies of this process where that is safe (Linux),
+        which have its modules and data already
+    """
+    forks = POSIX and sys.platform == "linux" and not fresh
+    return get_context("fork" if forks else "spawn")
+
+
+def processes(
+    count: int, begin: Callable[..., None] | None = None, *arguments: Any, fresh: bool = False
+) -> ProcessPoolExecutor:
+    """Return a pool of processes, each of which calls `begin(*arguments)` first."""
+    return ProcessPoolExecutor(count, context(fresh=fresh), begin, arguments)
+
+
+def own_group() -> dict[str, Any]:
+    """Return the arguments of Popen by which Ctrl-C of the terminal spares a program."""
+    if POSIX:
+        return {"start_new_session": True}
+    return {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
+
+
+def end(process: "subprocess.Popen[Any]", *, at_once: bool = False) -> None:
+    """Interrupt a program with `own_group`, or kill it at once, and the programs that it started.
+
+    Without groups of POSIX: the program alone, which is ended by either.
+    """
+    with contextlib.suppress(OSError):  # it has ended in the meantime
+        if sys.platform != "win32" and POSIX:
+            os.killpg(process.pid, signal.SIGKILL if at_once else signal.SIGINT)
+        elif at_once:
+            process.kill()
+        else:
+            process.terminate()
+
+
+def pass_on(number: int, children: Iterable[int]) -> None:
+    """Send a signal to child processes; elsewhere than on POSIX the terminal has done so."""
+    for child in children if POSIX else ():
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(child, number)
+
+
+def has_ended(process: int) -> bool:
+    """Tell whether a process is no more; False if that cannot be found out.
+
+    One that has ended may still wait for its parent (Linux). On Windows `os.kill` ends a process,
+    whatever the signal.
+    """
+    if not POSIX:
+        return False
+    try:
+        os.kill(process, 0)
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except ProcessLookupError:
+        return True
+    except (OSError, IndexError):
+        return False
+    return state in ("Z", "X")
+
+
+# Signals.
+
+
+@contextlib.contextmanager
+def blocked() -> Iterator[None]:
+    """Start processes in a block that hear no signal from their first instruction on.
+
+    Without masks of POSIX they hear them until they ignore them.
+    """
+    if sys.platform == "win32" or not POSIX:
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        resource_tracker.ensure_running()  # a process too; its start unblocks some
+        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def alarm(seconds: float, handler: Callable[..., None]) -> Callable[[], None] | None:
+    """Call a handler after some time, again and again; return what stops that.
+
+    None without timers of POSIX.
+    """
+    if sys.platform == "win32" or not POSIX:
+        return None
+    before = signal.signal(signal.SIGALRM, handler)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 0.2)
+
+    def stop() -> None:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+    return stop
+
+
+# Files.
+
+
+def locked(descriptor: int, *, shared: bool = False, wait: bool = False) -> bool:
+    """Lock an open file or folder; False if another process has it, and `wait` is not given.
+
+    The end of the process, however it ends, unlocks it.
+
+    Raises
+    ------
+    OSError
+        The system or this file system has no such locks.
+    """
+    if sys.platform == "win32" or not POSIX:
+        raise OSError("no locks of POSIX")
+    import fcntl
+
+    how = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
+    try:
+        fcntl.flock(descriptor, how if wait else how | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def link_or_copy(source: Path, target: Path) -> None:
+    """Make a link to a folder, or a copy where there is no permission to create links."""
+    try:
+        if not POSIX:
+            raise OSError("no links")
+        target.symlink_to(source, target_is_directory=True)
+    except OSError:
+        shutil.copytree(source, target)
