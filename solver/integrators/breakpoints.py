@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from ..dynamics.elements.joints.contract import Drive
 from ..dynamics.elements.joints.table import CONSTRAINTS, NAMES
-from ..dynamics.model.model import Model
+from ..dynamics.model.model import Model, Quantities
 from ..math.arrays import Array
 from ..math.expressions import operations as op
 from ..math.expressions.operations import TIME
-from ..math.expressions.program import Programs
-from ..math.expressions.ranges import Range, curve_ranges, parts
+from ..math.expressions.ranges import Part, curve_ranges, parts
 
 MOST_BREAKS = 2000  # of a table at which steps end; one with more is looked at in cells
 ROUNDING = 1e-13  # of the largest value: a point on the curve through its neighbours
@@ -31,6 +30,7 @@ VARIES, SHORTEST, FIRST_CELLS, SPLIT = 0.2, 1e-9, 16, 4
 MOST_CELLS = 50_000
 REMEMBERED = 64  # lengths of a cell in which a shorter one keeps steps short enough
 GAP = 2.0**-46  # of the run: an instant of a jump is known to that
+Range = tuple[Array, Array]  # bounds over k intervals, (k,) each
 JUMPING = frozenset((op.LESS, op.LESS_EQUAL, op.SIGN, op.FLOOR))
 Ranges = Callable[[Array, Array], list[Range]]  # bounds of every part of a law over intervals
 
@@ -61,7 +61,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         bends, leaps = _of_pieces(times, coefficients, drive=law in driven)
         if bends.size + leaps.size > MOST_BREAKS:
-            ranges = partial(_of_curve, times, coefficients[:, : _degree(coefficients) + 1])
+            ranges = partial(_of_curve, times, np.ascontiguousarray(coefficients))
             narrow.append(_narrowing(ranges, np.array([0.0, t_end])))
             bends, leaps = np.zeros(0), np.zeros(0)
             longest = min(longest, t_end / MOST_BREAKS)
@@ -73,7 +73,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         longest = min(longest, t_end / EXPRESSION)
         drive = p in {int(model.quantities.law[law]) for law in driven}
-        found = _of_program(programs, p, t_end, drive=drive)
+        found = _of_program(partial(_of_time, model.quantities, p), t_end, drive=drive)
         if found is None:
             unsearched += 1
             continue
@@ -136,8 +136,12 @@ def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array
     return at[within & ~leap], at[within & leap]
 
 
+def _of_time(quantities: Quantities, p: int, low: Array, high: Array) -> list[Part]:
+    return parts(quantities.programs, p, low, high, quantities.stack)
+
+
 def _of_program(
-    programs: Programs, p: int, t_end: float, *, drive: bool
+    parts_over: Callable[[Array, Array], list[Part]], t_end: float, *, drive: bool
 ) -> tuple[Array, Array, Array] | None:
     """Return kinks, narrow parts and jumps of an expression, of what reads the time alone in it.
 
@@ -147,12 +151,11 @@ def _of_program(
     def breaking(low: Array, high: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Whether an interval may have a kink, or a jump."""
         kink, jump = np.zeros(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
-        for part in parts(programs, p, low, high):
-            if part.breaks is not None:
-                if drive or part.code in JUMPING:
-                    jump |= part.breaks
-                else:
-                    kink |= part.breaks
+        for part in parts_over(low, high):
+            if drive or part.code in JUMPING:
+                jump |= part.breaks
+            else:
+                kink |= part.breaks
         return kink, jump
 
     edges = np.linspace(0.0, t_end, FIRST_CELLS + 1)
@@ -167,9 +170,7 @@ def _of_program(
     kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
     bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
     edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
-    narrow = _narrowing(
-        lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)], edges
-    )
+    narrow = _narrowing(lambda a, b: [(part.low, part.high) for part in parts_over(a, b)], edges)
     return _first_of(bends, GAP * t_end), narrow, leaps
 
 

@@ -8,7 +8,6 @@ arithmetic bounds every part of the expression inside. A part that goes beyond i
 points that the method evaluates was not seen, and the step has to end there (docs/adr/0053).
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,26 +16,38 @@ from numpy.typing import NDArray
 from ..dynamics.evaluation.series import quantities
 from ..dynamics.model.model import SPIN, Model
 from ..math.arrays import Array, IntArray
+from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
 from ..math.expressions.program import Programs
-from ..math.expressions.ranges import Range, parts
+from ..math.expressions.ranges import bound_parts
 from .breakpoints import SPLIT, VARIES, programs_read
 
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
-MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fast everywhere
-WIDER = 4.0  # ranges of a look, by which the bounds without variation are wider
+MOST_CELLS = 20_000  # of a step; a law that needs more varies fast everywhere
+WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 SUMS = frozenset((op.ADD, op.SUBTRACT, op.NEGATE))
 
 
-class _Watched(NamedTuple):
+@structure
+class Watched(NamedTuple):
     """An expression that reads the state, and which of its parts can hide something."""
 
+    programs: Programs
     program: int
+    stack: Array  # memory (math/expressions/program.py)
     timed: bool  # reads the time
     loads: IntArray  # (l,) quantities that it reads
-    curved: NDArray[np.bool_]  # (parts,) not linear in them
-    span: Array  # (parts, 2) least and largest value of each part so far
-    quiet: Array  # (2, 1 + l) bounds of time and quantities within which no part varies much
+    cubic: IntArray  # (l,) 1: the rate of a quantity follows it among all quantities
+    curved: IntArray  # (n,) 1: a part is not linear in them
+    points: Array  # (s,) parts of a step at which forces are evaluated
+    span: Array  # (n, 2) least and largest value of each part so far
+    quiet: Array  # (1 + l, 2) bounds of time and quantities within which no part varies much
+    path: Array  # (1 + l, 4) coefficients of the powers of the part of a step
+    box: Array  # (1 + l, 2) bounds over an interval
+    bounds: Array  # (n, 2) of the parts
+    breaks: IntArray  # (n,)
+    limits: Array  # (n, 2) of each part, beyond which it was not seen
+    cells: Array  # (2, MOST_CELLS, 2) parts of a step, and those that they are divided into
 
 
 class HiddenForces:
@@ -49,12 +60,13 @@ class HiddenForces:
     """
 
     def __init__(self, model: Model, points: tuple[float, ...]) -> None:
-        self._model, self._points = model, np.array(points)
-        programs = model.quantities.programs
-        found = (_watched(programs, p) for p in np.unique(programs_read(model)).tolist())
+        self._model = model
+        at, cells = np.array(points), np.zeros((2, MOST_CELLS, 2))
+        found = (
+            watched_expression(model, p, at, cells)
+            for p in np.unique(programs_read(model)).tolist()
+        )
         self._watched = [each for each in found if each is not None]
-        loads = [each.loads for each in self._watched]
-        self._loads = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *loads]))
 
     def __bool__(self) -> bool:
         return bool(self._watched)
@@ -64,93 +76,49 @@ class HiddenForces:
 
         t, y : (k + 1,), (k + 1, n) ends of k steps
         """
-        if len(t) < 2:
-            return None
-        path = _Path(self._model, self._loads, t, y)
-        whole = path.ranges(np.arange(path.steps), np.zeros(path.steps), np.ones(path.steps))
-        found = [self._hidden(each, path, whole) for each in self._watched]
-        return min((instant for instant in found if instant is not None), default=None)
-
-    def _hidden(self, watched: _Watched, path: "_Path", whole: "_Cells") -> float | None:
-        read = [whole.time, *(whole.loads[k] for k in watched.loads.tolist())]
-        low = np.array([each[0].min() for each in read])
-        high = np.array([each[1].max() for each in read])
-        if (low >= watched.quiet[0]).all() and (high <= watched.quiet[1]).all():
-            return None
-        own = np.flatnonzero(self._varies(watched, whole, path.steps))
-        if own.size:
-            return self._unseen(watched, path, own)
-        wide = low - WIDER * (high - low), high + WIDER * (high - low)
-        first, *others = zip(*(end[:, None] for end in wide), strict=True)
-        around = _Cells(first, dict(zip(watched.loads.tolist(), others, strict=True)))
-        if not self._varies(watched, around, 1).any():
-            watched.quiet[:] = wide
-            if not watched.timed:
-                watched.quiet[:, 0] = -np.inf, np.inf
-        return None
-
-    def _varies(self, watched: _Watched, cells: "_Cells", count: int) -> NDArray[np.bool_]:
-        """Tell in which cells a part may vary by more than a share of its range so far."""
-        found = np.zeros(count, dtype=bool)
-        for k, (least, most) in self._bounds(watched, cells):
-            span = watched.span[k]
-            loud = ~(most - least <= VARIES * max(span[1] - span[0], 0.0))
-            span[:] = least[~loud].min(initial=span[0]), most[~loud].max(initial=span[1])
-            found |= loud
-        return found
-
-    def _unseen(self, watched: _Watched, path: "_Path", own: IntArray) -> float | None:
-        """Look at the steps `own`, in which a part may vary by more than a share of its range."""
-        n = len(self._points)
-        nodes = path.ranges(np.repeat(own, n), *2 * [np.tile(self._points, len(own))])
-        row = np.zeros(path.steps, dtype=np.int64)
-        row[own] = np.arange(len(own))
-        limits = {}  # of each part and step, beyond which it was not seen
-        for k, (value, _) in self._bounds(watched, nodes):
-            seen = np.broadcast_to(value, len(own) * n).reshape(-1, n)
-            known, span = seen[np.isfinite(seen)], watched.span[k]
-            span[:] = known.min(initial=span[0]), known.max(initial=span[1])
-            low, high = seen.min(axis=1), seen.max(axis=1)
-            margin = np.maximum(VARIES * max(span[1] - span[0], 0.0), high - low)
-            limits[k] = low - margin, high + margin
-
-        def outside(steps: IntArray, a: Array, b: Array) -> NDArray[np.bool_]:
-            """Tell in which cells a part may be beyond what was seen of it in the step."""
-            far, at = np.zeros(len(steps), dtype=bool), row[steps]
-            for k, (least, most) in self._bounds(watched, path.ranges(steps, a, b)):
-                far |= (least < limits[k][0][at]) | (most > limits[k][1][at])
-            return far
-
-        steps, a, b, found = own, np.zeros(len(own)), np.ones(len(own)), np.inf
-        while steps.size and SPLIT * steps.size <= MOST_CELLS:
-            far = outside(steps, a, b) & (b - a > SHORTEST)
-            steps, a, b = steps[far], a[far], b[far]
-            middle = 0.5 * (a + b)
-            instants = path.times(steps, middle)[outside(steps, middle, middle)]
-            found = min(found, instants.min(initial=np.inf))
-            earlier = path.times(steps, a) < found
-            steps, a, b = _split(steps[earlier], a[earlier], b[earlier])
-        return float(found) if np.isfinite(found) else None
-
-    def _bounds(self, watched: _Watched, cells: "_Cells") -> Iterator[tuple[int, Range]]:
-        """Yield number and bounds, over cells, of the parts that are not linear."""
-        programs = self._model.quantities.programs
-        every = parts(programs, watched.program, *cells.time, cells.loads)
-        for k, part in enumerate(every):
-            if watched.curved[k]:
-                yield k, (part.low, part.high)
+        found = np.inf
+        values = quantities(self._model, t, y)
+        with np.errstate(all="ignore"):
+            for each in self._watched:
+                found = first_hidden(each, t, values, found)
+        return found if np.isfinite(found) else None
 
 
-def _split(steps: IntArray, a: Array, b: Array) -> tuple[IntArray, Array, Array]:
-    edges = a[:, None] + (b - a)[:, None] * (np.arange(SPLIT + 1) / SPLIT)
-    return np.repeat(steps, SPLIT), edges[:, :-1].ravel(), edges[:, 1:].ravel()
-
-
-def _watched(programs: Programs, p: int) -> _Watched | None:
+def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Watched | None:
     """Return an expression that reads the state and is not linear in it; else None."""
+    programs, n = model.quantities.programs, len(model.quantities.kind)
     own = slice(int(programs.start[p]), int(programs.start[p + 1]))
     codes, arguments = programs.code[own], programs.argument[own]
     loads = np.unique(arguments[codes == op.LOAD].astype(np.int64))
+    curved = _curved(codes)
+    if not loads.size or not curved.any():
+        return None
+    cubic = (loads < 2 * n) & (loads % 2 == 0)
+    cubic[cubic] = model.quantities.kind[loads[cubic] // 2] != SPIN
+    nothing = np.array([np.inf, -np.inf])
+    parts, read = len(curved), 1 + len(loads)
+    return Watched(
+        programs,
+        p,
+        model.quantities.stack,
+        bool((codes == op.TIME).any()),
+        loads,
+        cubic.astype(np.int64),
+        curved.astype(np.int64),
+        points,
+        np.tile(nothing, (parts, 1)),
+        np.tile(nothing, (read, 1)),
+        np.zeros((read, 4)),
+        np.zeros((read, 2)),
+        np.zeros((parts, 2)),
+        np.zeros(parts, dtype=np.int64),
+        np.zeros((parts, 2)),
+        cells,
+    )
+
+
+def _curved(codes: IntArray) -> NDArray[np.bool_]:
+    """Tell which parts of an expression are not linear in what it reads."""
     constant, linear, curved = 0, 1, 2
     stack: list[int] = []
     found = []
@@ -166,56 +134,180 @@ def _watched(programs: Programs, p: int) -> _Watched | None:
         kept = code in SUMS or scaled or max(given) == constant
         stack.append(max(given) if kept else curved)
         found.append(stack[-1] == curved)
-    if not loads.size or not any(found):
-        return None
-    nothing = np.array([np.inf, -np.inf])
-    quiet = np.repeat(nothing[:, None], 1 + len(loads), axis=1)
-    timed = bool((codes == op.TIME).any())
-    return _Watched(p, timed, loads, np.array(found), np.tile(nothing, (len(found), 1)), quiet)
+    return np.array(found, dtype=bool)
 
 
-class _Cells(NamedTuple):
-    """Bounds over parts of steps, (c,) each."""
+@lean
+def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> float:
+    """Return the earliest instant [s] at which an expression was not seen, or `before`.
 
-    time: Range  # [s]
-    loads: dict[int, Range]  # by number of the quantity
+    Parameters
+    ----------
+    t, values : (k + 1,), (k + 1, m) ends of k steps and all quantities there
+    before : instant [s] from which on nothing is looked for
+    """
+    for i in range(t.shape[0] - 1):
+        if t[i] >= before:
+            break
+        _set_path(watched, t, values, i)
+        _set_box(watched, 0.0, 1.0)
+        if _is_quiet(watched):
+            continue
+        if _varies(watched, True):
+            found = _unseen(watched, before)
+            if found < before:
+                return found
+        else:
+            _widen(watched)
+    return before
 
 
-class _Path:
-    """The quantities that expressions read, along steps with given ends.
+@inlined
+def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
+    """Set the quantities along step i.
 
     A coordinate is the cubic by its values and rates, whose Bezier points bound it; other
     quantities are taken as linear.
     """
+    h, path = t[i + 1] - t[i], watched.path
+    path[0, 0], path[0, 1] = t[i], h
+    for j in range(watched.loads.shape[0]):
+        k = watched.loads[j]
+        first, rise = values[i, k], values[i + 1, k] - values[i, k]
+        begin = end = rise
+        if watched.cubic[j] > 0:
+            begin, end = h * values[i, k + 1], h * values[i + 1, k + 1]
+        path[1 + j, 0], path[1 + j, 1] = first, begin
+        path[1 + j, 2], path[1 + j, 3] = 3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise
 
-    def __init__(self, model: Model, loads: IntArray, t: Array, y: Array) -> None:
-        n, every = len(model.quantities.kind), quantities(model, t, y)
-        cubic = (loads < 2 * n) & (loads % 2 == 0)
-        cubic[cubic] = model.quantities.kind[loads[cubic] // 2] != SPIN
-        value, rate = every[:, loads], every[:, np.where(cubic, loads + 1, 0)]
-        h = np.diff(t)
-        self._t, self._h, self.steps = t, h, len(h)
-        first, rise = value[:-1], np.diff(value, axis=0)
-        begin = np.where(cubic, h[:, None] * rate[:-1], rise)
-        end = np.where(cubic, h[:, None] * rate[1:], rise)
-        # coefficients of the powers of the part of a step
-        self._powers = np.stack([first, begin, 3 * rise - 2 * begin - end, begin + end - 2 * rise])
-        self._numbers = loads.tolist()
 
-    def times(self, steps: IntArray, at: Array) -> Array:
-        """Return instants [s] at parts of steps, (c,) each."""
-        return np.asarray(self._t[steps] + at * self._h[steps])
-
-    def ranges(self, steps: IntArray, a: Array, b: Array) -> _Cells:
-        """Return bounds of the quantities over cells [a, b] of steps, (c,) each."""
-        p, q, r, s = self._powers[:, steps]
-        a, b = a[:, None], b[:, None]
+@inlined
+def _set_box(watched: Watched, a: float, b: float) -> None:
+    """Set bounds of time and quantities in the part [a, b] of the step."""
+    for j in range(watched.path.shape[0]):
+        p, q = watched.path[j, 0], watched.path[j, 1]
+        r, s = watched.path[j, 2], watched.path[j, 3]
         one, two = p + a * (q + a * (r + a * s)), p + b * (q + b * (r + b * s))
         third = (b - a) / 3.0
         near = one + third * (q + a * (2.0 * r + 3.0 * a * s))
         far = two - third * (q + b * (2.0 * r + 3.0 * b * s))
-        low = np.minimum(np.minimum(one, two), np.minimum(near, far)).T
-        high = np.maximum(np.maximum(one, two), np.maximum(near, far)).T
-        times = self.times(steps, a[:, 0]), self.times(steps, b[:, 0])
-        each = zip(low, high, strict=True)
-        return _Cells(times, dict(zip(self._numbers, each, strict=True)))
+        watched.box[j, 0] = min(min(one, two), min(near, far))
+        watched.box[j, 1] = max(max(one, two), max(near, far))
+
+
+@inlined
+def _is_quiet(watched: Watched) -> bool:
+    """Tell whether the box lies in the one in which no part varies much."""
+    inside = True
+    for j in range(watched.box.shape[0]):
+        inside = inside and watched.box[j, 0] >= watched.quiet[j, 0]
+        inside = inside and watched.box[j, 1] <= watched.quiet[j, 1]
+    return inside
+
+
+@inlined
+def _bound(watched: Watched) -> None:
+    """Bound the parts in the box."""
+    bound_parts(
+        watched.programs,
+        watched.program,
+        watched.box,
+        watched.loads,
+        watched.stack,
+        watched.bounds,
+        watched.breaks,
+    )
+
+
+@lean
+def _varies(watched: Watched, passed: bool) -> bool:
+    """Tell whether a part may vary in the box by more than a share of its range so far.
+
+    `passed`: by a step, so that the range of a part that does not vary so much counts.
+    """
+    bounds, span, found = watched.bounds, watched.span, False
+    _bound(watched)
+    for k in range(bounds.shape[0]):
+        if watched.curved[k] > 0:
+            least, most = bounds[k, 0], bounds[k, 1]
+            if not most - least <= VARIES * max(span[k, 1] - span[k, 0], 0.0):
+                found = True
+            elif passed:
+                span[k, 0], span[k, 1] = min(span[k, 0], least), max(span[k, 1], most)
+    return found
+
+
+@inlined
+def _widen(watched: Watched) -> None:
+    """Take a wider box for the one in which no part varies much, where none does."""
+    box, quiet = watched.box, watched.quiet
+    for j in range(box.shape[0]):
+        wide = WIDER * (box[j, 1] - box[j, 0])
+        box[j, 0], box[j, 1] = box[j, 0] - wide, box[j, 1] + wide
+    if not _varies(watched, False):
+        for j in range(box.shape[0]):
+            quiet[j, 0], quiet[j, 1] = box[j, 0], box[j, 1]
+        if not watched.timed:
+            quiet[0, 0], quiet[0, 1] = -np.inf, np.inf
+
+
+@lean
+def _unseen(watched: Watched, before: float) -> float:
+    """Return the earliest instant [s] of the step at which a part is beyond what was seen of it.
+
+    `before` [s] if there is none, or none that early.
+    """
+    _set_limits(watched)
+    path, cells, found = watched.path, watched.cells, before
+    now, count = 0, 1
+    cells[0, 0, 0], cells[0, 0, 1] = 0.0, 1.0
+    while count > 0 and SPLIT * count <= cells.shape[1]:
+        more = 0
+        for c in range(count):
+            a, b = cells[now, c, 0], cells[now, c, 1]
+            if path[0, 0] + a * path[0, 1] >= found or not b - a > SHORTEST:
+                continue
+            if not _is_beyond(watched, a, b):
+                continue
+            middle = 0.5 * (a + b)
+            if _is_beyond(watched, middle, middle):
+                found = min(found, path[0, 0] + middle * path[0, 1])
+            for n in range(SPLIT):
+                cells[1 - now, more, 0] = a + (b - a) * (n / SPLIT)
+                cells[1 - now, more, 1] = a + (b - a) * ((n + 1) / SPLIT)
+                more += 1
+        now, count = 1 - now, more
+    return found
+
+
+@inlined
+def _set_limits(watched: Watched) -> None:
+    """Set the limits of each part in the step by its values at the points of the method."""
+    bounds, span, limits = watched.bounds, watched.span, watched.limits
+    limits[:, 0] = np.inf
+    limits[:, 1] = -np.inf
+    for n in range(watched.points.shape[0]):
+        _set_box(watched, watched.points[n], watched.points[n])
+        _bound(watched)
+        for k in range(bounds.shape[0]):
+            value = bounds[k, 0]
+            limits[k, 0], limits[k, 1] = min(limits[k, 0], value), max(limits[k, 1], value)
+            if abs(value) < np.inf:
+                span[k, 0], span[k, 1] = min(span[k, 0], value), max(span[k, 1], value)
+    for k in range(bounds.shape[0]):
+        low, high = limits[k, 0], limits[k, 1]
+        margin = max(VARIES * max(span[k, 1] - span[k, 0], 0.0), high - low)
+        limits[k, 0], limits[k, 1] = low - margin, high + margin
+
+
+@lean
+def _is_beyond(watched: Watched, a: float, b: float) -> bool:
+    """Tell whether a part may be beyond its limits in the part [a, b] of the step."""
+    bounds, limits, found = watched.bounds, watched.limits, False
+    _set_box(watched, a, b)
+    _bound(watched)
+    for k in range(bounds.shape[0]):
+        if watched.curved[k] > 0:
+            beyond = bounds[k, 0] < limits[k, 0] or bounds[k, 1] > limits[k, 1]
+            found = found or beyond
+    return found

@@ -29,11 +29,14 @@ from ..integrators.explicit_stepping import RungeKutta8Loop
 from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic.drive import integrate
 from ..integrators.generic.explicit import RungeKutta8
+from ..integrators.hidden import first_hidden, watched_expression
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop, right_hand_side
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, note, noted, statistics
-from ..math.expressions.program import ONE, value_at
+from ..math.expressions import operations as op
+from ..math.expressions.program import ONE, Node, programs, value_at
+from ..math.expressions.ranges import parts
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
 from ..mechanism.assembly import assemble_model
@@ -166,6 +169,14 @@ def _compile_others() -> None:
     vectors_to_matrices(y[None, 7:10])
     law_at(model, -1, 0.0)
     value_at(ONE)
+    read = Node(op.ABS, (Node(op.LOAD),))
+    of_one = model.quantities._replace(programs=programs([read], lambda _: 0))
+    watched = watched_expression(
+        model._replace(quantities=of_one), 0, np.zeros(1), np.zeros((2, 1, 2))
+    )
+    if watched is not None:
+        first_hidden(watched, np.zeros(1), np.zeros((1, 1)), 0.0)
+    parts(of_one.programs, 0, np.zeros(1), np.zeros(1), of_one.stack)
 
 
 def _compile_evaluation() -> None:

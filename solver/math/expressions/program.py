@@ -252,7 +252,7 @@ def evaluated(
                 stack[k, j] = stack[chosen, j]
         elif code >= op.NEGATE:
             u = stack[k, 0]
-            f, f_1, f_2 = _unary(code, u)
+            f, f_1, f_2 = unary(code, u)
             _compose(stack, k, f, f_1, f_2)
         elif code == op.CURVE:
             f, f_1, f_2 = law_value(
@@ -283,7 +283,7 @@ def _compose(stack: Array, k: int, f: float, f_1: float, f_2: float) -> None:
 
 
 @lean
-def _unary(code: int, u: float) -> tuple[float, float, float]:
+def unary(code: int, u: float) -> tuple[float, float, float]:
     """Return f(u), f'(u), f''(u)."""
     if code == op.NEGATE:
         return -u, -1.0, 0.0

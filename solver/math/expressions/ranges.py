@@ -1,37 +1,21 @@
-"""Ranges of expressions over intervals of the time: bounds that hold for every instant in them.
+"""Ranges of expressions over intervals of what they read, and where they may break.
 
-Interval arithmetic on the programs of program.py, for many intervals at once. A bound may be too
-wide, never too narrow, so that no pulse and no comparison that changes is missed.
+Interval arithmetic on the programs of program.py. A bound may be too wide, never too narrow, so
+that no pulse and no comparison that changes is missed.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, IntArray
+from ..compiled import inlined, lean
+from ..laws import N_COEFFICIENT
 from . import operations as op
-from .program import Programs
+from .program import Programs, unary
 
 PLACES = 5  # of a piece of a curve at which its values are looked at
-INCREASING: dict[int, Callable[[Array], Array]] = {
-    op.ARCSIN: np.arcsin,
-    op.ARCTAN: np.arctan,
-    op.SINH: np.sinh,
-    op.TANH: np.tanh,
-    op.EXP: np.exp,
-    op.LOG: np.log,
-    op.SQRT: lambda u: np.sqrt(np.maximum(u, 0.0)),
-    op.SIGN: np.sign,
-    op.FLOOR: np.floor,
-    op.SMOOTH: lambda u: (s := np.clip(u, 0.0, 1.0)) ** 3 * (10.0 + s * (6.0 * s - 15.0)),
-}
-COMPARISONS = frozenset((op.LESS, op.LESS_EQUAL))
-LOGICAL = frozenset((*COMPARISONS, op.AND, op.OR, op.NOT))
-Range = tuple[Array, Array]
-NO_LOADS: Mapping[int, Range] = MappingProxyType({})
 
 
 class Part(NamedTuple):
@@ -40,204 +24,302 @@ class Part(NamedTuple):
     code: int
     low: Array  # (k,) bounds of its value
     high: Array
-    breaks: NDArray[np.bool_] | None  # (k,) whether it may break inside; None: it is smooth
+    breaks: NDArray[np.bool_]  # (k,) whether it may break inside
 
 
-def curve_ranges(times: Array, coefficients: Array, low: Array, high: Array) -> Range:
-    """Return bounds of a piecewise polynomial over intervals of its argument, (k,) each."""
-    first = np.maximum(np.searchsorted(times, low, "right") - 1, 0)
-    last = np.maximum(np.searchsorted(times, high, "right") - 1, 0)
-    seen = [
-        _values(times, coefficients, k, u)
-        for k, u in ((first, low), (last, high), (first, 0.5 * (low + high)))
+def parts(programs: Programs, p: int, low: Array, high: Array, stack: Array) -> list[Part]:
+    """Return the parts of an expression that read the time alone, over [low, high] (k,) [s].
+
+    `stack` : memory (program.py)
+    """
+    code = programs.code[programs.start[p] : programs.start[p + 1]]
+    code = code[code > op.LOAD]
+    bounds = np.zeros((len(low), len(code), 2))
+    breaks = np.zeros((len(low), len(code)), dtype=np.int64)
+    box, none = np.zeros((1, 2)), np.zeros(0, dtype=np.int64)
+    with np.errstate(all="ignore"):
+        _over_intervals(programs, p, low, high, box, none, stack, bounds, breaks)
+    return [
+        Part(int(code[j]), bounds[:, j, 0], bounds[:, j, 1], breaks[:, j] > 0)
+        for j in range(len(code))
+        if len(low) and not np.isnan(bounds[0, j, 0])
     ]
-    seen[2] = np.where(first == last, seen[2], seen[0])
-    least, most = np.minimum.reduce(seen), np.maximum.reduce(seen)
-    many = np.flatnonzero(last > first)
-    if many.size:
-        # pieces first to last - 1 as a whole, with a place behind them for `reduceat`
-        begin, end = int(first[many].min()), int(last[many].max())
-        pieces, length = np.arange(begin, end), np.diff(times[begin : end + 1])
-        lows, highs = np.full(end - begin + 1, np.inf), np.full(end - begin + 1, -np.inf)
-        for place in np.linspace(0.0, 1.0, PLACES):
-            v = _values(times, coefficients, pieces, times[begin:end] + place * length)
-            np.minimum(lows[:-1], v, out=lows[:-1])
-            np.maximum(highs[:-1], v, out=highs[:-1])
-        at = np.column_stack([first[many], last[many]]).ravel() - begin
-        least[many] = np.minimum(least[many], np.minimum.reduceat(lows, at)[::2])
-        most[many] = np.maximum(most[many], np.maximum.reduceat(highs, at)[::2])
-    return least, most
 
 
-def _values(times: Array, coefficients: Array, k: NDArray[np.int64], u: Array) -> Array:
-    s, found = u - times[k], np.zeros(len(k))
-    for i in range(coefficients.shape[1] - 1, -1, -1):
-        found = found * s + coefficients[k, i]
-    return found
-
-
-def parts(
+@lean
+def _over_intervals(
     programs: Programs,
     p: int,
     low: Array,
     high: Array,
-    loads: Mapping[int, Range] = NO_LOADS,
-) -> Iterator[Part]:
-    """Yield the parts of an expression whose ranges are known, over [low, high] (k,) [s].
+    box: Array,
+    none: IntArray,
+    stack: Array,
+    bounds: Array,
+    breaks: IntArray,
+) -> None:
+    for k in range(low.shape[0]):
+        box[0, 0], box[0, 1] = low[k], high[k]
+        bound_parts(programs, p, box, none, stack, bounds[k], breaks[k])
 
-    loads : ranges (k,) of quantities by their numbers; others are not known
+
+def curve_ranges(times: Array, coefficients: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Return bounds of a piecewise polynomial over intervals of its argument, (k,) each."""
+    bounds = np.zeros((len(low), 2))
+    _over_curve(times, coefficients, low, high, bounds)
+    return bounds[:, 0], bounds[:, 1]
+
+
+@lean
+def _over_curve(times: Array, coefficients: Array, low: Array, high: Array, bounds: Array) -> None:
+    for k in range(low.shape[0]):
+        bounds[k, 0], bounds[k, 1], _ = _of_curve(
+            times, coefficients, 0, times.shape[0], low[k], high[k]
+        )
+
+
+@lean
+def bound_parts(
+    programs: Programs,
+    p: int,
+    box: Array,
+    loads: IntArray,
+    stack: Array,
+    bounds: Array,
+    breaks: IntArray,
+) -> None:
+    """Bound the parts of an expression, its n operations in their order, and tell if they break.
+
+    Parameters
+    ----------
+    p : number of the expression
+    box : (1 + l, 2) bounds of the time [s] and of the quantities `loads` (l,)
+    stack : memory (program.py)
+    bounds, breaks : (n, 2), (n,); filled: nan for a part that reads another quantity, and 1 for
+        one that may break
     """
-    if not len(low):
-        return
-    stack: list[Range | None] = []
-    breaks: NDArray[np.bool_] | None
-    with np.errstate(all="ignore"):
-        for i in range(int(programs.start[p]), int(programs.start[p + 1])):
-            code, argument = int(programs.code[i]), float(programs.argument[i])
-            if code == op.CONSTANT:
-                number = np.array([argument])  # the same in every interval
-                stack.append((number, number))
-                continue
-            if code in op.PUSHES:
-                stack.append((low, high) if code == op.TIME else loads.get(int(argument)))
-                continue
-            count = 3 if code == op.SELECT else 2 if code in op.BINARY else 1
-            given, stack = stack[-count:], stack[:-count]
-            known = [each for each in given if each is not None]
-            if len(known) < count:
-                stack.append(None)
-                continue
-            if code == op.CURVE:
-                found, breaks = _curve(programs, int(argument), *known[0])
-            else:
-                found, breaks = _range(code, known), _breaks(code, known)
-            if np.isnan(found[0] + found[1]).any():  # also of both infinities
-                wrong = np.isnan(found[0]) | np.isnan(found[1])
-                found = np.where(wrong, -np.inf, found[0]), np.where(wrong, np.inf, found[1])
-            stack.append(found)
-            yield Part(code, *found, breaks)
+    k, part = -1, 0
+    for i in range(programs.start[p], programs.start[p + 1]):
+        code = programs.code[i]
+        if code <= op.LOAD:
+            k += 1
+            _push(code, programs.argument[i], box, loads, stack, k)
+            continue
+        may = False
+        if code == op.SELECT:
+            k -= 2
+            low, high = _of_choice(stack, k)
+        elif code >= op.NEGATE:
+            u, v = stack[k, 0], stack[k, 1]
+            low, high = _of_one(code, u, v)
+            may = _breaks(code, u, v)
+        elif code == op.CURVE:
+            curve = int(programs.argument[i])
+            low, high, may = _of_curve(
+                programs.curve_place,
+                programs.curve_coefficient,
+                programs.curve_start[curve],
+                programs.curve_start[curve + 1],
+                stack[k, 0],
+                stack[k, 1],
+            )
+        else:
+            k -= 1
+            u, v, w, x = stack[k, 0], stack[k, 1], stack[k + 1, 0], stack[k + 1, 1]
+            low, high = _of_two(code, u, v, w, x)
+            if u != u or w != w:
+                low = high = np.nan
+            if code in (op.LESS, op.LESS_EQUAL, op.MINIMUM, op.MAXIMUM):
+                # not where they are the same throughout, as of two numbers
+                may = u <= x and w <= v and (u < v or w < x)
+        stack[k, 0], stack[k, 1] = bounds[part, 0], bounds[part, 1] = low, high
+        breaks[part] = 1 if may else 0
+        part += 1
 
 
-def _curve(programs: Programs, c: int, low: Array, high: Array) -> tuple[Range, NDArray[np.bool_]]:
-    own = slice(int(programs.curve_start[c]), int(programs.curve_start[c + 1]))
-    times = programs.curve_place[own]
-    found = curve_ranges(times, programs.curve_coefficient[own], low, high)
-    inside = np.searchsorted(times[1:], high, "right") > np.searchsorted(times[1:], low, "right")
-    return found, inside
+@inlined
+def _push(code: int, argument: float, box: Array, loads: IntArray, stack: Array, k: int) -> None:
+    if code == op.CONSTANT:
+        stack[k, 0] = stack[k, 1] = argument
+    elif code == op.TIME:
+        stack[k, 0], stack[k, 1] = box[0, 0], box[0, 1]
+    else:
+        stack[k, 0] = stack[k, 1] = np.nan
+        for j in range(loads.shape[0]):
+            if loads[j] == argument:
+                stack[k, 0], stack[k, 1] = box[1 + j, 0], box[1 + j, 1]
 
 
-def _breaks(code: int, given: list[Range]) -> NDArray[np.bool_] | None:
-    u, v = given[0]
-    if code in (op.LESS, op.LESS_EQUAL, op.MINIMUM, op.MAXIMUM):
-        w, x = given[1]
-        # not where they are the same throughout, as of two numbers
-        return (u <= x) & (w <= v) & ((u < v) | (w < x))
+@lean
+def _of_curve(
+    times: Array, coefficients: Array, begin: int, end: int, low: float, high: float
+) -> tuple[float, float, bool]:
+    """Return bounds of the pieces begin to end of curves over an interval, and if it has a knot."""
+    if low != low:
+        return low, low, False
+    first, last = _piece(times, begin, end, low), _piece(times, begin, end, high)
+    least, most, total = np.inf, -np.inf, 0.0
+    for k in range(first, last + 1):
+        near = low if k == first else times[k]
+        far = high if k == last else times[k + 1]
+        for n in range(PLACES):
+            s = near + n / (PLACES - 1.0) * (far - near) - times[k]
+            value = 0.0
+            for i in range(N_COEFFICIENT - 1, -1, -1):
+                value = value * s + coefficients[k, i]
+            least, most, total = min(least, value), max(most, value), total + value
+    if total != total:
+        least, most = -np.inf, np.inf
+    return least, most, last > first
+
+
+@inlined
+def _piece(times: Array, begin: int, end: int, t: float) -> int:
+    """Return the piece in which t lies, the first one before its beginning."""
+    while begin + 1 < end:
+        middle = (begin + end) // 2
+        if t >= times[middle]:
+            begin = middle
+        else:
+            end = middle
+    return begin
+
+
+@inlined
+def _breaks(code: int, u: float, v: float) -> bool:
+    """Tell whether a function of one argument may break in [u, v]."""
     if code in (op.ABS, op.SIGN):
-        return (u <= 0.0) & (v >= 0.0) & (u < v)
+        return u <= 0.0 and v >= 0.0 and u < v
     if code == op.FLOOR:
-        return np.floor(u) < np.floor(v)
-    if code == op.SMOOTH:
-        return ((u <= 0.0) & (v > 0.0)) | ((u < 1.0) & (v >= 1.0))
-    return None
+        return bool(np.floor(u) < np.floor(v))
+    return code == op.SMOOTH and ((u <= 0.0 and v > 0.0) or (u < 1.0 and v >= 1.0))
 
 
-def _range(code: int, given: list[Range]) -> Range:
-    u, v = given[0]
-    if code in INCREASING:
-        return INCREASING[code](u), INCREASING[code](v)
+@lean
+def _of_one(code: int, u: float, v: float) -> tuple[float, float]:
+    """Return bounds of a function of one argument in [u, v]; nan of what is not known."""
+    if u != u:
+        return u, u
     if code == op.NEGATE:
         return -v, -u
-    if code == op.ARCCOS:
-        return np.arccos(v), np.arccos(u)
+    if code == op.NOT:
+        surely, possibly = _truth(u, v)
+        return 0.0 if possibly else 1.0, 0.0 if surely else 1.0
     if code in (op.SIN, op.COS):
         shift = 0.0 if code == op.SIN else 0.5 * np.pi
         return _sine(u + shift, v + shift)
-    if code == op.TAN:
-        whole = np.floor(u / np.pi + 0.5) == np.floor(v / np.pi + 0.5)
-        return np.where(whole, np.tan(u), -np.inf), np.where(whole, np.tan(v), np.inf)
-    if code == op.ABS:
-        return _size(u, v)
-    if code == op.COSH:
+    if code == op.TAN and np.floor(u / np.pi + 0.5) != np.floor(v / np.pi + 0.5):
+        return -np.inf, np.inf
+    if code in (op.ABS, op.COSH):
         u, v = _size(u, v)
-        return np.cosh(u), np.cosh(v)
-    if code == op.SELECT:
-        yes, no = (u > 0.0) | (v < 0.0), (u == 0.0) & (v == 0.0)
-        (a, b), (c, d) = given[1:]
-        low = np.where(yes, a, np.where(no, c, np.minimum(a, c)))
-        return low, np.where(yes, b, np.where(no, d, np.maximum(b, d)))
-    if code in LOGICAL:
-        return _logical(code, given)
-    w, x = given[1]
-    if code == op.ADD:
-        return u + w, v + x
-    if code == op.SUBTRACT:
-        return u - x, v - w
-    if code == op.MINIMUM:
-        return np.minimum(u, w), np.minimum(v, x)
-    if code == op.MAXIMUM:
-        return np.maximum(u, w), np.maximum(v, x)
-    if code == op.ARCTAN2:
-        low, high = _corners(np.arctan2, given)
-        cut = (w <= 0.0) & (u <= 0.0) & (v >= 0.0) & ((u < v) | (w < x))
-        return np.where(cut, -np.pi, low), np.where(cut, np.pi, high)
-    if code == op.POWER:
-        return _power(u, v, w, x)
-    if code == op.DIVIDE:
-        low, high = _corners(np.divide, given)
-        pole = (w <= 0.0) & (x >= 0.0)
-        return np.where(pole, -np.inf, low), np.where(pole, np.inf, high)
-    return _corners(np.multiply, given)
+    elif code == op.ARCCOS:
+        u, v = v, u
+    elif code == op.SQRT:
+        u, v = max(u, 0.0), max(v, 0.0)
+    low, _, _ = unary(code, u)
+    high, _, _ = unary(code, v)
+    return _known(low, high)
 
 
-def _corners(function: np.ufunc, given: list[Range]) -> Range:
-    (u, v), (w, x) = given
-    a, b = function(u, w), function(v, w)
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    if x is w:  # a number
-        return low, high
-    c, d = function(u, x), function(v, x)
-    return np.minimum(low, np.minimum(c, d)), np.maximum(high, np.maximum(c, d))
+@inlined
+def _known(low: float, high: float) -> tuple[float, float]:
+    """Return bounds, infinite ones where they are not numbers."""
+    if low != low or high != high:
+        return -np.inf, np.inf
+    return low, high
 
 
-def _size(u: Array, v: Array) -> Range:
+@inlined
+def _size(u: float, v: float) -> tuple[float, float]:
     """Return bounds of the absolute value."""
-    a, b = np.abs(u), np.abs(v)
-    return np.where((u <= 0.0) & (v >= 0.0), 0.0, np.minimum(a, b)), np.maximum(a, b)
+    a, b = abs(u), abs(v)
+    return 0.0 if u <= 0.0 and v >= 0.0 else min(a, b), max(a, b)
 
 
-def _sine(u: Array, v: Array) -> Range:
+@inlined
+def _sine(u: float, v: float) -> tuple[float, float]:
     a, b, turn = np.sin(u), np.sin(v), 2.0 * np.pi
     top = np.floor((v - 0.5 * np.pi) / turn) > np.floor((u - 0.5 * np.pi) / turn)
     bottom = np.floor((v + 0.5 * np.pi) / turn) > np.floor((u + 0.5 * np.pi) / turn)
-    return np.where(bottom, -1.0, np.minimum(a, b)), np.where(top, 1.0, np.maximum(a, b))
+    if a != a or b != b:
+        return -1.0, 1.0
+    return -1.0 if bottom else min(a, b), 1.0 if top else max(a, b)
 
 
-def _power(u: Array, v: Array, w: Array, x: Array) -> Range:
-    n = float(w[0])
-    if not (np.all(w == n) and np.all(x == n) and n.is_integer()):
-        return _corners(np.power, [(u, v), (w, x)])  # nan of a negative number
-    even = n % 2.0 == 0.0
+@inlined
+def _truth(u: float, v: float) -> tuple[bool, bool]:
+    """Tell whether a number in [u, v] is surely, and possibly, not zero."""
+    return u > 0.0 or v < 0.0, u != 0.0 or v != 0.0
+
+
+@inlined
+def _of_choice(stack: Array, k: int) -> tuple[float, float]:
+    """Return bounds of one of two values, by the condition in entry k."""
+    surely, possibly = _truth(stack[k, 0], stack[k, 1])
+    a, b, c, d = stack[k + 1, 0], stack[k + 1, 1], stack[k + 2, 0], stack[k + 2, 1]
+    if stack[k, 0] != stack[k, 0] or a != a or c != c:
+        return np.nan, np.nan
+    if surely:
+        return a, b
+    if not possibly:
+        return c, d
+    return min(a, c), max(b, d)
+
+
+@lean
+def _of_two(code: int, u: float, v: float, w: float, x: float) -> tuple[float, float]:
+    """Return bounds of a function of arguments in [u, v] and [w, x]."""
+    if code == op.ADD:
+        return _known(u + w, v + x)
+    if code == op.SUBTRACT:
+        return _known(u - x, v - w)
+    if code == op.MULTIPLY:
+        return _corners(u * w, u * x, v * w, v * x)
+    if code == op.DIVIDE:
+        if w <= 0.0 and x >= 0.0:
+            return -np.inf, np.inf
+        return _corners(u / w, u / x, v / w, v / x)
+    if code == op.POWER:
+        return _power(u, v, w, x)
+    if code == op.MINIMUM:
+        return min(u, w), min(v, x)
+    if code == op.MAXIMUM:
+        return max(u, w), max(v, x)
+    if code == op.ARCTAN2:
+        if w <= 0.0 and u <= 0.0 and v >= 0.0 and (u < v or w < x):
+            return -np.pi, np.pi
+        return _corners(np.arctan2(u, w), np.arctan2(u, x), np.arctan2(v, w), np.arctan2(v, x))
+    if code == op.LESS:
+        surely, possibly = v < w, u < x
+    elif code == op.LESS_EQUAL:
+        surely, possibly = v <= w, u <= x
+    else:
+        one, perhaps_one = _truth(u, v)
+        two, perhaps_two = _truth(w, x)
+        if code == op.AND:
+            surely, possibly = one and two, perhaps_one and perhaps_two
+        else:
+            surely, possibly = one or two, perhaps_one or perhaps_two
+    return 1.0 if surely else 0.0, 1.0 if possibly else 0.0
+
+
+@inlined
+def _corners(a: float, b: float, c: float, d: float) -> tuple[float, float]:
+    total = a + b + c + d
+    if total != total:
+        return -np.inf, np.inf
+    return min(min(a, b), min(c, d)), max(max(a, b), max(c, d))
+
+
+@inlined
+def _power(u: float, v: float, w: float, x: float) -> tuple[float, float]:
+    if w != x or np.floor(w) != w:
+        return _corners(u**w, u**x, v**w, v**x)  # nan of a negative number
+    even = 2.0 * np.floor(0.5 * w) == w
     if even:
         u, v = _size(u, v)
-    a, b = u ** abs(n), v ** abs(n)
-    if n >= 0.0:
+    a, b = u ** abs(w), v ** abs(w)
+    if w >= 0.0:
         return a, b
-    pole = (a <= 0.0) & (b >= 0.0)
-    return np.where(pole & (not even), -np.inf, 1.0 / b), np.where(pole, np.inf, 1.0 / a)
-
-
-def _logical(code: int, given: list[Range]) -> Range:
-    u, v = given[0]
-    if code in COMPARISONS:
-        w, x = given[1]
-        if code == op.LESS:
-            return (v < w).astype(float), (u < x).astype(float)
-        return (v <= w).astype(float), (u <= x).astype(float)
-    surely, possibly = (u > 0.0) | (v < 0.0), (u != 0.0) | (v != 0.0)
-    if code == op.NOT:
-        return (~possibly).astype(float), (~surely).astype(float)
-    w, x = given[1]
-    also, perhaps = (w > 0.0) | (x < 0.0), (w != 0.0) | (x != 0.0)
-    if code == op.AND:
-        return (surely & also).astype(float), (possibly & perhaps).astype(float)
-    return (surely | also).astype(float), (possibly | perhaps).astype(float)
+    pole = a <= 0.0 and b >= 0.0
+    return -np.inf if pole and not even else 1.0 / b, np.inf if pole else 1.0 / a
