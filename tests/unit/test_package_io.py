@@ -22,7 +22,7 @@ from plymotion.solver.package import (
     write_package,
 )
 from plymotion.solver.package.body.io import MODAL_PACKAGE
-from plymotion.solver.package.common import object_file as identity
+from plymotion.solver.package.common import object_file
 from plymotion.solver.package.common.container import open_file
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -272,14 +272,14 @@ def test_altered_number_fails_the_checksum(file: Path) -> None:
 def test_bytes_that_the_seal_covers_are_not_compared_twice(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(identity, "content_sha256", lambda *_, **__: "another content")
+    monkeypatch.setattr(object_file, "content_sha256", lambda *_, **__: "another content")
     with open_file(file, PackageError) as h5:
-        assert identity.checksum_findings(h5, MODAL_PACKAGE) == []
-        assert identity.checksum_findings(h5, MODAL_PACKAGE, whole=True) != []
+        assert object_file.checksum_findings(h5, MODAL_PACKAGE) == []
+        assert object_file.checksum_findings(h5, MODAL_PACKAGE, whole=True) != []
     with h5py.File(file, "r+") as h5:  # takes the seal away
         h5.attrs["remark"] = 1
     with open_file(file, PackageError) as h5:
-        assert identity.checksum_findings(h5, MODAL_PACKAGE) != []
+        assert object_file.checksum_findings(h5, MODAL_PACKAGE) != []
 
 
 def test_altered_unit_fails_the_checksum(file: Path) -> None:
