@@ -44,15 +44,14 @@ def as_rank(folder: Path, words: list[str]) -> int:
     """The command; its figures go into a file for each rank."""
     from plymotion.preprocess.__main__ import main
     from plymotion.preprocess.fenicsx.distributed import Distribution
-    from plymotion.preprocess.section.mesh.pattern import Pattern, Restriction
-    from plymotion.preprocess.section.space.operators import SectionOperators
+    from plymotion.preprocess.section.space.numbering import Pattern, Restriction
     from plymotion.preprocess.section.space.space import SectionSpace
     from plymotion.preprocess.shell.model.assembly import Assembly
     from plymotion.preprocess.shell.model.freedom import Freedom
 
     spent = [0.0]
     for owner, name in (
-        *((SectionSpace, "__init__"), (Pattern, "__init__"), (SectionOperators, "E")),
+        *((SectionSpace, "__init__"), (Pattern, "__init__"), (SectionSpace, "E")),
         *((Restriction, "matrix"), (Assembly, "matrix"), (Freedom, "reduced")),
         (Distribution, "matrix"),
     ):

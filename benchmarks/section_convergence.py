@@ -22,10 +22,10 @@ import numpy as np
 from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.mesh.mesh import SectionMesh, section_mesh
-from plymotion.preprocess.section.solve.estimate import scaled
-from plymotion.preprocess.section.solve.problem import SectionProblem
+from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.space.layers import layup
+from plymotion.preprocess.section.space.mesh import SectionMesh, section_mesh
+from plymotion.preprocess.section.timoshenko import scaled
 
 SECTIONS = {
     "square, isotropic": "02",

@@ -24,8 +24,8 @@ import numpy as np
 from samples.section_cases import reference, section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.mesh.mesh import section_mesh
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.space.mesh import section_mesh
 
 HERE = Path(__file__).resolve().parent
 REPEATS = 5

@@ -41,8 +41,8 @@ def section(cell: str) -> None:
     For a field of the default degree 2 and for its estimate, which also takes it at the points of
     degree 3.
     """
-    from .section.mesh.cells import FULL, KINDS, CellMesh
-    from .section.solve.twist import TwistedStrains
+    from .section.helical import TwistedStrains
+    from .section.space.cells import FULL, KINDS, CellMesh
     from .section.space.space import SectionSpace
 
     kind = np.array([KINDS.index(cell)])

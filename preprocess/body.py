@@ -14,7 +14,7 @@ from .beam.sections import StationSection, analysed_section, given_section, is_g
 from .beam.spec import read_spec
 from .fenicsx import eigenpairs
 from .provenance import body_provenance
-from .section.analysis.analysis import analyse
+from .section.analysis import analyse
 
 # Stresses of a package are recovered at the points of this rule: four in a quadrilateral.
 RECOVERY_DEGREE = 3

@@ -128,7 +128,7 @@ class SectionFiles(AnalysedFiles):
 
     def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
         """Analyse the section."""
-        from .section.analysis.analysis import analyse  # loads FEniCSx
+        from .section.analysis import analyse  # loads FEniCSx
 
         return analyse(
             spec,

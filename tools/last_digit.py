@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from plymotion.preprocess.section.mesh import mesh as sections
+from plymotion.preprocess.section.space import mesh as sections
 from plymotion.preprocess.shell.mesh import mesh as shells
 
 DRAW = np.uint64(2 * int(os.environ.get("LAST_DIGIT", "0")) + 1)

@@ -5,7 +5,7 @@ preprocessor checks keys and types only (`check_form`). SI units and degrees.
 
     {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
      "x2_axis": [0.0, 1.0, 0.0],                 section's x2 in body axes
-     "section": {...},                           see preprocess/section/analysis/analysis.py
+     "section": {...},                           see preprocess/section/analysis.py
      "theory": "timoshenko",                     or "classical": without shear
      "mass_form": "consistent",                  or "lumped": of modes and invariants
      "reference": {"kind": "clamped", "at": "root"},    or chord (two places), mean-axis (none)

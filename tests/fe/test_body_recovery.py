@@ -16,7 +16,7 @@ from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import RECOVERY_DEGREE, build_body
-from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.common.materials import bond
 from plymotion.solver.package.section.schema import SectionFile

@@ -16,7 +16,7 @@ from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.spaces import cell_dofs, cell_name, vector_space
-from plymotion.preprocess.section.mesh.mesh import script_path
+from plymotion.preprocess.section.space.mesh import script_path
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
 ROOT = Path(__file__).resolve().parent.parent.parent

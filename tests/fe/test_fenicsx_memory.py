@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.analysis import analyse
 
 STATM = Path("/proc/self/statm")
 

@@ -10,7 +10,8 @@ import pytest
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.fenicsx import MeshError, gmsh, open_mesh
-from plymotion.preprocess.section.mesh.mesh import SectionError, section_mesh
+from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.spec import SectionError
 from plymotion.preprocess.shell.mesh.mesh import ShellError, shell_mesh
 
 pytestmark = pytest.mark.one_end

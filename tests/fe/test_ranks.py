@@ -57,7 +57,7 @@ import numpy as np
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.distributed import Distribution
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.solve.problem import section_problem
+from plymotion.preprocess.section.problem import section_problem
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
 team, found = fenicsx.world(), {}
@@ -71,7 +71,7 @@ for name, spec in specs.items():
         else:
             problem = section_problem(spec["mesh"], name, 2, own)
             C = layup(spec, problem.mesh, problem.space, name).stiffness
-            parts.append(problem.operators.E(C[problem.space.own]))
+            parts.append(problem.space.E(C[problem.space.own]))
             cells = len(problem.space.gradients)
     whole, part = parts
     rows = Distribution(team, part)

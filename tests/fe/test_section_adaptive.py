@@ -6,14 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.mesh.cells import CellMesh
-from plymotion.preprocess.section.mesh.mesh import section_mesh
-from plymotion.preprocess.section.mesh.refine import refined
-from plymotion.preprocess.section.solve.adaptive import worst_cells
-from plymotion.preprocess.section.solve.estimate import scaled
-from plymotion.preprocess.section.space.operators import SectionOperators
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.estimate import worst_cells
+from plymotion.preprocess.section.space.cells import CellMesh, refined
+from plymotion.preprocess.section.space.mesh import section_mesh
 from plymotion.preprocess.section.space.space import SectionSpace
+from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import isotropic
 from plymotion.solver.package.section.schema import SectionFile
@@ -85,7 +83,7 @@ def test_functions_are_continuous_across_hanging_nodes(kind: str) -> None:
 def test_stiffness_is_symmetric_with_four_rigid_motions() -> None:
     space = SectionSpace(with_hanging_nodes("quadrilateral"), 2)
     C = np.broadcast_to(isotropic(1.0, 0.3, 1.0).stiffness_M, (space.n_cell, 1, 6, 6))
-    E = SectionOperators(space).E(C).toarray()
+    E = space.E(C).toarray()
     assert np.abs(E - E.T).max() < 1e-13 * np.abs(E).max()
     values = np.linalg.eigvalsh(E)
     assert np.count_nonzero(values < 1e-11 * values[-1]) == 4

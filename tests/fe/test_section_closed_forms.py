@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.section.schema import SectionFile
 

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.fenicsx import FactorisationError
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.errors import SectionError
-from plymotion.preprocess.section.mesh.mesh import section_mesh
-from plymotion.preprocess.section.solve import warping
-from plymotion.preprocess.section.solve.guards import solvability_warnings
-from plymotion.preprocess.section.solve.problem import SectionProblem
-from plymotion.preprocess.section.solve.timoshenko import SectionStiffness, stiffness
-from plymotion.preprocess.section.solve.warping import WarpingSolver
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.guards import solvability_warnings
+from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.timoshenko import SectionStiffness, beam_strain_fields, stiffness
+from plymotion.preprocess.section.warping import WarpingSolver, pinned_dofs, rigid_fields
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
@@ -42,7 +41,7 @@ def off_axis() -> Solved:
 def test_warping_holds_no_rigid_motion(off_axis: Solved) -> None:
     problem, _, result = off_axis
     space = problem.space
-    rigid = warping.rigid_fields(space)
+    rigid = rigid_fields(space)
     load = space.load(space.at_points(rigid))
     for V in (result.V0, result.V1):
         size = np.linalg.norm(load, axis=0)[:, None] * np.linalg.norm(V, axis=0)
@@ -59,21 +58,21 @@ def test_choice_of_pins_does_not_matter(off_axis: Solved) -> None:
         [3 * near, 3 * far + 1, 3 * near + 2, 3 * far + 2],
     ):
         solver = WarpingSolver(space, np.array(pins))
-        other = stiffness(space, solver, problem.operators.E(C), C).K
+        other = stiffness(space, solver, problem.space.E(C), C).K
         assert np.abs((other - result.K) / np.outer(size, size)).max() < 1e-10
 
 
 def test_too_few_pins_are_noticed(off_axis: Solved) -> None:
     problem, C, _ = off_axis
-    solver = WarpingSolver(problem.space, warping.pinned_dofs(problem.space)[:3])
+    solver = WarpingSolver(problem.space, pinned_dofs(problem.space)[:3])
     with pytest.raises(FactorisationError, match="rigid motion"):
-        solver.factorise(problem.operators.E(C))
+        solver.factorise(problem.space.E(C))
 
 
 def test_load_on_a_rigid_motion_is_refused(off_axis: Solved) -> None:
     problem, C, _ = off_axis
     space, solver = problem.space, WarpingSolver(problem.space)
-    solver.factorise(problem.operators.E(C))
+    solver.factorise(problem.space.E(C))
     load = space.load(space.at_points(space.displacements((1, 0, 0))))
     with pytest.raises(SectionError, match="on a rigid motion"):
         solver.solve(load, float(np.linalg.norm(load)))
@@ -86,7 +85,7 @@ def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
     assert result.solvability < 1e-12
     assert solvability_warnings(result) == []
     space, solver = problem.space, WarpingSolver(problem.space)
-    solver.factorise(problem.operators.E(C))
+    solver.factorise(problem.space.E(C))
     fields = space.displacements((1, 0, 0), (space.x2, 0, 0))
     push, balanced = space.load(space.at_points(fields)).T[:, :, None]
     size = float(np.linalg.norm(balanced))
@@ -119,7 +118,7 @@ def test_printed_eq_44_gives_two_thirds_of_the_axial_stiffness() -> None:
     """A = C_ee + 2 V0' C_he of the paper: EA is 0.654 of the exact value (square, nu = 0.3)."""
     problem, C, result = rectangle(isotropic(1.0, 0.3, 1.0).stiffness_M, 0.0, 1.0, 1.0, 4)
     space = problem.space
-    rigid = space.strain_along_beam(warping.beam_strain_fields(space))
+    rigid = space.strain_along_beam(beam_strain_fields(space))
     warped = space.strain_in_section(result.V0)
     printed = space.work(C @ rigid, rigid) + 2.0 * space.work(C @ rigid, warped).T
     assert result.A[0, 0] == pytest.approx(1.0, rel=1e-10)  # E A

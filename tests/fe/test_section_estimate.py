@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 from samples.section_cases import section
 
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.mesh.cells import CellMesh
-from plymotion.preprocess.section.mesh.mesh import section_mesh
-from plymotion.preprocess.section.mesh.refine import refined
-from plymotion.preprocess.section.solve.estimate import error_of_edges, scaled
-from plymotion.preprocess.section.solve.problem import SectionProblem, section_problem
-from plymotion.preprocess.section.solve.singular import cell_exponents, exponent
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.estimate import cell_exponents, error_of_edges, exponent
+from plymotion.preprocess.section.problem import SectionProblem, section_problem
+from plymotion.preprocess.section.space.cells import CellMesh, refined
 from plymotion.preprocess.section.space.layers import layup
+from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
@@ -227,7 +226,7 @@ def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
 
 @pytest.mark.provokes("accuracy-not-met")
 def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    from plymotion.preprocess.section.analysis import analysis
+    from plymotion.preprocess.section import analysis
 
     monkeypatch.setattr(analysis, "MOST_DOFS", 5000)
     found = analyse(section("02"), accuracy=1e-9)

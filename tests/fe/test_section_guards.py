@@ -9,9 +9,10 @@ import pytest
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.mesh.mesh import SectionError, SectionMesh, section_mesh
-from plymotion.preprocess.section.solve.guards import coarse_warnings
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.guards import coarse_warnings
+from plymotion.preprocess.section.space.mesh import SectionMesh, section_mesh
+from plymotion.preprocess.section.spec import SectionError
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand
 
 ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}

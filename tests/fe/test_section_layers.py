@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.errors import SectionError
-from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.analysis import analyse
 from plymotion.preprocess.section.space.layers import nearest_on_curve
+from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.timoshenko import scaled
 
 CARBON = {
     "kind": "orthotropic",

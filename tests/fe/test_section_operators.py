@@ -10,14 +10,13 @@ import ufl
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, evaluation, gmsh, plain_from_model
 from plymotion.preprocess.fenicsx.stack import dolfinx
-from plymotion.preprocess.section.analysis.verification import matrices
-from plymotion.preprocess.section.mesh.cells import cells_of_plain
-from plymotion.preprocess.section.mesh.mesh import SectionMesh
-from plymotion.preprocess.section.mesh.pattern import Pattern
-from plymotion.preprocess.section.solve.problem import SectionProblem
-from plymotion.preprocess.section.solve.twist import TwistedStrains
-from plymotion.preprocess.section.space.operators import SectionOperators
+from plymotion.preprocess.section.helical import TwistedStrains
+from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.space.cells import cells_of_plain
+from plymotion.preprocess.section.space.mesh import SectionMesh
+from plymotion.preprocess.section.space.numbering import Pattern
 from plymotion.preprocess.section.space.space import SectionSpace, is_curved
+from plymotion.preprocess.section.verification import matrices
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
 MESHES = Path(__file__).resolve().parents[2] / "meshes"
@@ -54,11 +53,10 @@ CASES = {
 }
 
 
-def agree(space: SectionSpace, operators: Any, C: Any, E: Any, H: Any, L: Any) -> None:
+def agree(space: SectionSpace, strains_of: Any, C: Any, E: Any, H: Any, L: Any) -> None:
     """E is assembled; H and L never are: their products with random columns."""
-    assert abs(operators.E(C[:, None]) - E).max() < 1e-12 * abs(E).max()
+    assert abs(strains_of.E(C[:, None]) - E).max() < 1e-12 * abs(E).max()
     X = np.random.default_rng(3).standard_normal((space.n_dof, 3))
-    strains_of = space if isinstance(operators, SectionOperators) else operators
     stress_h = C[:, None] @ strains_of.strain_in_section(X)
     stress_l = C[:, None] @ strains_of.strain_along_beam(X)
     for product, theirs in (
@@ -78,7 +76,7 @@ def test_matrices_are_those_of_the_judge(name: str) -> None:
     # another material in every cell, so that symmetry does not hide errors
     factor = 1.0 + np.random.default_rng(1).random(space.n_cell)
     C = factor[:, None, None] * C_30
-    agree(space, SectionOperators(space), C, *matrices(space, C[:, None]))
+    agree(space, space, C, *matrices(space, C[:, None]))
 
 
 def test_twisted_strains_are_those_of_the_judge() -> None:
@@ -128,15 +126,14 @@ def test_stiffness_comes_from_what_dolfinx_compiles(monkeypatch: pytest.MonkeyPa
 
 def test_point_by_point_and_cell_by_cell_agree() -> None:
     space = SectionSpace(cells_of_plain(ellipse()))
-    operators = SectionOperators(space)
-    of_cells = operators.E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
-    of_points = operators.E(np.broadcast_to(C_30, (*space.weights.shape, 6, 6)))
+    of_cells = space.E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
+    of_points = space.E(np.broadcast_to(C_30, (*space.weights.shape, 6, 6)))
     assert abs(of_cells - of_points).max() < 1e-13 * abs(of_cells).max()
 
 
 def test_work_of_stress_on_strain_is_the_energy_of_the_matrix() -> None:
     space = SectionSpace(cells_of_plain(triangles(2)))
-    E = SectionOperators(space).E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
+    E = space.E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
     W = np.random.default_rng(2).standard_normal((space.n_dof, 2))
     strain = space.strain_in_section(W)
     assert space.work(C_30 @ strain, strain) == pytest.approx(W.T @ (E @ W), rel=1e-12)
@@ -162,7 +159,7 @@ def test_curved_cells_are_told_from_straight_ones() -> None:
 
 def test_pattern_without_pins_is_the_submatrix() -> None:
     space = SectionSpace(cells_of_plain(ellipse()))
-    E = SectionOperators(space).E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
+    E = space.E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
     pins = np.array([0, 1, 2, 17])
     kept = space.pattern.without(pins)
     free = np.setdiff1d(np.arange(space.n_dof), pins)

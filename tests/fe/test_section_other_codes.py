@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from peers.vabs_peer import orthotropic, stiffness, turned
 
-from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.inputs.section.specification import (
     is_of_another_code,
     spec_of_another_code,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.package.section.schema import STRESSES, SectionFile
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"

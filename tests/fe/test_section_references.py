@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from samples.section_cases import section as described
 
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.solve.estimate import scaled
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.timoshenko import scaled
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 FILES = [path for path in sorted(FOLDER.glob("[0-9]*.toml")) if path.name[:3] != "30_"]

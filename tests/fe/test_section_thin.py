@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.laminate.stiffness import Lamina, Laminate, laminate_stiffness
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.errors import SectionError
-from plymotion.preprocess.section.mesh.cells import turned
-from plymotion.preprocess.section.mesh.mesh import section_mesh
-from plymotion.preprocess.section.solve.estimate import scaled
-from plymotion.preprocess.section.solve.guards import bulk_over_shear
-from plymotion.preprocess.section.solve.problem import SectionProblem
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.guards import bulk_over_shear
+from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.space.cells import turned
+from plymotion.preprocess.section.space.mesh import section_mesh
 from plymotion.preprocess.section.space.space import SectionSpace
-from plymotion.preprocess.section.space.thin import differences_across
+from plymotion.preprocess.section.space.unknowns import differences_across
+from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import isotropic, material_from_dict
 
@@ -157,7 +157,7 @@ def test_numbering_from_the_opposite_corner_changes_nothing() -> None:
 def test_differences_are_another_basis_of_the_same_functions() -> None:
     spec = described("tube", {"outer_radius": 1.0, "wall": 0.01})
     space = SectionSpace(section_mesh(spec["mesh"], "tube").cells)
-    unknowns = differences_across(space)
+    unknowns = differences_across(space.unknowns_at_nodes()[1], space.dofs)
     assert unknowns is not None
     other = space.expressed(unknowns)
     one = unknowns.R @ unknowns.P
@@ -172,7 +172,8 @@ def test_differences_are_another_basis_of_the_same_functions() -> None:
 def test_round_mesh_without_thin_cells_keeps_its_unknowns() -> None:
     spec = described("ellipse", {"radius_2": 2.0, "radius_3": 1.0})
     space = SectionSpace(section_mesh(spec["mesh"], "ellipse").cells)
-    assert differences_across(space) is None or len(differences_across(space).whole) > 0
+    unknowns = differences_across(space.unknowns_at_nodes()[1], space.dofs)
+    assert unknowns is None or len(unknowns.whole) > 0
 
 
 @pytest.mark.parametrize("t", on_one_end(0.1, 1e-2))

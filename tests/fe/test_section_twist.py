@@ -8,21 +8,20 @@ import pytest
 from peers.solid_bar import compliance
 from scipy.spatial.transform import Rotation
 
-from plymotion.preprocess.section.analysis.analysis import analyse
-from plymotion.preprocess.section.errors import SectionError
-from plymotion.preprocess.section.mesh.mesh import section_mesh
-from plymotion.preprocess.section.solve import helical
-from plymotion.preprocess.section.solve.estimate import scaled
-from plymotion.preprocess.section.solve.helical import (
+from plymotion.preprocess.section import helical
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.helical import (
     CentralSolutions,
     central_solutions,
     change_of_resultants,
 )
-from plymotion.preprocess.section.solve.problem import SectionProblem, section_problem
-from plymotion.preprocess.section.solve.recovery import unit_strains
-from plymotion.preprocess.section.solve.solution import solve
+from plymotion.preprocess.section.problem import SectionProblem, section_problem, solve
+from plymotion.preprocess.section.recovery import unit_strains
 from plymotion.preprocess.section.space.layers import layup
+from plymotion.preprocess.section.space.mesh import section_mesh
 from plymotion.preprocess.section.space.space import SectionSpace
+from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.math.rotations import skew
 from plymotion.solver.package.common.materials import (

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from samples.section_cases import section
 
-from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.specification import spec_of_another_code
 from plymotion.solver.report.section.codes import (

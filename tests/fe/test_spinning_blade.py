@@ -15,7 +15,7 @@ from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.section.analysis.analysis import analyse
+from plymotion.preprocess.section.analysis import analyse
 
 FILE = Path(__file__).resolve().parent.parent / "reference/dynamics/blade_torsion.toml"
 REFERENCE = tomllib.loads(FILE.read_text(encoding="utf-8"))

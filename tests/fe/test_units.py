@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from plymotion.preprocess.section.analysis.analysis import analyse as section
+from plymotion.preprocess.section.analysis import analyse as section
 from plymotion.preprocess.shell.analyses.analysis import analyse as shell
 from plymotion.solver.inputs.section.shapes.library import expand
 

@@ -12,8 +12,8 @@ from ....solver.errors import did_you_mean, few
 from ....solver.math.arrays import Array
 from ....solver.package.common.materials import Anisotropic, Orthotropic, elastic_from_dict, rotated
 from ....solver.package.section.schema import Ply
-from ..errors import SectionError
-from ..mesh.mesh import OF_MESH, SectionMesh
+from ..spec import OF_MESH, SectionError
+from .mesh import SectionMesh
 from .space import SectionSpace
 
 SAMPLES = 8  # per element, to find the nearest element

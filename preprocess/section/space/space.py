@@ -10,68 +10,12 @@ import scipy.sparse as sp
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...fenicsx import EDGES, NODES
-from ..mesh.cells import CORNERS, KINDS, CellMesh, IntArray, full_basis, within
-from ..mesh.parts import lagrange_parts, own_parts
-from ..mesh.pattern import Pattern
+from .cells import CORNERS, KINDS, CellMesh, IntArray, full_basis, within
+from .numbering import Pattern, lagrange_parts, own_parts
 from .strains import fixed, strain_along_beam, strain_in_section
+from .unknowns import Unknowns, hanging_unknowns
 
-
-class Unknowns:
-    """Values of the nodes = P z, with unknowns z.
-
-    Parameters
-    ----------
-    P : (n_node, n_unknown)
-    R : (n_unknown, n_node) with R P = 1: the unknowns of values that the unknowns can take
-    whole : (w,) unknowns that are the values of nodes `at` (w,)
-    """
-
-    def __init__(self, P: sp.csr_matrix, R: sp.csr_matrix, whole: IntArray, at: IntArray) -> None:
-        self.P, self.R, self.whole, self.at = P.tocsr(), R.tocsr(), whole, at
-
-    def of_nodes(self, nodal: Array) -> Array:
-        """Unknowns (n_unknown, ...) of nodal values (n_node, ...)."""
-        return np.asarray(self.R @ nodal.reshape(len(nodal), -1)).reshape(-1, *nodal.shape[1:])
-
-    def at_nodes(self, z: Array) -> Array:
-        """Nodal values (n_node, ...) of unknowns (n_unknown, ...)."""
-        return np.asarray(self.P @ z.reshape(len(z), -1)).reshape(-1, *z.shape[1:])
-
-    def then(self, others: "Unknowns") -> "Unknowns":
-        """These unknowns as given by others."""
-        return Unknowns(self.P @ others.P, others.R @ self.R, others.whole, self.at[others.at])
-
-    def of_cells(self, dofs: IntArray) -> tuple[IntArray, Array]:
-        """Unknowns of cells with nodes (c, k), as (c, m), and the part of P of each, (c, k, m).
-
-        Cells with fewer unknowns repeat their first one with zeros.
-        """
-        c, k = dofs.shape
-        picked = self.P[dofs.ravel()].tocoo()
-        cell = picked.row // k
-        key = cell.astype(np.int64) * self.P.shape[1] + picked.col
-        unique, place = np.unique(key, return_inverse=True)
-        owner = unique // self.P.shape[1]
-        first = np.searchsorted(owner, np.arange(c))
-        local = np.arange(len(unique)) - first[owner]
-        m = int(local.max()) + 1
-        table = np.repeat((unique[first] % self.P.shape[1])[:, None], m, axis=1)
-        table[owner, local] = unique % self.P.shape[1]
-        parts = np.zeros((c, k, m))
-        parts[cell, picked.row % k, local[place.ravel()]] = picked.data
-        return table, parts
-
-
-def hanging_unknowns(P: sp.csr_matrix) -> Unknowns:
-    """The unknowns of a mesh with hanging nodes: the values of all other nodes."""
-    single = np.flatnonzero(np.diff(P.indptr) == 1)
-    single = single[np.abs(P.data[P.indptr[single]] - 1.0) < 1e-12]
-    columns, first = np.unique(P.indices[P.indptr[single]], return_index=True)
-    n = P.shape[1]
-    assert len(columns) == n, "an unknown without a node"
-    at = single[first]
-    R = sp.csr_matrix((np.ones(n), (np.arange(n), at)), shape=(n, P.shape[0]))
-    return Unknowns(P, R, np.arange(n), at)
+AT_A_TIME = 64  # cells per block, so that intermediate arrays stay in the cache
 
 
 class SectionSpace:
@@ -111,7 +55,7 @@ class SectionSpace:
         team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
         self.mesh, self.team, self.own = mesh, team, team.share(mesh.n_cell)
-        self.degree = mesh.degree if degree is None else degree
+        self._given, self.degree = degree, mesh.degree if degree is None else degree
         # curved cells need two degrees more than straight ones; with the functions of the nodes,
         # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
         curved = degree is not None and mesh.degree > 1 and is_curved(mesh)
@@ -189,11 +133,16 @@ class SectionSpace:
     def expressed(self, unknowns: Unknowns) -> "SectionSpace":
         """The same functions with other unknowns, which give the present ones."""
         other = copy.copy(self)
-        for name in ("pattern", "weighted_gradients"):
+        for name in ("pattern", "weighted_gradients", "_products"):
             other.__dict__.pop(name, None)
         other._express(unknowns)
         other.over = unknowns
         return other
+
+    def with_rule(self, quadrature_degree: int) -> "SectionSpace":
+        """The same functions and unknowns at the points of another rule."""
+        other = SectionSpace(self.mesh, self._given, quadrature_degree, self.team)
+        return other if self.over is None else other.expressed(self.over)
 
     @property
     def n_cell(self) -> int:
@@ -227,6 +176,49 @@ class SectionSpace:
         weighted = self._areas[..., None, None] * self.gradients
         return np.ascontiguousarray(np.swapaxes(weighted.reshape(c, 2 * q, k), 1, 2))
 
+    def E(self, C: Array) -> sp.csr_matrix:
+        """<G_h, C G_h> [Pa] for C (c, 1, 6, 6), constant in each cell, or (c, q, 6, 6) [Pa].
+
+        Each of several processes has the E of its own cells, whose sum is that of the section.
+        """
+        pattern = self.pattern
+        if C.shape[1] > 1:
+            return pattern.matrix(pattern.data(self._blocks(C)))
+        by_slopes = self._by_slopes(C[:, 0])
+        return pattern.matrix(pattern.ordered(self._products @ by_slopes.reshape(-1, 9)))
+
+    @cached_property
+    def _products(self) -> sp.csr_matrix:
+        """The part of E that depends only on the mesh, for one stiffness in each cell.
+
+        Of each cell the integrals of d_alpha phi_i d_beta phi_j, (k^2, 4): row k i + j is the pair
+        of nodes, column 2 alpha + beta.
+        """
+        c, q, _, k = self.gradients.shape
+        slopes = self.gradients.reshape(c, q, 2 * k)
+        left = self.weighted_gradients.reshape(c, k, q, 2).swapaxes(2, 3)
+        products = left.reshape(c, 2 * k, q) @ slopes  # (c, i alpha, beta j)
+        products = products.reshape(c, k, 2, 2, k).transpose(0, 1, 4, 2, 3)
+        return self.pattern.summed(products.reshape(c, k * k, 4))
+
+    def _blocks(self, C: Array) -> Array:
+        """Element matrices (c, k^2, 9) with a stiffness at every point, (c, q, 6, 6)."""
+        gradients, weighted = self.gradients, self.weighted_gradients
+        c, q, _, k = gradients.shape
+        blocks = np.empty((c, k, 9 * k))
+        for first in range(0, c, AT_A_TIME):
+            some = slice(first, first + AT_A_TIME)
+            # stress in direction alpha at a point from the displacement of each node
+            stress = np.swapaxes(gradients[some], 2, 3)[:, :, None] @ self._by_slopes(C[some])
+            blocks[some] = weighted[some] @ stress.reshape(-1, 2 * q, 9 * k)
+        return blocks.reshape(c, k * k, 9)
+
+    def _by_slopes(self, C: Array) -> Array:
+        """S' C S: stiffness of a and b for pairs of slopes alpha, beta, (..., 2, 2, 3 a + b)."""
+        S = self.S_h.reshape(6, 2, 3)
+        both = np.einsum("rxa,syb->rsxyab", S, S).reshape(36, 36)
+        return np.asarray(C.reshape(*C.shape[:-2], 36) @ both).reshape(*C.shape[:-2], 2, 2, 9)
+
     def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
         """Unknowns of fields (w1, w2, w3), each a number or (n_node,), as columns."""
         out = np.zeros((self.x2.size, 3, len(fields)))
@@ -236,6 +228,13 @@ class SectionSpace:
         if self.unknowns is not None:
             out = self.unknowns.of_nodes(out)
         return out.reshape(self.n_dof, len(fields))
+
+    def unknowns_at_nodes(self) -> tuple[IntArray, Array]:
+        """Unknowns that are displacements of nodes, (w,), and their positions (w, 2) [m]."""
+        x = np.stack([self.x2, self.x3], axis=1)
+        if self.unknowns is None:
+            return np.arange(self.n_unknown), x
+        return self.unknowns.whole, x[self.unknowns.at]
 
     def layer_angles(self) -> Array:
         """Angle of the layer direction of the mesh at the points, (c, q) [deg]."""

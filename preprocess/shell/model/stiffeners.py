@@ -187,6 +187,6 @@ def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
 @lru_cache(maxsize=64)
 def _analysed(text: str, where: str) -> Any:
     """Analyse a section once and reuse the result for other stiffeners."""
-    from ...section.analysis.analysis import analyse  # here: few shells have stiffeners
+    from ...section.analysis import analyse  # here: few shells have stiffeners
 
     return analyse(json.loads(text), where=where, estimate=False)

@@ -1,24 +1,35 @@
-"""A section's mesh with all data that do not depend on material, kept for all lay-ups."""
+"""A section's mesh with all data that do not depend on material, and its solutions.
+
+Meshes are kept for all lay-ups. A solution is that of a field of some degree, and of one degree
+more, whose difference is the estimate.
+"""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ....solver.math.arrays import Array
-from ... import fenicsx
-from ..errors import IllConditioned, SectionError
-from ..mesh.cells import turned
-from ..mesh.mesh import SectionMesh, section_mesh
-from ..space.operators import SectionOperators
-from ..space.space import SectionSpace
-from ..space.thin import differences_across
-from .end_effects import end_compliance
-from .estimate import scaled
+from ...solver.math.arrays import Array
+from .. import fenicsx
+from .estimate import (
+    REGULAR,
+    cell_exponents,
+    error_energy,
+    error_estimate,
+    relative,
+    singular_error,
+)
 from .helical import CentralSolutions, central_solutions
-from .timoshenko import SectionStiffness, stiffness
+from .recovery import Result, end_compliance
+from .space.cells import turned
+from .space.layers import Layup, layup
+from .space.mesh import SectionMesh, section_mesh
+from .space.space import SectionSpace
+from .space.unknowns import differences_across
+from .spec import ALLOWED, IllConditioned, SectionError, curvature_of
+from .timoshenko import scaled, stiffness
 from .warping import SHIFTS, WELL, WarpingSolver
 
 NOISE = 2.2e-16  # relative change of coordinates that measures the round-off
@@ -45,43 +56,29 @@ class SectionProblem:
         self.space = SectionSpace(mesh.cells, degree, team=team)
         self.team = team
         self.degree = degree
+        self._thin: dict[bool, SectionSpace | None] = {}
         self._is_thin = False  # known after the first solution
         self._by_waves_for: Array | None = None  # curvature that needs the second solver
         self._growth = 0.0  # of the last solution
-        self._kept: dict[int, tuple[SectionOperators, WarpingSolver]] = {}
+        self._solvers: dict[int, WarpingSolver] = {}
 
-    @property
-    def operators(self) -> SectionOperators:
-        """Operators with the displacements of nodes as unknowns."""
-        return self._prismatic(self.space)[0]
-
-    @property
-    def solver(self) -> WarpingSolver:
-        """Solver with the displacements of nodes as unknowns."""
-        return self._prismatic(self.space)[1]
-
-    def _prismatic(self, space: SectionSpace) -> tuple[SectionOperators, WarpingSolver]:
-        """Operators, and the solver that keeps the pattern and the symbolic factorisation."""
-        if id(space) not in self._kept:
-            tools = SectionOperators(space), WarpingSolver(space)
-            self._kept[id(space)] = tools
-        return self._kept[id(space)]
-
-    @cached_property
-    def _thin(self) -> SectionSpace | None:
-        """The space with differences across thin walls and at their corners as unknowns."""
-        unknowns = differences_across(self.space)
-        return None if unknowns is None else self.space.expressed(unknowns)
-
-    @cached_property
-    def _thin_twisted(self) -> SectionSpace | None:
-        """The same without corners."""
-        unknowns = differences_across(self.space, corners=False)
-        return None if unknowns is None else self.space.expressed(unknowns)
+    def solver_of(self, space: SectionSpace) -> WarpingSolver:
+        """The solver that keeps the pattern and the symbolic factorisation of some unknowns."""
+        if id(space) not in self._solvers:
+            self._solvers[id(space)] = WarpingSolver(space)
+        return self._solvers[id(space)]
 
     def _thin_for(self, k: Array | None) -> SectionSpace | None:
-        """The space for thin walls of a prismatic or a twisted beam, made when it is needed."""
-        return self._thin if k is None else self._thin_twisted
+        """The space with differences across thin walls as unknowns, made when it is needed.
+
+        Those of a prismatic beam include differences at the corners of walls.
+        """
+        prismatic = k is None
+        if prismatic not in self._thin:
+            x = self.space.unknowns_at_nodes()[1]
+            unknowns = differences_across(x, self.space.dofs, corners=prismatic)
+            self._thin[prismatic] = None if unknowns is None else self.space.expressed(unknowns)
+        return self._thin[prismatic]
 
     def solve(
         self,
@@ -90,8 +87,8 @@ class SectionProblem:
         k: Array | None = None,
         doubtful: bool = False,
         measured: bool = True,
-        known: SectionStiffness | CentralSolutions | None = None,
-    ) -> SectionStiffness | CentralSolutions:
+        known: Result | None = None,
+    ) -> Result:
         """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa].
 
         `k` (3,) is the initial twist and curvature of the beam, None for a prismatic one.
@@ -123,7 +120,7 @@ class SectionProblem:
 
     def _disturbed(
         self, rng: np.random.Generator, C: Array, k: Array | None, doubtful: bool
-    ) -> SectionStiffness | CentralSolutions:
+    ) -> Result:
         """The solution with other last digits of the coordinates and other first corners."""
         # with a stiffness at every point of integration, their order must not change
         cells = turned(self.mesh.cells) if C.shape[1] == 1 else self.mesh.cells
@@ -141,18 +138,16 @@ class SectionProblem:
         self._by_waves_for = coarser._by_waves_for
         return self
 
-    def end_compliance(self, result: SectionStiffness | CentralSolutions, C: Array) -> Array | None:
+    def end_compliance(self, result: Result, C: Array) -> Array | None:
         """See `end_effects`; None of twisted and curved beams. `C` is that of `result`."""
         if isinstance(result, CentralSolutions):
             return None
-        operators, solver = self._prismatic(result.space)
+        solver = self.solver_of(result.space)
         C = C[self.space.own]
-        solver.factorise(operators.E(C))  # another material may have been solved since
+        solver.factorise(result.space.E(C))  # another material may have been solved since
         return end_compliance(result, solver, C)
 
-    def _solve(
-        self, C: Array, k: Array | None, doubtful: bool
-    ) -> SectionStiffness | CentralSolutions:
+    def _solve(self, C: Array, k: Array | None, doubtful: bool) -> Result:
         """The stiffness, by the unknowns that the condition requires."""
 
         def is_enough(growth: float) -> bool:
@@ -197,7 +192,7 @@ class SectionProblem:
         doubtful: bool,
         is_enough: Callable[[float], bool] | None = None,
         shift: float = 0.0,
-    ) -> SectionStiffness | CentralSolutions:
+    ) -> Result:
         """Solve with the unknowns of a space.
 
         Raises IllConditioned, before anything but the factorisation is done, unless the growth of
@@ -210,9 +205,9 @@ class SectionProblem:
             self._by_waves_for = k if found.by_waves else None
             self._growth = found.growth
             return found
-        operators, solver = self._prismatic(space)
+        solver = self.solver_of(space)
         solver.largest_growth, solver.shift = limit, shift
-        result = stiffness(space, solver, operators.E(C), C, is_enough)
+        result = stiffness(space, solver, space.E(C), C, is_enough)
         self._growth = solver.growth
         return result
 
@@ -241,3 +236,98 @@ def section_problem(
 @lru_cache(maxsize=KEPT)
 def _kept(mesh: SectionMesh, degree: int | None, team: fenicsx.Team) -> SectionProblem:
     return SectionProblem(mesh, degree, team)
+
+
+# A thin twisted wall bends without stretching, which low degrees cannot represent in long cells.
+MOST_DEGREE = 6  # to which a twisted section is raised
+LARGE = 20_000  # unknowns of a section that is raised to no more than 4
+MOST_OF_LARGE = 4
+RESOLVED = 0.01  # estimate, scaled, above which it is
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A section solved with a field of some degree, and with one degree more."""
+
+    problem: SectionProblem
+    lay: Layup
+    result: Result
+    richer: "Solved | None" = None
+    error: Array | None = None  # estimate (6, 6) by the difference, in units of K
+    indicator: Array | None = None  # (c,) of the error of each cell
+
+
+def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool) -> Solved:
+    """With the solution of one degree more, and the estimate."""
+    problem = _richer(solved.problem, spec, where, first=first)
+    lay = layup(spec, problem.mesh, problem.space, where)
+    richer = Solved(problem, lay, solve(problem, lay, where, spec, measured=False))
+    degree, K, better = solved.problem.space.degree, solved.result.K, richer.result
+    energy = error_energy(solved.result, better, lay.stiffness)
+    indicator = relative(energy, better.K)
+    cells = problem.mesh.cells
+    exponents = cell_exponents(cells, solved.lay.stiffness, indicator, REGULAR)
+    error = error_estimate(K, better.K, degree) + singular_error(K, energy, exponents, degree)
+    return replace(solved, richer=richer, error=error, indicator=indicator)
+
+
+def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
+    """With as many degrees more as a twisted section requires; its round-off is measured."""
+    before = None
+    while solved.error is not None and solved.problem.space.degree < MOST_DEGREE:
+        if scaled(solved.error, solved.result.K).max() <= RESOLVED:
+            break
+        richer = solved.richer
+        assert richer is not None
+        space = richer.problem.space
+        if space.degree > MOST_OF_LARGE and space.n_dof > LARGE:
+            break
+        try:
+            before, solved = solved, compared(richer, spec, where, first=False)
+        except SectionError:  # round-off of the higher degree
+            break
+    try:
+        return measured(solved, spec, where)
+    except SectionError:  # the same
+        if before is None:
+            raise
+        return measured(before, spec, where)
+
+
+def measured(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
+    """With the round-off of its result."""
+    result = solve(solved.problem, solved.lay, where, spec, known=solved.result)
+    return replace(solved, result=result)
+
+
+def solve(
+    problem: SectionProblem,
+    lay: Layup,
+    where: str,
+    spec: Mapping[str, Any],
+    *,
+    measured: bool = True,
+    known: Result | None = None,
+) -> Result:
+    """Solve a problem; a `known` result is only measured. Errors name the section."""
+    doubtful = ALLOWED[1] in spec.get("allow", ())
+    try:
+        k = curvature_of(spec)
+        return problem.solve(lay.stiffness, k=k, doubtful=doubtful, measured=measured, known=known)
+    except fenicsx.FactorisationError as error:
+        hint = ""
+        if isinstance(error, fenicsx.SingularError):
+            hint = f'; allow = ["{ALLOWED[1]}"] solves it anyway'
+        raise SectionError(f"{where}: {error}{hint}") from error
+    except SectionError as error:
+        raise SectionError(f"{where}: {error}") from error
+
+
+def _richer(
+    problem: SectionProblem, spec: Mapping[str, Any], where: str, *, first: bool
+) -> SectionProblem:
+    """The problem with one degree more; that of a mesh without refinement is kept for others."""
+    degree = problem.space.degree + 1
+    if first:
+        return section_problem(spec["mesh"], where, degree, problem.team).like(problem)
+    return SectionProblem(problem.mesh, degree, problem.team).like(problem)

@@ -1,10 +1,25 @@
-"""Check of the outer form of a section's specification, which may be written by hand."""
+"""Specification of a section, which may be written by hand: its check, what it asks for; errors."""
 
 from collections.abc import Mapping
 from typing import Any
 
-from ....solver.errors import check_keys
-from ..errors import SectionError
+import numpy as np
+
+from ...solver.errors import check_keys
+from ...solver.math.arrays import Array
+
+ALLOWED = ("nearly-incompressible", "ill-conditioned")  # what `allow` may list
+OF_MESH = "mesh"  # degree: the functions of the nodes that each cell has, for other codes
+DEGREE = 2  # of the warping field
+
+
+class SectionError(Exception):
+    """The description of a cross-section is wrong, or the section cannot be analysed."""
+
+
+class IllConditioned(Exception):
+    """The equations need other unknowns; they are not solved with these."""
+
 
 REQUIRED = ("mesh", "materials", "regions")
 OPTIONAL = (
@@ -31,3 +46,15 @@ def check_spec(spec: Mapping[str, Any], where: str) -> None:
                     f"{place}.plies[{i}] = {ply!r}: expected a table, material = ..."
                 )
             check_keys(ply, PLY, f"{place}.plies[{i}]", SectionError)
+
+
+def curvature_of(spec: Mapping[str, Any]) -> Array | None:
+    """Initial twist and curvature (3,) [rad/m] of a specification, None for a prismatic beam."""
+    k = np.array(spec.get("initial_curvature", (0.0, 0.0, 0.0)), dtype=float)
+    return k if k.any() else None
+
+
+def degree_of(spec: Mapping[str, Any]) -> int | None:
+    """Degree of the warping; None: the functions of the nodes of the mesh."""
+    degree = spec["mesh"].get("degree", DEGREE)
+    return None if degree == OF_MESH else int(degree)

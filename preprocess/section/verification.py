@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.math.arrays import Array
-from ... import fenicsx
-from ..mesh.cells import KINDS
-from ..space.space import SectionSpace
+from ...solver.math.arrays import Array
+from .. import fenicsx
+from .space.cells import KINDS
+from .space.space import SectionSpace
 
 ROWS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 

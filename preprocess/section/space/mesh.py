@@ -19,15 +19,12 @@ from ....solver.package.common.plain_data import canonical
 from ... import fenicsx
 from ...fenicsx import PlainMesh
 from ...mesh_input import is_refused, load_script
-from ..errors import SectionError
+from ..spec import SectionError
 from .cells import FULL, CellMesh, cells_of_plain, filling, patterns
 from .mesh_checks import checked
 
-__all__ = ["SectionError", "SectionMesh", "script_path", "section_mesh"]
-
 KEPT = 8  # meshes that a process keeps
 SOURCES = ("script", "file", "arrays")
-OF_MESH = "mesh"  # degree: the functions of the nodes that each cell has, for other codes
 MIXED = "mixed"  # cell_type of arrays with cells (c, 9), kind (c,) and layer_angle
 ARRAY_CELLS = {
     "triangle": ("triangle", 1),

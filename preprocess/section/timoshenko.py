@@ -1,9 +1,13 @@
-"""The 6x6 stiffness of a beam of any section, by the exact Saint-Venant energy.
+"""The 6x6 stiffness of a beam of any section, by the exact Saint-Venant energy; its 6x6 mass.
 
 Strains e6 = [gamma11, 2 gamma12, 2 gamma13, kappa1, kappa2, kappa3] with
 2 gamma12 = v' - phi3 and 2 gamma13 = w' + phi2; resultants F6 = K e6 =
 [F1, F2, F3, M1, M2, M3] with M2 = integral of x3 sigma11 and M3 = -integral of
 x2 sigma11, all about the origin of the section axes.
+
+Displacement of a section = rigid motion + V0 e + V1 e' with the classical strains
+e = [gamma11, kappa1, kappa2, kappa3] of the beam. The columns of V0 and V1 are nodal values of the
+warping. Paper: Eq. (37), Eq. (38).
 """
 
 from collections.abc import Callable
@@ -12,16 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.math.arrays import Array, is_positive_definite
-from ..errors import IllConditioned, SectionError
-from ..space.space import SectionSpace
-from .warping import (
-    ClassicalState,
-    WarpingSolver,
-    beam_strain_fields,
-    classical_warping,
-    shear_warping,
-)
+from ...solver.math.arrays import Array, is_positive_definite
+from .space.space import SectionSpace
+from .spec import IllConditioned, SectionError
+from .warping import WarpingSolver
 
 CLASSICAL = np.array([0, 3, 4, 5])  # extension, twist, bend2, bend3
 SHEAR = np.array([1, 2])
@@ -46,6 +44,73 @@ class SectionStiffness:
     space: SectionSpace  # of V0 and V1
     round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
     doubtful: bool = False  # its condition would be refused without `allow`
+
+
+def beam_strain_fields(space: SectionSpace) -> Array:
+    """Psi (n_dof, 4): the strain of point (x2, x3) without warping is G_l Psi e.
+
+    Columns e1, (0, -x3, x2), x3 e1, -x2 e1 for e = [gamma11, kappa1, kappa2, kappa3]: the
+    derivative along the beam of the rigid motion of its sections.
+    """
+    x2, x3 = space.x2, space.x3
+    return space.displacements((1, 0, 0), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0))
+
+
+@dataclass(frozen=True)
+class ClassicalState:
+    """Strains and stresses of the points under unit classical strains, each (c, q, 6, 4).
+
+    The beam strain e gives the strain (G_h V0 + G_l Psi) e of a point, and a change e' adds
+    G_l V0 e'.
+    """
+
+    V0: Array  # (n_dof, 4)
+    strain: Array  # G_h V0 + G_l Psi
+    stress: Array  # C strain
+    change_strain: Array  # G_l V0
+    change_stress: Array  # C G_l V0
+    C: Array  # (c, 1 or q, 6, 6)
+
+
+def _product(space: SectionSpace, C: Array) -> Callable[[Array], Array]:
+    return lambda W: space.load_in_section(C @ space.strain_in_section(W))
+
+
+def classical_warping(
+    space: SectionSpace, solver: WarpingSolver, C: Array, Psi: Array
+) -> ClassicalState:
+    """V0 (n_dof, 4): warping per unit classical strain, from E V0 = -H Psi.
+
+    Paper: Eq. (39), corrected: "D" is the identity, and the projection onto the rigid
+    fields is zero because H Psi does no work on them.
+    """
+    rigid = space.strain_along_beam(Psi)
+    load = -space.load_in_section(C @ rigid)
+    V0 = solver.solve(load, float(np.linalg.norm(load)), _product(space, C))
+    strain = space.strain_in_section(V0) + rigid
+    change = space.strain_along_beam(V0)
+    return ClassicalState(V0, strain, C @ strain, change, C @ change, C)
+
+
+def shear_warping(
+    space: SectionSpace, solver: WarpingSolver, state: ClassicalState, T: Array
+) -> tuple[Array, Array, Array]:
+    """V1 (n_dof, 2): warping per unit shear force [F2, F3], and the two parts of its load.
+
+    E V1 = (H' V0 + L Psi - H V0) T: the stresses of the classical state change along the beam by
+    e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e'.
+    With the e' that satisfies equilibrium, the load does no work on rigid motions, so
+    the projection is not needed.
+
+    Returns
+    -------
+    V1, the load, and its part H V0 T, each (n_dof, 2).
+    """
+    along = space.load_along_beam(state.stress @ T)
+    within = space.load_in_section(state.change_stress @ T)
+    size = float(np.linalg.norm(along) + np.linalg.norm(within))
+    V1 = solver.solve(along - within, size, _product(space, state.C))
+    return V1, along - within, within
 
 
 def classical_stiffness(space: SectionSpace, state: ClassicalState) -> Array:
@@ -135,3 +200,40 @@ def tension_centre(K: Array) -> Array:
     # a force F1 at (y, z) brings M2 = z F1 and M3 = -y F1; kappa2 = kappa3 = 0
     M2, M3 = np.linalg.solve(S[4:, 4:], -S[4:, 0])
     return np.array([-M3, M2])
+
+
+def scaled(difference: Array, K: Array) -> Array:
+    """Entries in units of sqrt(K_ii K_jj), (6, 6): relative errors in any unit of length."""
+    size = np.sqrt(np.abs(np.diag(K)))
+    return np.abs(difference) / np.outer(size, size)
+
+
+def mass_matrix(space: SectionSpace, density: Array) -> Array:
+    """Mass per length M (6, 6): kinetic energy v' M v / 2 per metre.
+
+    Parameters
+    ----------
+    space : the section's integration points
+    density : (c, q) at the points [kg/m3]
+
+    Returns
+    -------
+    (6, 6) for the velocities v = [v1, v2, v3, w1, w2, w3] of the origin of the section axes
+    [kg/m, kg, kg m].
+    """
+    x2, x3 = np.moveaxis(space.points, -1, 0)
+    rigid = np.zeros((*x2.shape, 3, 6))  # velocity of a point
+    rigid[..., [0, 1, 2], [0, 1, 2]] = 1.0
+    rigid[..., 0, 4], rigid[..., 0, 5] = x3, -x2
+    rigid[..., 1, 3], rigid[..., 2, 3] = -x3, x2
+    columns = rigid.reshape(-1, 6)
+    weights = np.repeat((density * space.weights).ravel(), 3)
+    M = columns.T @ (weights[:, None] * columns)
+    return np.asarray(0.5 * (M + M.T))
+
+
+def mass_centre(M: Array) -> Array:
+    """(x2, x3) of the mass centre, (2,) [m]; the origin if there is no mass."""
+    if M[0, 0] == 0.0:
+        return np.zeros(2)
+    return np.array([-M[0, 5], M[0, 4]]) / M[0, 0]

@@ -1,19 +1,146 @@
-"""Singular stresses where materials, edges and re-entrant corners meet: how slowly errors fall.
+"""Error estimate of K: by one degree more on the same mesh, at singular points, of curved edges.
 
-Near such a point the displacement is r^lambda phi(theta) (Williams 1952; Leguillon and
-Sanchez-Palencia 1987). The energy of the error of a field of degree p in the cells around it falls
-with p^(-4 lambda) (Babuska and Suri 1987). lambda is 0.54 at a corner of 270 deg, and tends to 0
-where stiff and soft quarters meet crosswise.
+Near a point where materials, edges and re-entrant corners meet, the displacement is
+r^lambda phi(theta) (Williams 1952; Leguillon and Sanchez-Palencia 1987). The energy of the error of
+a field of degree p in the cells around it falls with p^(-4 lambda) (Babuska and Suri 1987). lambda
+is 0.54 at a corner of 270 deg, and tends to 0 where stiff and soft quarters meet crosswise.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 import scipy.linalg as la
+from numpy.typing import NDArray
 
-from ....solver.math.arrays import Array, IntArray
-from ....solver.package.common.materials import rotated
-from ..mesh.cells import CORNERS, CellMesh
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common.materials import rotated
+from ..fenicsx import EDGES
+from .recovery import Result, unit_strains
+from .space.cells import CORNERS, KINDS, CellMesh
+
+# The error of K falls with the degree of the field, at least with degree^-RATE. This is the rate
+# for singular stresses at the edge of a ply or a re-entrant corner; smooth parts converge faster,
+# stronger singularities, as between stiff and soft quarters, more slowly (`cell_exponents`).
+# docs/sections-accuracy.md compares the estimates with true errors.
+RATE = 2.1
+REGULAR = RATE / 4.0  # exponent lambda of the displacement that has this rate
+
+
+def singular_error(K: Array, energy: Array, exponents: Array, degree: int) -> Array:
+    """What `error_estimate` lacks of the error near singular points, (6, 6), in units of K.
+
+    Parameters
+    ----------
+    energy : (c, 6, 6) of the difference to one degree more, under pairs of unit resultants
+    exponents : (c,) lambda of the strongest singularity at each cell, REGULAR at most
+    """
+    # flexibilities add up, stiffnesses do not: an error may be larger than the stiffness itself
+    S, usual = np.linalg.inv(K), _removed(degree)
+    # the parts of the degrees above p, j^(-4 lambda - 1), add up to (p + 1/2)^(-4 lambda)
+    singular = 1.0 - ((degree + 0.5) / (degree + 1.5)) ** (4.0 * exponents)
+    counted = energy.sum(axis=0) / usual
+    share = np.where(exponents < REGULAR, singular, usual)
+    whole = np.einsum("c,cij->ij", 1.0 / share, energy)
+    return np.abs(np.linalg.inv(S + counted) - np.linalg.inv(S + whole))
+
+
+def error_estimate(K: Array, K_richer: Array, degree: int) -> Array:
+    """Expected |error| of each entry of K (6, 6), in its units.
+
+    `K` belongs to a field of some degree, `K_richer` to one degree more on the same mesh. With
+    errors proportional to degree^-RATE, their difference is a known fraction of the error of K.
+    """
+    return np.abs(K - K_richer) / _removed(degree)
+
+
+def error_of_edges(mesh: CellMesh, modulus: Array) -> float:
+    """Error of K, scaled by sqrt(K_ii K_jj), because curved edges are parabolas and not arcs.
+
+    A parabola through the ends and the middle of an arc of angle 2 phi has the radius
+    R (1 - a^2 s^2 (1 - s^2) / 2), a = 1 - cos phi, -1 < s < 1: a^2 / 15 too small on average. The
+    cell inside the arc lacks this area, the one outside has it too much. Of the axial stiffness and
+    its second moments about the origin, to which K refers, the one that changes most counts.
+
+    Parameters
+    ----------
+    modulus : (c,) Young's modulus of the cells along the beam [Pa]
+    """
+    places, size = mesh.middles, np.zeros(mesh.n_cell)
+    corner = np.zeros((mesh.n_cell, 2))  # mean of the squares of the corners' distances
+    own: list[Array] = []
+    at_edges: list[Array] = []
+    for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
+        edges = np.array(EDGES[KINDS[kind]])
+        ends, middles = shape[:, edges], shape[:, CORNERS[kind] : CORNERS[kind] + len(edges)]
+        chord, bow = ends[:, :, 1] - ends[:, :, 0], middles - ends.mean(axis=2)
+        half, rise = 0.25 * np.sum(chord**2, axis=-1), np.sum(bow**2, axis=-1)
+        a = 2.0 * rise / (half + rise)
+        # arc of length 2 R phi, times R a^2 / 15; a straight edge has no radius
+        R = 0.5 * (half + rise) / np.sqrt(np.where(rise > 0.0, rise, 1.0))
+        sliver = 2.0 * R**2 * np.arccos(1.0 - a) * a**2 / 15.0
+        outward = chord[..., 1] * bow[..., 0] - chord[..., 0] * bow[..., 1]
+        sliver *= np.where(rise > 0.0, np.sign(outward), 0.0)
+        corners = shape[:, : CORNERS[kind]]
+        following = np.roll(corners, -1, axis=1)
+        size[rows] = 0.5 * np.sum(
+            corners[..., 0] * following[..., 1] - corners[..., 1] * following[..., 0], axis=1
+        )
+        corner[rows] = np.mean((corners - places[rows, None]) ** 2, axis=1)
+        own.append((sliver * modulus[rows, None]).ravel())
+        at_edges.append(middles.reshape(-1, 2))
+    lost, where = np.concatenate(own), np.concatenate(at_edges)
+    weight = modulus * size
+    share = [lost.sum() / weight.sum()]
+    # second moment of a rectangle about its middle: a third of that of its corners
+    share += list(lost @ where**2 / (weight @ (places**2 + corner / 3.0)))
+    return float(np.abs(share).max())
+
+
+def _removed(degree: int) -> float:
+    """Share of an error proportional to degree^-RATE that one degree more removes."""
+    return 1.0 - float((degree / (degree + 1.0)) ** RATE)
+
+
+SHARE = 0.85  # of the error that the refined cells hold
+
+
+def error_energy(result: Result, better: Result, C: Array) -> Array:
+    """Energy of the error in each cell under pairs of the six unit resultants, (c, 6, 6) [1/K].
+
+    The difference of the solutions with this degree and one more, on the same mesh.
+
+    Parameters
+    ----------
+    result : with the degree of the field
+    better : with one degree more
+    C : (c, 1 or q, 6, 6) stiffness at the points of `better` [Pa]
+    """
+    points = result.space.with_rule(better.space.quadrature_degree)
+    difference = unit_strains(better.space, better) - unit_strains(points, result)
+    own = points.own
+    stress = C[own] @ difference
+    energy = np.einsum("cq,cqim,cqin->cmn", points.weights[own], difference, stress, optimize=True)
+    return points.team.stacked(energy)
+
+
+def relative(energy: Array, K: Array) -> Array:
+    """Energy of each cell under the six unit resultants, relative to that of the section, summed.
+
+    `energy` (c, 6, 6), see `error_energy`; K (6, 6).
+    """
+    size = np.diag(np.linalg.inv(K))
+    return np.asarray((np.einsum("cmm->cm", energy) / size).sum(axis=1))
+
+
+def worst_cells(error: Array, share: float = SHARE) -> NDArray[np.bool_]:
+    """The fewest cells that hold this share of the error, (c,)."""
+    order = np.argsort(error)[::-1]
+    held = np.cumsum(error[order])
+    count = int(np.searchsorted(held, share * held[-1])) + 1
+    marked = np.zeros(len(error), dtype=bool)
+    marked[order[:count]] = True
+    return marked
+
 
 WIDEST = np.radians(30.0)  # element along the circle
 WEAKEST = 2e-3  # smaller roots are the translations, lambda = 0 six times, with their rounding

@@ -1,23 +1,15 @@
-"""Warping of the cross-section under the strains of the beam.
-
-Displacement of a section = rigid motion + V0 e + V1 e' with the classical strains
-e = [gamma11, kappa1, kappa2, kappa3] of the beam. The columns of V0 and V1 are nodal
-values of the warping.
-
-Paper: Eq. (37), Eq. (38).
-"""
+"""Solver of E W = load: warping without rigid motion, also where E is ill-conditioned."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ....solver.math.arrays import REGULAR, Array
-from ... import fenicsx
-from ..errors import SectionError
-from ..space.space import SectionSpace
+from ...solver.math.arrays import REGULAR, Array
+from .. import fenicsx
+from .space.space import SectionSpace
+from .spec import SectionError
 
 # A load must do no work on rigid motions. Round-off gives relative work of 1e-12 and, in very thin
 # open sections, more. Above the second value the equations themselves are wrong.
@@ -33,16 +25,6 @@ MOST_STEPS = 300  # of conjugate gradients
 GRADIENTS = 1e-10  # square root of the relative energy of a step that needs no further one
 
 
-def beam_strain_fields(space: SectionSpace) -> Array:
-    """Psi (n_dof, 4): the strain of point (x2, x3) without warping is G_l Psi e.
-
-    Columns e1, (0, -x3, x2), x3 e1, -x2 e1 for e = [gamma11, kappa1, kappa2, kappa3]: the
-    derivative along the beam of the rigid motion of its sections.
-    """
-    x2, x3 = space.x2, space.x3
-    return space.displacements((1, 0, 0), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0))
-
-
 def rigid_fields(space: SectionSpace) -> Array:
     """(n_dof, 4) motions without strain within the section: the null space of E."""
     return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
@@ -56,21 +38,13 @@ def motions_of_beam(space: SectionSpace) -> Array:
     )
 
 
-def unknowns_at_nodes(space: SectionSpace) -> tuple[NDArray[np.int64], Array]:
-    """Unknowns that are displacements of nodes, (w,), and their positions (w, 2) [m]."""
-    x = np.stack([space.x2, space.x3], axis=1)
-    if space.unknowns is None:
-        return np.arange(space.n_unknown), x
-    return space.unknowns.whole, x[space.unknowns.at]
-
-
 def pinned_dofs(space: SectionSpace, *, six: bool = False) -> NDArray[np.int64]:
     """Four unknowns that prevent the rigid motions in the null space of E, or `six` for all.
 
     A node, and the motion of a distant one across their line; of six, also u1 at this and at a
     third node.
     """
-    whole, x = unknowns_at_nodes(space)
+    whole, x = space.unknowns_at_nodes()
     i = int(np.argmin(x.sum(axis=1)))
     away = x - x[i]
     j = int(np.argmax(np.hypot(*away.T)))
@@ -215,60 +189,3 @@ class WarpingSolver:
             "the equations of the warping appear to be singular: conjugate gradients do not "
             "converge; is every part connected by elements that are not much softer?"
         )
-
-
-@dataclass(frozen=True)
-class ClassicalState:
-    """Strains and stresses of the points under unit classical strains, each (c, q, 6, 4).
-
-    The beam strain e gives the strain (G_h V0 + G_l Psi) e of a point, and a change e' adds
-    G_l V0 e'.
-    """
-
-    V0: Array  # (n_dof, 4)
-    strain: Array  # G_h V0 + G_l Psi
-    stress: Array  # C strain
-    change_strain: Array  # G_l V0
-    change_stress: Array  # C G_l V0
-    C: Array  # (c, 1 or q, 6, 6)
-
-
-def _product(space: SectionSpace, C: Array) -> Callable[[Array], Array]:
-    return lambda W: space.load_in_section(C @ space.strain_in_section(W))
-
-
-def classical_warping(
-    space: SectionSpace, solver: WarpingSolver, C: Array, Psi: Array
-) -> ClassicalState:
-    """V0 (n_dof, 4): warping per unit classical strain, from E V0 = -H Psi.
-
-    Paper: Eq. (39), corrected: "D" is the identity, and the projection onto the rigid
-    fields is zero because H Psi does no work on them.
-    """
-    rigid = space.strain_along_beam(Psi)
-    load = -space.load_in_section(C @ rigid)
-    V0 = solver.solve(load, float(np.linalg.norm(load)), _product(space, C))
-    strain = space.strain_in_section(V0) + rigid
-    change = space.strain_along_beam(V0)
-    return ClassicalState(V0, strain, C @ strain, change, C @ change, C)
-
-
-def shear_warping(
-    space: SectionSpace, solver: WarpingSolver, state: ClassicalState, T: Array
-) -> tuple[Array, Array, Array]:
-    """V1 (n_dof, 2): warping per unit shear force [F2, F3], and the two parts of its load.
-
-    E V1 = (H' V0 + L Psi - H V0) T: the stresses of the classical state change along the beam by
-    e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e'.
-    With the e' that satisfies equilibrium, the load does no work on rigid motions, so
-    the projection is not needed.
-
-    Returns
-    -------
-    V1, the load, and its part H V0 T, each (n_dof, 2).
-    """
-    along = space.load_along_beam(state.stress @ T)
-    within = space.load_in_section(state.change_stress @ T)
-    size = float(np.linalg.norm(along) + np.linalg.norm(within))
-    V1 = solver.solve(along - within, size, _product(space, state.C))
-    return V1, along - within, within

@@ -7,18 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ....solver.package.common.plausible import described_doubts, not_allowed, section_doubts
-from ....solver.package.section.schema import SectionFile
-from ... import fenicsx
-from ..mesh.refine import refined
-from ..solve.adaptive import worst_cells
-from ..solve.estimate import error_of_edges, scaled
-from ..solve.guards import (
+from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
+from ...solver.package.section.schema import SectionFile
+from .. import fenicsx
+from .estimate import error_of_edges, worst_cells
+from .guards import (
     REVERSAL,
     check_degree,
     coarse_warnings,
     condition_warnings,
-    curvature_of,
     curvature_warnings,
     density_warnings,
     finer_mesh,
@@ -27,17 +24,13 @@ from ..solve.guards import (
     solvability_warnings,
     taper_error,
 )
-from ..solve.helical import CentralSolutions
-from ..solve.problem import LAST_DIGITS, SectionProblem, section_problem
-from ..solve.recovery import section_recovery, unit_strains, unit_warping
-from ..solve.solution import Solved, compared, degree_of, resolved, solve
-from ..solve.timoshenko import shear_centre, tension_centre
-from ..solve.twist import TwistedStrains
-from ..space.layers import layup
-from ..space.operators import mass_centre, mass_matrix
-from ..space.space import SectionSpace
-from .mesh_data import mesh_data, nodal_displacements
-from .spec import check_spec
+from .helical import CentralSolutions, TwistedStrains
+from .problem import LAST_DIGITS, SectionProblem, Solved, compared, resolved, section_problem, solve
+from .recovery import mesh_data, nodal_displacements, section_recovery, unit_strains, unit_warping
+from .space.cells import refined
+from .space.layers import layup
+from .spec import check_spec, curvature_of, degree_of
+from .timoshenko import mass_centre, mass_matrix, scaled, shear_centre, tension_centre
 from .verification import verified
 
 MOST_STEPS = 25  # of refinement
@@ -193,9 +186,7 @@ def analyse(
     M = mass_matrix(problem.space, density)
     points, lay_points = result.space, lay
     if recovery_degree is not None:
-        points = SectionSpace(problem.mesh.cells, problem.degree, recovery_degree)
-        if result.space.over is not None:
-            points = points.expressed(result.space.over)
+        points = result.space.with_rule(recovery_degree)
         lay_points = layup(spec, problem.mesh, points, where)
     if degree_of(spec) is not None:  # a file of another code may have other units
         diagonal = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))

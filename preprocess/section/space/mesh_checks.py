@@ -12,7 +12,7 @@ from ....solver.errors import few
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...mesh_input import coincident
-from ..errors import SectionError
+from ..spec import SectionError
 from .cells import CORNERS, KINDS, CellMesh, full_basis
 
 IntArray = NDArray[np.int64]

@@ -5,30 +5,23 @@ from typing import Any
 
 import numpy as np
 
-from ....solver.errors import few
-from ....solver.math.arrays import Array
-from ....solver.package.common.materials import Anisotropic, Orthotropic
-from ..errors import SectionError
-from ..mesh.cells import CellMesh
-from ..mesh.mesh import OF_MESH
-from ..space.layers import Layup
-from ..space.space import SectionSpace
-from .estimate import scaled
+from ...solver.errors import few
+from ...solver.math.arrays import Array
+from ...solver.package.common.materials import Anisotropic, Orthotropic
 from .helical import CentralSolutions
-from .timoshenko import SectionStiffness
+from .recovery import Result
+from .space.cells import CellMesh
+from .space.layers import Layup
+from .space.space import SectionSpace
+from .spec import ALLOWED, OF_MESH, SectionError
+from .timoshenko import scaled
 from .warping import SOLVABILITY
 
 STRONG = 0.5  # least ratio of lengths of fibres at which the result is trusted without a warning
 TAPER = 1e-3  # relative error of K by the neglect of taper that is worth a warning
 
 
-def curvature_of(spec: Mapping[str, Any]) -> Array | None:
-    """Initial twist and curvature (3,) [rad/m] of a specification, None for a prismatic beam."""
-    k = np.array(spec.get("initial_curvature", (0.0, 0.0, 0.0)), dtype=float)
-    return k if k.any() else None
-
-
-def curvature_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
+def curvature_warnings(result: Result) -> list[dict[str, str]]:
     """Warning about a section that is large compared with the radius of curvature."""
     if not isinstance(result, CentralSolutions) or result.strains.least_g >= STRONG:
         return []
@@ -77,7 +70,6 @@ LOCKING = 9.0
 INCOMPRESSIBLE = 5000.0
 REVERSAL = 1e-3  # relative change of K by the sense of layer directions that is worth a warning
 COARSE = 0.05  # estimated error of K, scaled, that is worth a warning
-ALLOWED = ("nearly-incompressible", "ill-conditioned")  # what `allow` may list
 
 
 def bulk_over_shear(material: Orthotropic | Anisotropic) -> float:
@@ -153,7 +145,7 @@ def density_warnings(lay: Layup) -> list[dict[str, str]]:
     ]
 
 
-def solvability_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
+def solvability_warnings(result: Result) -> list[dict[str, str]]:
     """Warning if the loads of the warping do work on rigid motions beyond round-off."""
     if result.solvability <= SOLVABILITY:
         return []
@@ -167,7 +159,7 @@ def solvability_warnings(result: SectionStiffness | CentralSolutions) -> list[di
     ]
 
 
-def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
+def condition_warnings(result: Result) -> list[dict[str, str]]:
     """Warning about equations that were solved although their condition would be refused."""
     if not result.doubtful:
         return []

@@ -1,1 +1,0 @@
-"""The analysis of a section from its description to its file."""

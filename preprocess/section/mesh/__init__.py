@@ -1,1 +1,0 @@
-"""Meshes of sections: cells, nodes, checks, refinement."""
