@@ -37,6 +37,12 @@ def add_schema(parser: Any) -> None:
     parser.add_argument("kind", nargs="?", choices=kinds, default="case", help="see docs/runs.md")
 
 
+@command("materials", "setup:run_materials")
+def add_materials(parser: Any) -> None:
+    """List the materials of the library with their sources, or print one for a file."""
+    parser.add_argument("name", nargs="?", help="of a material: prints its table in TOML")
+
+
 @command("completion", "setup:run_completion")
 def add_completion(parser: Any) -> None:
     """Print the completion of commands and options for a shell."""
@@ -51,7 +57,7 @@ COMMANDS = (
     *(bodies.add_import, bodies.add_export),
     *(bodies.add_experimental, bodies.add_info, bodies.add_validate),
     *(cases.add_packages_command, cases.add_sweep, cases.add_merge),
-    *(add_compile, add_schema, add_completion),
+    *(add_materials, add_compile, add_schema, add_completion),
 )
 
 

@@ -1,4 +1,4 @@
-"""The commands that need no case: `new`, `compile`, `schema`, `completion`."""
+"""The commands that need no case: `new`, `compile`, `materials`, `schema`, `completion`."""
 
 import argparse
 import json
@@ -62,6 +62,30 @@ def run_schema(options: argparse.Namespace) -> int:
     from ..inputs.json_schema import json_schema
 
     print(json.dumps(json_schema(options.kind), indent=1))
+    return 0
+
+
+def run_materials(options: argparse.Namespace) -> int:
+    """List the library of materials, or print one as TOML. Raises InputError for another name."""
+    from ..inputs.common.library import LIBRARY
+
+    if options.name is None:
+        for name, entry in LIBRARY.items():
+            print(f"{name:14s} {entry.meaning}: {entry.source}")
+        print('in a file: [materials] with NAME = "al-6061-t6", or library = "..." in a table')
+        return 0
+    if options.name not in LIBRARY:
+        raise InputError(
+            f"materials {options.name}: no such material{nearest(options.name, LIBRARY)}"
+        )
+    entry = LIBRARY[options.name]
+    values = {k: v for k, v in entry.table.items() if not isinstance(v, dict)}
+    print(f"# {entry.meaning}: {entry.source}\n[materials.{options.name}]")
+    for table in (values, entry.table.get("strength", {})):
+        if table is not values and table:
+            print(f"\n[materials.{options.name}.strength]")
+        for key, value in table.items():
+            print(f"{key} = {json.dumps(value)}")
     return 0
 
 

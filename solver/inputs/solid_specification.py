@@ -13,6 +13,7 @@ from ..errors import InputError, collected, few, refuse, unknown
 from ..math.arrays import IntArray
 from ..package.common.files import temporary_sibling
 from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
+from .common.library import LIBRARY
 from .common.materials import check_materials, plain
 from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source
 from .common.table import plain_table, validated
@@ -147,7 +148,7 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
 
     Parameters
     ----------
-    material : of a CAD file: a name of METALS, or "E,nu,rho" in SI
+    material : of a CAD file: a name of METALS or of the library, or "E,nu,rho" in SI
     size : of the cells [m], in place of that of the description
 
     Raises
@@ -187,7 +188,13 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
 
 
 def _material(file: Path, text: str | None) -> dict[str, Any]:
-    expected = f"expected {', '.join(METALS)} or E,nu,rho in Pa and kg/m3, such as 70e9,0.33,2700"
+    isotropic = {n: m.table for n, m in LIBRARY.items() if m.table["kind"] == "isotropic"}
+    if text in isotropic:
+        return isotropic[text]
+    expected = (
+        f"expected {', '.join((*METALS, *isotropic))} or E,nu,rho in Pa and kg/m3, such as "
+        "70e9,0.33,2700"
+    )
     if text is None:
         raise InputError(f"{file}: --material: missing; {expected}")
     try:

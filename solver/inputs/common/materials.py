@@ -6,13 +6,14 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from ...errors import unknown
 from ...package.common.materials import MaterialError, material_from_dict, read_strength
 from ...package.common.plausible import MIXED
 from ...package.specification import PlyTable
 from .layup import angles_of
+from .library import with_published
 from .table import Name, Table, entry, optional
 
 
@@ -117,7 +118,25 @@ class OrthotropicMaterial(Table):
     fatigue: PlyFatigue | None = optional("S-N lines of its stresses, for Miner sums of signals")
 
 
-Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind")]
+class PublishedMaterial(Table):
+    """`[materials.NAME]` with `library`: published values (`plymotion materials`).
+
+    Other keys of the material replace those values, or add what the source does not give, such as
+    `rho`. NAME = "as4-3501-6" in `[materials]` is short for a table with `library` alone.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    library: str = entry("name of a material of the library")
+
+
+Material = Annotated[
+    Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind")],
+    BeforeValidator(
+        with_published,
+        json_schema_input_type=IsotropicMaterial | OrthotropicMaterial | PublishedMaterial | str,
+    ),
+]
 
 
 def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:
