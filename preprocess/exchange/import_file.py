@@ -38,12 +38,20 @@ def read_table(file: Path) -> dict[str, Any]:
         raise InputError(f"{file}: no such file; expected an import file (TOML)") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{file}: {error}") from error
-    check_table(table, str(file))
-    return table
+    return checked(table, str(file))
 
 
-def check_table(table: dict[str, Any], where: str) -> None:
-    """Raise InputError for a key that is unknown or missing, or a value of another type."""
+def checked(table: dict[str, Any], where: str) -> dict[str, Any]:
+    """Return the table of an import file with the default of `reference`, that of a case.
+
+    Raises
+    ------
+    InputError : a key that is unknown or missing, or a value of another type.
+    """
+    reference = table.get("reference", {"kind": "clamped"})
+    if isinstance(reference, dict) and reference.get("kind") == "clamped":
+        reference = {"at": "root", **reference}
+    table = {**table, "reference": reference}
     try:
         check_form(table, ImportFile)
     except SpecError as error:
@@ -55,6 +63,7 @@ def check_table(table: dict[str, Any], where: str) -> None:
                 f"{where}: {key}: the name {printable(name[:40])!r}: expected 1 to {MOST_LETTERS} "
                 "letters without control characters"
             )
+    return table
 
 
 def imported(
@@ -139,8 +148,7 @@ def build_imported(content: dict[str, Any]) -> ModalPackage:
             path = file.parent / name
             if not path.is_file() or file_sha256(path) != digest:
                 raise InputError(f"{path}: changed since `plymotion check`; check the case again")
-        check_table(spec["table"], str(file))
-        package = package_of(spec["table"], file.parent, str(file))
+        package = package_of(checked(spec["table"], str(file)), file.parent, str(file))
     except InputError as error:
         raise SpecError(str(error)) from error
     seconds = time.perf_counter() - start

@@ -260,8 +260,9 @@ class Region(Content):
     thickness: float | None = optional("with `material`", "m", gt=0)
     offset: Offset | None = optional("with `material`, as in a laminate; absent: mid", "m")
     axis: Axis | None = optional(
-        "reference direction of the plies: e1 is its projection on the shell. Absent: x, or y "
-        "where the normal is along x",
+        "reference direction of the plies: e1 is its projection on the shell; required with "
+        "orthotropic materials, or one of the next two. Absent: x, or y where the normal is "
+        "along x",
         "-",
     )
     axis_curve: str | None = optional("instead: a physical curve, e1 follows its nearest edge")

@@ -89,3 +89,15 @@ def test_a_list_of_wrong_words_is_no_wrong_word(tmp_path: Path) -> None:
         f"{file}: supports.root.fixed.0 = \"x\": value should be 'ux'"
     )
     assert "symmetry" not in str(error.value)
+
+
+def test_the_only_coordinate_of_a_joint_needs_no_name(tmp_path: Path) -> None:
+    """As in forces; a joint with several coordinates asks for one."""
+    shutil.copytree(STARTERS / "pendulum", tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "case.toml"
+    text = file.read_text().replace('coordinate = "angle"', "")
+    file.write_text(text)
+    assert load_case(file).runs["stiff"].signals["angle"].coordinate == "angle"
+    file.write_text(text.replace('kind = "revolute"', 'kind = "cylindrical"'))
+    with pytest.raises(InputError, match="joint hinge is cylindrical; expected one of angle, z"):
+        load_case(file)

@@ -19,8 +19,7 @@ from .expressions import drives, law
 from .messages import Findings
 from .record import case_name
 from .sweeps import CheckedSweep, check_sweep
-from .tables.laws import FOLDER
-from .tables.schema import CaseFile, Mechanism
+from .tables.schema import CaseFile, Mechanism, mechanism_of
 
 Tables = dict[str, Any]
 
@@ -178,7 +177,7 @@ def checked_case(
     for name, run in top.runs.items():
         merged = merged_with(f"runs.{name}", run.variants)
         try:
-            mechanism = Mechanism.model_validate(merged, context={FOLDER: file.parent})
+            mechanism, _ = mechanism_of(merged, file.parent)
         except ValidationError as error:
             findings.of_run(name, bare_lines(error, Mechanism))
             continue

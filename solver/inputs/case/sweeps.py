@@ -15,13 +15,13 @@ from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
 from ...math.expressions.program import Node, value_at
-from ..common.table import bare_lines, validated
+from ..common.table import bare_lines, lines
 from .bodies.descriptions import described
 from .bodies.specifications import BodySpec, BodySpecs
 from .checks import in_parts
 from .record import needed, with_parts
-from .tables.laws import FOLDER, RESOLVED
-from .tables.schema import Mechanism, Sweep, put
+from .tables.laws import RESOLVED
+from .tables.schema import Mechanism, Sweep, mechanism_of, number_of, put
 
 if TYPE_CHECKING:
     from .tables.schema import Mechanism
@@ -254,9 +254,9 @@ def check_sweep(
     if merged is None:
         return []
     try:
-        base = validated(Mechanism, merged, where, **{FOLDER: specs.folder})
-    except InputError as error:
-        return str(error).splitlines()
+        base, texts = mechanism_of(merged, specs.folder)
+    except ValidationError as error:
+        return lines(error, Mechanism, where)
     _, base_bodies, wrong = in_parts(base, specs)
     found = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
@@ -277,7 +277,7 @@ def check_sweep(
         return found
     points, problems = sweep.points(), _MemberProblems(where)
     maker = _Maker(sweep, parameters, points, specs)
-    own = maker.members(base, problems)
+    own = maker.members(base, texts, problems)
     others = dict[str, Members]()
     kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
     for run in needed(kept):
@@ -285,10 +285,10 @@ def check_sweep(
         if table is None:
             return []  # said of the run
         try:
-            other = validated(Mechanism, table, where, **{FOLDER: specs.folder})
-        except InputError:
+            other, texts = mechanism_of(table, specs.folder)
+        except ValidationError:
             return []  # said of the run
-        others[run] = maker.members(other, problems, partly=True)
+        others[run] = maker.members(other, texts, problems, partly=True)
     if problems.found:
         return problems.lines()
     return CheckedSweep(sweep, parameters, points, own, others, base_bodies)
@@ -304,9 +304,17 @@ class _Maker:
     specs: BodySpecs
 
     def members(
-        self, base: Mechanism, problems: "_MemberProblems", *, partly: bool = False
+        self,
+        base: Mechanism,
+        texts: Mapping[str, str],
+        problems: "_MemberProblems",
+        *,
+        partly: bool = False,
     ) -> Members:
-        """Return the members of a run; `partly`: without changes of keys that it does not have."""
+        """Return the members of a run; `partly`: without changes of keys that it does not have.
+
+        `texts` are expressions of parameters in place of numbers, which follow varied parameters.
+        """
         table, members = base.model_dump(), Members(base, [], [])
         left_out = {
             key
@@ -319,6 +327,7 @@ class _Maker:
             try:
                 found = changes_of(self.sweep, self.parameters, values, base.parameters)
                 changes = {key: v for key, v in found.items() if key not in left_out}
+                changes |= _following(texts, changes, base.parameters)
                 member = Mechanism.model_validate(put(table, changes), context={RESOLVED: True})
             except Misplaced as error:
                 problems.add(k, values, [str(error)])
@@ -338,6 +347,23 @@ class _Maker:
         except Misplaced:
             return False
         return True
+
+
+def _following(
+    texts: Mapping[str, str], changes: Mapping[str, float], parameters: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the numbers that are expressions of parameters which a member changes."""
+    own = {
+        k.removeprefix("parameters."): v for k, v in changes.items() if k.startswith("parameters.")
+    }
+    found: dict[str, float] = {}
+    for key, text in texts.items() if own else ():
+        value = number_of(text, {**parameters, **own})
+        if value is None:
+            raise Misplaced(f'{key} = "{text}": expected a finite value')
+        if key not in changes:
+            found[key] = value
+    return found
 
 
 class _MemberProblems:

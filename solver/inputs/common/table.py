@@ -258,7 +258,11 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         text = f"expected a table{_with_keys(kind)}"
     elif item["type"] in ("float_type", "int_type") and isinstance(value, str):
         unit = _unit(field)
-        text += f" [{unit}]" * bool(unit) + ", without quotes" * _is_number(value)
+        text += f" [{unit}]" * bool(unit)
+        if is_number(value):
+            text += ", without quotes"
+        elif "parameters" in model.model_fields:
+            text += ", or an expression of [parameters]"
     hint = ""
     if _one_of_words(kind):
         hint = meant(str(value), get_args(kind))
@@ -311,7 +315,8 @@ def _expected(path: list[Any], kind: Any, field: FieldInfo | None) -> str:
     return where + ("" if named else _with_keys(kind))
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Return whether a text is a number."""
     try:
         float(text)
     except ValueError:

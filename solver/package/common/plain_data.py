@@ -172,6 +172,9 @@ def _words(form: Any) -> str:
         return f"one of {', '.join(map(str, get_args(form)))}"
     if get_origin(form) in (Union, UnionType):
         return " or ".join(map(_words, get_args(form)))
+    if is_typeddict(form):
+        asked = (key for key in get_type_hints(form) if key in form.__required_keys__)
+        return f"an object with {', '.join(asked)}"
     return SCALARS.get(form, "a list" if get_origin(form) is list else "an object")
 
 

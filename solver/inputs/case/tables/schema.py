@@ -4,19 +4,24 @@ import itertools
 from collections.abc import Mapping
 from copy import copy
 from math import isfinite
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
+from ....dynamics.elements.joints.table import JOINTS
 from ....errors import InputError
 from ....math.arrays import Array
+from ....math.expressions.operations import TIME
+from ....math.expressions.parse import Plain, parsed
+from ....math.expressions.program import value_at
 from ...common.materials import Material
-from ...common.table import Name, Table, Vector, Word, entry, optional, validated
+from ...common.table import Name, Table, Vector, Word, entry, follow, is_number, optional, validated
 from .beams import BeamBody
 from .bodies import ImportedBody, PackageBody, RigidBody, Section, ShellBody, SolidBody
 from .kinds import CaseCoupling, CaseForce, CaseJoint
-from .laws import RESOLVED, TablePoints
+from .laws import FOLDER, RESOLVED, TablePoints
 from .signals import Signal
 from .solver import Solver
 
@@ -207,7 +212,11 @@ class Mechanism(Table):
     forces: dict[Name, CaseForce] = entry(
         "springs, loads, stops, friction, controllers", default={}
     )
-    parameters: dict[Word, float] = entry("numbers that expressions read by name", default={})
+    parameters: dict[Word, float] = entry(
+        "numbers that expressions read by name; a text in place of any number of a case is an "
+        'expression of them, such as length = "2*L"',
+        default={},
+    )
     tables: dict[Word, TablePoints] = entry(
         "curves through points that expressions call by name", default={}
     )
@@ -215,6 +224,23 @@ class Mechanism(Table):
     signals: dict[Name, Signal] = entry("what is measured", default={})
     solver: Solver = entry("time integration")
     fidelity: Fidelity | None = optional("the accuracy of a run, by which its model is chosen")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_coordinates(cls, data: Any) -> Any:
+        """Give signals of joints with one coordinate its name."""
+        joints, signals = (isinstance(data, dict) and data.get(k) for k in ("joints", "signals"))
+        if not isinstance(joints, dict) or not isinstance(signals, dict):
+            return data
+        found = dict(signals)
+        for name, signal in signals.items():
+            if isinstance(signal, dict) and signal.get("kind") == "joint":
+                joint = joints.get(str(signal.get("joint")))
+                kind = joint.get("kind") if isinstance(joint, dict) else None
+                free = JOINTS[kind].coordinates if isinstance(kind, str) and kind in JOINTS else ()
+                if len(free) == 1 and signal.get("coordinate") is None:
+                    found[name] = {**signal, "coordinate": free[0].name}
+        return {**data, "signals": found}
 
 
 class Run(Table):
@@ -275,6 +301,52 @@ def output_findings(mechanism: Mechanism) -> list[str]:
         f"{key}: {count:.4g} outputs up to t_end = {solver.t_end:g} s, which take at least {size} "
         f"bytes; expected at most solver.most_outputs = {solver.most_outputs}, which may be raised"
     ]
+
+
+def mechanism_of(table: dict[str, Any], folder: Path) -> tuple[Mechanism, dict[str, str]]:
+    """Return a mechanism as a user wrote it, and the texts at dotted keys in place of numbers.
+
+    Parameters
+    ----------
+    folder : of the case file
+
+    Raises
+    ------
+    ValidationError
+        A text that is no expression of `[parameters]` is an error like any other wrong value.
+    """
+    given = table.get("parameters")
+    numbers = dict(given) if isinstance(given, dict) else {}
+    texts: dict[str, str] = {}
+    while True:
+        try:
+            return Mechanism.model_validate(table, context={FOLDER: folder}), texts
+        except ValidationError as error:
+            found = {}
+            for item in error.errors():
+                if item["type"] in ("float_type", "int_type") and isinstance(item["input"], str):
+                    key = ".".join(map(str, follow(Mechanism, item["loc"])[0]))
+                    value = number_of(item["input"], numbers)
+                    if value is not None and not key.startswith("parameters."):
+                        found[key], texts[key] = value, item["input"]
+            if not found:
+                raise
+            table = put(table, found)
+
+
+def number_of(text: str, parameters: Mapping[str, Any]) -> float | None:
+    """Return the value of an expression of numbers by name; None for another text."""
+    if not any(letter.isalpha() for letter in text) or is_number(text):
+        return None  # a number in quotes
+    try:
+        with np.errstate(all="ignore"):
+            tree = parsed(text, Plain({k: float(v) for k, v in parameters.items()}))
+            value = None if any(leaf.code == TIME for leaf in tree.leaves()) else value_at(tree)
+    except (ArithmeticError, ValueError, TypeError):
+        return None
+    if value is None or not isfinite(value):
+        return None
+    return int(value) if value == int(value) else value
 
 
 def resolved(table: Mapping[str, Any], where: str) -> Mechanism:

@@ -48,9 +48,11 @@ Component = Literal["x", "y", "z", "magnitude"]
 COORDINATE_NAMES = tuple(sorted(COORDINATES))
 if TYPE_CHECKING:
     JointCoordinate = str
+    OneCoordinate = str
     CriterionName = str
 else:
     JointCoordinate = Literal[COORDINATE_NAMES]
+    OneCoordinate = JointCoordinate | None
     CriterionName = Literal[tuple(CRITERIA)]
 
 
@@ -109,9 +111,9 @@ class JointSignal(Measured):
 
     kind: Literal["joint"]
     joint: Name = entry("name of a joint")
-    coordinate: JointCoordinate = entry(
+    coordinate: OneCoordinate = optional(
         "; ".join(dict.fromkeys(COORDINATES[name].meaning for name in COORDINATE_NAMES))
-        + ". All from the given starting position"
+        + ". All from the given starting position. Absent: the only one that the joint has"
     )
 
 
