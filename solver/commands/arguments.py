@@ -147,6 +147,8 @@ def add_report_figures(group: Any) -> None:
         "figures",
         "also draw the figures as PNG files, for papers; later commands keep them up to date",
     )
+    flag(group, "svg", "draw them as SVG files")
+    flag(group, "pdf", "draw them as PDF files")
 
 
 def add_executor(group: Any, what: str) -> None:

@@ -53,7 +53,7 @@ def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace,
 # `plymotion case.toml`: check the case, build its bodies, integrate its runs, write the report.
 
 # What the results depend on, of the options of a command.
-ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "figures")
+ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "figures", "svg", "pdf")
 TRUSTED = ("allow_python", "allow_doubtful")
 
 Say = Callable[[str], None]
@@ -169,10 +169,9 @@ def _integrated(
     finished = [name for name in runs if (out / name / "summary.json").is_file()]
     if not finished:
         return code or INPUT, str(out)
-    pass  # merged
 
     say("report")
-    print(report_case(out, finished, figures=options.figures))
+    print(report_case(out, finished, figures=wanted_formats(options)))
     return code, str(out / "report.html")
 
 
@@ -193,7 +192,17 @@ def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[
 def run_runs(options: argparse.Namespace) -> int:
     """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    for name in ("run", "sweep", "packages", "coarse", "force", "no_report", "figures"):
+    for name in (
+        "run",
+        "sweep",
+        "packages",
+        "coarse",
+        "force",
+        "no_report",
+        "figures",
+        "svg",
+        "pdf",
+    ):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
@@ -251,15 +260,22 @@ def run_check(options: argparse.Namespace) -> int:
 
 def run_report(options: argparse.Namespace) -> int:
     """Write the report of a folder and print the table of its runs."""
-    print(report_case(options.folder, figures=options.figures, glb=options.glb, vtk=options.vtk))
+    figures = wanted_formats(options)
+    print(report_case(options.folder, figures=figures, glb=options.glb, vtk=options.vtk))
     return 0
+
+
+def wanted_formats(options: argparse.Namespace) -> list[str]:
+    """Return the formats of figures that the options --figures, --svg and --pdf ask for."""
+    wanted = {"png": options.figures, "svg": options.svg, "pdf": options.pdf}
+    return [form for form, asked in wanted.items() if asked]
 
 
 def report_case(
     folder: Path,
     runs: Sequence[str] | None = None,
     *,
-    figures: bool = False,
+    figures: Sequence[str] = (),
     glb: bool = False,
     vtk: bool = False,
 ) -> str:
@@ -268,7 +284,7 @@ def report_case(
     Parameters
     ----------
     runs : names of finished runs; None: all that have a summary
-    figures : draw the figures as PNG files too
+    figures : formats of the figures that are drawn too, of png, svg, pdf
     glb, vtk : write motion.glb, motion.vtkhdf of each run too
 
     Raises
@@ -292,7 +308,7 @@ def report_case(
         runs = [r for r in case["runs"] if (folder / r / "summary.json").is_file()]
     if not runs:
         raise InputError(f"{folder}: no finished run; expected <run>/summary.json")
-    page = make_report(folder, list(runs), case, figures=figures)
+    page = make_report(folder, list(runs), case, figures=bool(figures), formats=figures)
     summaries = [read_summary(folder / run / "summary.json") for run in runs]
     text = f"{summary_table(summaries)}\nReport: {page}"
     for run in runs:

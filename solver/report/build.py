@@ -3,7 +3,7 @@
 import hashlib
 import importlib.metadata
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
@@ -28,7 +28,8 @@ from .style import house_style
 
 _COLOURS = """<label>colour <select id='colour'>
 <option value='body'>body</option><option value='displacement'>displacement</option>
-<option value='energy'>strain energy</option><option value='exposure'>ply exposure 1/R</option>
+<option value='energy'>strain energy</option><option value='stress'>stress</option>
+<option value='exposure'>ply exposure 1/R</option><option value='ply'>weakest ply</option>
 </select></label>"""
 _SCALES = "".join(f"<option>{scale}</option>" for scale in (1, 2, 5, 10, 20, 50, 100))
 _SPEEDS = "".join(
@@ -37,15 +38,6 @@ _SPEEDS = "".join(
 )
 
 _VIEW = (
-    "<div class='tools'>"
-    "<label>run <select id='view-run'></select></label>"
-    "<label>over it <select id='view-over'><option value=''>none</option></select></label>"
-    f"{_COLOURS}"
-    f"<label>deformation <select id='scale'>{_SCALES}</select></label>"
-    "<label>mode <select id='solo'><option value='-1'>all</option></select></label>"
-    "<label><input type='checkbox' id='edges' checked> edges</label>"
-    "<button type='button' id='worst'>worst ply</button>"
-    "<button type='button' id='home'>home</button></div>"
     "<div id='stage'><canvas id='canvas' tabindex='0' role='img' "
     "aria-label='The mechanism in motion. Drag to turn, wheel to zoom.'></canvas>"
     "<div id='caption' role='status'></div><div id='legend'></div></div>"
@@ -53,6 +45,22 @@ _VIEW = (
     "<input type='range' id='slider' min='0' max='1' step='any' value='0' aria-label='time'>"
     "<output id='clock'>0 s</output>"
     f"<label>speed <select id='speed'>{_SPEEDS}</select></label></div>"
+    "<div class='tools'>"
+    "<label>run <select id='view-run'></select></label>"
+    "<label>compare <select id='view-over'><option value=''>none</option></select></label>"
+    "<label><select id='beside' aria-label='place of the second run'>"
+    "<option value=''>over it</option><option value='1'>beside it</option></select></label>"
+    f"{_COLOURS}"
+    f"<label>deformation <select id='scale'>{_SCALES}</select></label>"
+    "<label>mode <select id='solo'><option value='-1'>all</option></select></label>"
+    "<label>arrows <select id='loads'><option value=''>none</option>"
+    "<option value='force'>forces</option><option value='moment'>moments</option></select></label>"
+    "<label><input type='checkbox' id='paths'> paths</label>"
+    "<label><input type='checkbox' id='edges' checked> edges</label>"
+    "<button type='button' id='worst'>worst ply</button>"
+    "<button type='button' id='home'>fit</button>"
+    "<button type='button' id='png'>PNG</button>"
+    "<button type='button' id='webm'>video</button></div>"
 )
 
 
@@ -160,6 +168,7 @@ def _run(blob: Blob, story: Story, share: int) -> dict[str, Any]:
 
 # Draw the figures of a report: those out of date only, two or more at a time.
 
+FORMATS = ("png", "svg", "pdf")
 KEYS = "figures.json"  # digest of what each figure was drawn from, by path
 FEW = 3  # figures that do not pay for a second process
 
@@ -203,9 +212,10 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
     _write_keys(folder / KEYS, now)
 
 
-def drawn_before(folder: Path) -> bool:
-    """Tell whether a folder has figures that draw_all has left there."""
-    return any((folder / name).is_file() for name in _keys(folder / KEYS) if name.endswith(".png"))
+def drawn_before(folder: Path) -> set[str]:
+    """Return the formats of figures that draw_all has left in a folder."""
+    there = [Path(name) for name in _keys(folder / KEYS) if (folder / name).is_file()]
+    return {file.suffix[1:] for file in there} & set(FORMATS)
 
 
 def is_up_to_date(folder: Path, page: str, key: str) -> bool:
@@ -268,6 +278,7 @@ def make_report(
     case: dict[str, Any] | None = None,
     *,
     figures: bool = False,
+    formats: Collection[str] = ("png",),
 ) -> Path:
     """Write report.html of a case, and figures on request; return the path of the page.
 
@@ -276,11 +287,12 @@ def make_report(
     case_dir : build/<case>, holding <run>/summary.json and <run>/result.vtkhdf
     runs : names of the runs to show, in this order
     case : the content of case.json. Used keys: `title`; `runs`, a
-        title by name; `figures`, by name {"title", "signal", "runs"}. Without
-        figures, each signal is drawn for all runs.
+        title by name; `figures`, by name {"title", "signal", "runs"}. Signals that no figure
+        shows are drawn for all runs.
     figures : draw <figure>.png into case_dir, motion.png and balance.png into each run's
         folder, and strength.png where plies have strengths. A folder that has such figures
         keeps them up to date without this argument.
+    formats : of these figures, some of FORMATS
 
     What shows the same as before is not made again.
 
@@ -295,9 +307,9 @@ def make_report(
     if not runs:
         raise InputError(f"{case_dir}: no runs to report on; expected at least one")
     target = case_dir / PAGE
-    figures = figures or drawn_before(case_dir)
+    drawn_as = drawn_before(case_dir) | (set(formats) if figures else set())
     digests = {run: _result_sha256(case_dir, run) for run in runs}
-    key = _content(case_dir, runs, case, digests, figures=figures)
+    key = _content(case_dir, runs, case, digests, sorted(drawn_as))
     if is_up_to_date(case_dir, PAGE, key):
         return target
     titles = case.get("runs", {})
@@ -311,8 +323,12 @@ def make_report(
     for wanted in shown:
         for run in wanted.runs:
             by_name[run].signal(wanted.signal)
-    if figures:
-        draw_all(case_dir, _drawings(case_dir, stories, shown))
+    if drawn_as:
+        found = _drawings(case_dir, stories, shown)
+        same = [
+            [d._replace(path=d.path.with_suffix(f".{form}")) for form in drawn_as] for d in found
+        ]
+        draw_all(case_dir, [drawing for each in same for drawing in each])
     title = str(case.get("title") or stories[0].result.case)
     write_text(target, page(title, stories, shown))
     remember(case_dir, PAGE, key)
@@ -347,14 +363,15 @@ def _content(
     runs: list[str],
     case: dict[str, Any],
     results: dict[str, str],
-    *,
-    figures: bool,
+    formats: list[str],
 ) -> str:
     """Digest of all that the page and the figures show, and of the files that make them.
 
-    results : digest of result.vtkhdf, by run
+    results : digest of result.vtkhdf, by run; formats : of the figures
     """
-    found = hashlib.sha256(json.dumps([runs, case, results, version() if figures else ""]).encode())
+    found = hashlib.sha256(
+        json.dumps([runs, case, results, formats, version() if formats else ""]).encode()
+    )
     found.update(sources_sha256("solver/report").encode())
     for run in runs:
         own = case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"

@@ -231,7 +231,7 @@ def draw_motion(path: Path, story: Story) -> Path:
     # Pale to dark in one hue: the order in time is also visible in black and white.
     fade = LinearSegmentedColormap.from_list("age", ["#B5D4EA", "#4A97C9", "#0A2F4A"])
     scale = Normalize(0.0, max(float(result.t[-1]), 1e-12))
-    tip = travelling_point(points)
+    tip = outermost_point(points)
     axes.plot(points[:, tip, 0], points[:, tip, 1], color="#D55E00", linewidth=0.9, zorder=2)
     chosen = frames(len(rows), INSTANTS)
     for k in chosen:
@@ -275,11 +275,15 @@ def plane(result: RunResult) -> tuple[int, int]:
     return first, second
 
 
-def travelling_point(points: Array) -> int:
-    """Return the index of the point with the longest path, of points (k, n, 2)."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
-    length = steps.max(initial=0.0)
-    return int(np.flatnonzero(steps >= length * (1 - 1e-9))[-1]) if len(points) > 1 else -1
+def outermost_point(points: Array) -> int:
+    """Return the index of the point that comes farthest from the one that moves least.
+
+    points : (k, n, 2) positions of n points at k times
+    """
+    travelled = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
+    fixed = points[:, int(np.argmin(travelled))]
+    away = np.linalg.norm(points - fixed[:, None], axis=2).max(axis=0)
+    return int(np.flatnonzero(away >= away.max() * (1 - 1e-9))[-1])
 
 
 def segments(body: BodyGeometry, own: Array) -> list[Array]:

@@ -151,6 +151,8 @@ SCRIPTS = (
     "renderer_gl",
     "renderer_2d",
     "overlay",
+    "loads",
+    "film",
     "print",
     "viewer",
     "keys",

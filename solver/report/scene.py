@@ -5,7 +5,7 @@ faces of a solid; their strain energy and exposure are computed here for the pag
 of the animation.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,10 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
-from ..results.schema import BodyView, Link, Side, Sites
+from ..results.schema import BodyView, Link, Loads, Side, Sites
+from ..results.surfaces import unit_sphere
 from ..strength import criteria_of
+from ..strength.criteria.von_mises import equivalent_stress
 from .inline import Blob
 from .story import Story
 
@@ -33,7 +35,32 @@ def site_exposure(sites: Sites, q: Array) -> Array:
 
     NaN where no ply has strengths.
     """
+    return _of_points(sites, q, _exposures)[0]
+
+
+def site_stress(sites: Sites, q: Array) -> Array:
+    """Largest stress of the governing points, (k, s) [Pa]; NaN where no ply has strengths.
+
+    Of a ply the magnitude along the fibre, of an isotropic material von Mises' equivalent stress.
+    """
+    return _of_points(sites, q, _stresses)[0]
+
+
+def weakest_ply(sites: Sites, q: Array) -> IntArray:
+    """Row in `plies` of the ply with the largest exposure over the times of q, (s,); -1 without."""
+    exposure, point = _of_points(sites, q, _exposures)
+    known = np.asarray(np.isfinite(exposure).all(axis=0))
+    time = np.argmax(np.nan_to_num(exposure), axis=0)
+    return np.where(known, sites.point_ply[point[time, np.arange(len(known))]], -1)
+
+
+Points = Callable[[Sites, IntArray, Array], Array]  # stresses (k, s, p, 6) of points to (k, s, p)
+
+
+def _of_points(sites: Sites, q: Array, of_points: Points) -> tuple[Array, IntArray]:
+    """Largest value of the governing points of each site, (k, s), and the point that has it."""
     found = np.full((len(q), len(sites.kind)), np.nan)
+    which = np.zeros(found.shape, dtype=np.int64)
     for kind in range(len(sites.compliance)):
         own = np.flatnonzero(sites.kind == kind)
         points = np.flatnonzero(sites.point_kind == kind)
@@ -44,12 +71,26 @@ def site_exposure(sites: Sites, q: Array) -> Array:
             rows = own[first : first + some]
             F = np.einsum("sjm,km->ksj", sites.resultants_E[rows], q, optimize=True)
             stress_M = np.einsum("pij,ksj->kspi", sites.stress_M[points], F, optimize=True)
-            largest = np.zeros(F.shape[:2])
-            for strength, same in _strengths(sites, points):
-                for criterion in criteria_of(strength):
-                    exposure = criterion.assess(stress_M[:, :, same], strength).exposure
-                    np.maximum(largest, exposure.max(axis=2), out=largest)
-            found[:, rows] = largest
+            values = of_points(sites, points, stress_M)
+            found[:, rows] = values.max(axis=2)
+            which[:, rows] = points[np.argmax(values, axis=2)]
+    return found, which
+
+
+def _exposures(sites: Sites, points: IntArray, stress_M: Array) -> Array:
+    found = np.zeros(stress_M.shape[:3])
+    for strength, same in _strengths(sites, points):
+        some = stress_M[:, :, same]
+        each = [criterion.assess(some, strength).exposure for criterion in criteria_of(strength)]
+        found[:, :, same] = np.max(each, axis=0)
+    return found
+
+
+def _stresses(sites: Sites, points: IntArray, stress_M: Array) -> Array:
+    found = np.abs(stress_M[..., 0])
+    for strength, same in _strengths(sites, points):
+        if isinstance(strength, YieldStrength):
+            found[:, :, same] = equivalent_stress(stress_M[:, :, same])
     return found
 
 
@@ -69,6 +110,7 @@ def _strengths(
 
 MOST, FEWEST = 400, 60  # times of the animation of a run
 NUMBERS = 250_000  # of the animations of a page
+HALF = 32767  # steps on both sides of zero, of two bytes
 AT_ONCE = 4_000_000  # numbers in memory at a time
 
 
@@ -124,7 +166,7 @@ def largest_displacement(view: BodyView, q: Array) -> float:
     return float(np.sqrt(largest))
 
 
-# Shapes for joints: what turns is a disc about its axis, what slides a bar along it.
+# Shapes of joints.
 
 WIDTH = 0.012  # of a glyph, over the size of the scene
 MOST_WIDTH = 0.04  # the same, of the joint of a thick beam
@@ -133,16 +175,21 @@ SHIFTS = ("x", "y", "z")
 
 
 def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
-    """Return points (p, 3) of a joint, in its axes, and triangles (f, 3).
+    """Return points (p, 3) of a joint, in its axes, and triangles (f, 3); none of a fixed one.
+
+    What turns about an axis is a cylinder along it, what slides a bar, what turns about all a ball.
 
     free : what the joint leaves of x, y, z, about x, about y, about z (results/schema.py)
     """
     shifts = [each for each in free if each in SHIFTS]
+    if not free:
+        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
     if shifts and len(shifts) < len(SHIFTS):
-        return _prism(4, 0.5 * width, 2.0 * width)
+        return _prism(4 if len(free) == len(shifts) else 20, 0.7 * width, 2.5 * width)
     if free == ("about z",):
-        return _prism(12, 0.9 * width, 1.3 * width)
-    return _ball(width)
+        return _prism(20, 0.9 * width, 1.3 * width)
+    points, cells = unit_sphere()
+    return width * points, np.concatenate([cells[:, :3], cells[:, [0, 2, 3]]])
 
 
 def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
@@ -151,8 +198,8 @@ def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> 
     size : of the scene [m]
     """
     least = WIDTH * size
-    if not len(view.shapes_B):
-        return least
+    if not view.provenance:  # a box, not a package
+        return 1.5 * least
     node = int(np.argmin(np.linalg.norm(body.nodes_B - side.position_B, axis=1)))
     around = np.linalg.norm(view.surface.offset_B[view.surface.node == node], axis=1)
     return min(max(least, OUTSIDE * float(around.max(initial=0.0))), MOST_WIDTH * size)
@@ -174,12 +221,6 @@ def _prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:
     ]
     fan = np.column_stack([np.zeros(sides - 2, dtype=int), k[1:-1], k[2:]])
     return points, np.concatenate([*side, fan[:, ::-1], fan + sides])
-
-
-def _ball(radius: float) -> tuple[Array, IntArray]:
-    points = radius * np.concatenate([np.eye(3), -np.eye(3)])
-    faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
-    return points, np.array(faces)
 
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
@@ -218,7 +259,27 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
         "extent": high - low,
         "bodies": bodies + _ground(blob, own, origin, size, len(rows)),
         "joints": _pairs(own, result.bodies),
+        "loads": _loads(blob, result.loads, origin, share),
     }
+
+
+def _loads(blob: Blob, loads: Loads | None, origin: Array, share: int) -> dict[str, Any] | None:
+    """Add forces and moments of joints and force elements, and where they act."""
+    if loads is None:
+        return None
+    rows = slice(None, None, max(1, -(-9 * len(loads.t) * len(loads.names) // max(share // 4, 1))))
+    arrays = {
+        "place": loads.place_G - origin,
+        "force": loads.load_G[..., :3],
+        "moment": loads.load_G[..., 3:],
+    }
+    found: dict[str, Any] = {"names": loads.names, "t": blob.add(loads.t[rows], "<f8")}
+    for name, values in arrays.items():  # (r, n, 3) in steps of the largest, enough for a picture
+        top = float(np.abs(values).max(initial=0.0)) or 1.0
+        steps = blob.add(np.round(HALF + HALF * (values[rows] / top)), "<u2")
+        length = float(np.linalg.norm(values, axis=2).max(initial=0.0))
+        found[name] = {"top": top, "steps": steps, "longest": length}
+    return found
 
 
 def _peaks(story: Story) -> list[float]:
@@ -303,14 +364,18 @@ def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, Any]:
     """Fields of the sites at the times of `q` (k, m), and of each mode alone.
 
     A field is stored in steps of 1/255 of its largest value, which is what colours can show. The
-    energy of one mode is the square of its coordinate times that at 1. Exposures are proportional
-    to the stress, so that of one mode follows from those at 1 and at -1.
+    energy of one mode is the square of its coordinate times that at 1. Exposures and stresses are
+    proportional to the coordinate, so those of one mode follow from those at 1 and at -1.
     """
     unit = np.eye(q.shape[1])
+    both = np.concatenate([unit, -unit])
     fields = {"energy": (site_energy, unit)}
-    if len(sites.stress_M):
-        fields["exposure"] = (site_exposure, np.concatenate([unit, -unit]))
     found: dict[str, Any] = {"dimension": sites.dimension}
+    if len(sites.stress_M):
+        fields |= {"exposure": (site_exposure, both), "stress": (site_stress, both)}
+        used, ply = np.unique(weakest_ply(sites, q), return_inverse=True)
+        found["ply"] = blob.add(ply, "|u1" if len(used) < STEPS else "<u4")
+        found["plies"] = [_ply_name(sites, row) for row in used.tolist()]
     for name, (field, alone) in fields.items():
         values = np.nan_to_num(field(sites, q))
         top = float(values.max(initial=0.0)) or 1.0
@@ -320,6 +385,12 @@ def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, Any]:
             "alone": blob.add(np.nan_to_num(field(sites, alone))),  # (m or 2m, s)
         }
     return found
+
+
+def _ply_name(sites: Sites, row: int) -> str:
+    ply = sites.plies[row]
+    angle = f", {ply['angle_deg']:g} deg" if "yield_stress" not in (ply["strength"] or {}) else ""
+    return f"{ply['region']} ply {ply['index']}: {ply['material']}{angle}" if row >= 0 else "none"
 
 
 def _ground(

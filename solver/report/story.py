@@ -83,6 +83,7 @@ class Comparison(NamedTuple):
     signal: str
     runs: tuple[str, ...]
     spectrum: bool = False  # amplitudes over frequency, not values over time
+    more: bool = False  # beside the figures of the case
 
 
 def read_story(
@@ -123,21 +124,30 @@ def read_story(
 
 
 def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
-    """Return the pictures that the case requests, with the existing runs.
+    """Return the pictures that the case requests, then one of each signal that these do not show.
 
-    A case without figures gets one picture per signal.
+    With the existing runs.
     """
     there = {story.name for story in stories}
-    wanted = case.get("figures") or {
-        s.name: {"title": s.description or s.name, "signal": s.name, "runs": sorted(there)}
+    wanted: dict[str, Any] = dict(case.get("figures") or {})
+    drawn = {figure["signal"] for figure in wanted.values()}
+    wanted |= {
+        (s.name if s.name not in wanted else f"{s.name}-all"): {
+            "title": s.description or s.name,
+            "signal": s.name,
+            "runs": [story.name for story in stories],
+            "more": bool(drawn),
+        }
         for s in stories[0].result.signals
+        if s.name not in drawn
     }
     found = []
     for name, figure in wanted.items():
         runs = tuple(run for run in figure["runs"] if run in there)
         if runs:
             title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
-            found.append(Comparison(name, title, figure["signal"], runs, spectrum))
+            more = bool(figure.get("more"))
+            found.append(Comparison(name, title, figure["signal"], runs, spectrum, more))
     return found
 
 

@@ -15,7 +15,11 @@ DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), "-.")  # for print in black and w
 INK, GREY, PALE = "#222222", "#777777", "#C9C9C9"
 WARNING = "#B00020"
 
+# Entries of a file that would differ from run to run, by its format.
+_UNSAID = {"png": ["Software"], "svg": ["Date"], "pdf": ["CreationDate", "Creator", "Producer"]}
 _RULES: Any = {
+    "svg.hashsalt": "plymotion",  # names within an SVG that do not change
+    "pdf.fonttype": 42,  # text that can be edited and searched
     "font.size": 9,
     "font.family": "DejaVu Sans",
     "axes.titlesize": 10,
@@ -82,7 +86,7 @@ class Canvas:
         return list(self.figure.subplots(rows, columns, squeeze=False, **options).ravel())
 
     def save(self, path: Path) -> Path:
-        """Write a PNG under a temporary name, then rename it."""
+        """Write a PNG, SVG or PDF, by the suffix, under a temporary name, then rename it."""
         # Saved with a layout engine, a figure is laid out twice and drawn twice.
         engine = self.figure.get_layout_engine()
         if engine is not None:
@@ -90,7 +94,8 @@ class Canvas:
             self.figure.set_layout_engine(None)
         with temporary_sibling(path) as temporary:
             # Without creation tool and date, the same run gives the same bytes.
-            self.figure.savefig(temporary, format="png", metadata={"Software": None})
+            form = path.suffix[1:]
+            self.figure.savefig(temporary, format=form, metadata=dict.fromkeys(_UNSAID[form]))
         return path
 
 

@@ -11,7 +11,7 @@ from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows
 from ..package.common.container import as_text, is_text, set_text, text_array
 from ..package.common.dataset import build, field_values, layout
-from .schema import BodyGeometry, BodyView, Link, ResultError, Side, Sites, Surface
+from .schema import BodyGeometry, BodyView, Link, Loads, ResultError, Side, Sites, Surface
 from .summary import plain
 
 # Datasets of a result file: rows over time, in chunks of one column each.
@@ -238,8 +238,8 @@ def put_array(group: h5py.Group, name: str, values: Any, words: tuple[str, ...])
 
 
 SURFACE, SITES = "surface/", "sites/"  # groups of a body
-SPECS = (*layout(BodyGeometry), *layout(BodyView), *layout(Surface, SURFACE))
-# Unit and frame of each dataset of a body, and a description if it has one.
+SPECS = (*layout(BodyGeometry), *layout(BodyView), *layout(Surface, SURFACE), *layout(Loads))
+# Unit and frame of each dataset of a body or of the loads, and a description if it has one.
 LAYOUT = {s.path: tuple(filter(None, (s.unit, s.frame, s.text))) for s in SPECS}
 SIDE = ("position_B", "A_BM", "phi_B", "psi_B")
 
@@ -309,6 +309,16 @@ def link_of(where: str, name: str, record: Record) -> Link:
         )
         free = tuple(json.loads(record.get("free") or "[]"))
         return Link(name, str(record["kind"]), (one, two), free)
+
+
+def loads_of(where: str, record: Record) -> Loads:
+    """Return the loads from their record. Raises ResultError."""
+    with _told(where):
+        found: Loads = build(Loads, record, names=tuple(json.loads(record["names"])))
+        r, n = len(found.t), len(found.names)
+        if found.place_G.shape != (r, n, 3) or found.load_G.shape != (r, n, 6):
+            raise ValueError(f"expected places and loads of {r} times and {n} names")
+    return found
 
 
 class _told:

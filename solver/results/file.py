@@ -32,6 +32,7 @@ from .datasets import (
     body_of,
     link_of,
     link_record,
+    loads_of,
     read_array,
     read_record,
     read_table,
@@ -145,6 +146,9 @@ def _write_results(
         item.attrs["index"] = index
     _write_records(group, "bodies", result.bodies, _body_record)
     _write_records(group, "joints", result.links, link_record)
+    if result.loads is not None:
+        record = {**field_values(result.loads), "names": json.dumps(result.loads.names)}
+        write_record(group.create_group("loads"), record, LAYOUT)
     nodes = result.node_positions_G
     if all_positions or nodes.nbytes <= MOST_STORED or not drawn_by_views(result.bodies):
         text = "positions of all drawn points, bodies end to end"
@@ -350,6 +354,9 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         violations=series("violations"),
         node_deflection=array("node_deflection") if "node_deflection" in group else None,
         links=tuple(link_of(*each) for each in records("joints")),
+        loads=loads_of(f"{path}: /results/loads", read_record(group["loads"]))
+        if "loads" in group
+        else None,
         provenance=json.loads(provenance or "{}"),
     )
 

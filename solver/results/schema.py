@@ -106,9 +106,19 @@ class Link:
     free: tuple[str, ...] = ()  # of x, y, z, about x, about y, about z: what the joint leaves
 
 
+@dataclass(frozen=True)
+class Loads:
+    """Loads for pictures: of joints and their drives, of force elements, on their second side."""
+
+    names: tuple[str, ...]  # (n,)
+    t: Annotated[Array, Data("r", "s", text="some of the output times")]
+    place_G: Annotated[Array, Data("r, n, 3", "m", "G", "origin of the second place")]
+    load_G: Annotated[Array, Data("r, n, 6", "N, N m", "G", "force, and moment about the origin")]
+
+
 FORMAT = "plymotion result"
-FORMAT_VERSION = (1, 3)
-TABLES_VERSION = (2, 0)  # of a file with tables: older readers would miss what is in them
+FORMAT_VERSION = (1, 4)
+TABLES_VERSION = (2, 1)  # of a file with tables: older readers would miss what is in them
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative
@@ -187,6 +197,7 @@ class RunResult:
     violations: dict[str, Array] = field(default_factory=dict)
     node_deflection: Array | None = None  # (k, n) magnitude of the elastic displacement [m]
     links: tuple[Link, ...] = ()  # joints, for pictures
+    loads: Loads | None = None
     provenance: dict[str, Any] = field(default_factory=dict)  # versions, command, digest of inputs
 
     @property

@@ -179,7 +179,7 @@ def with_spheres(surface: Surface, nodes_B: Array, balls: Sequence[Ball], reach:
     parts = Parts()
     parts.points(surface.node, surface.offset_B)
     parts.triangles(surface.triangles, surface.edges, surface.site)
-    rings, quads = _unit_sphere()
+    rings, quads = unit_sphere()
     for centre, mass in balls:
         node = int(np.argmin(np.linalg.norm(nodes_B - centre, axis=1)))
         points = centre - nodes_B[node] + radius(mass, reach) * rings
@@ -188,7 +188,7 @@ def with_spheres(surface: Surface, nodes_B: Array, balls: Sequence[Ball], reach:
     return parts.surface()
 
 
-def _unit_sphere() -> tuple[Array, IntArray]:
+def unit_sphere() -> tuple[Array, IntArray]:
     """Points (p, 3) on circles of latitude, poles included, and cells (f, 4), outward."""
     polar = np.linspace(0.0, np.pi, _BANDS + 1)[:, None]
     around = np.linspace(0.0, 2.0 * np.pi, SIDES, endpoint=False)[None, :]

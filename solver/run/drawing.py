@@ -9,6 +9,7 @@ import numpy as np
 
 from ..dynamics.elements.joints.contract import FREEDOMS
 from ..dynamics.elements.joints.table import JOINTS
+from ..dynamics.evaluation.series import loads_of_markers
 from ..math.arrays import Array, IntArray
 from ..math.laws import lengths_along
 from ..math.rows import LongRows
@@ -16,8 +17,10 @@ from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..package.section.stress import strengths
 from ..results import BodyGeometry
+from ..results.datasets import MOST_NAMED
+from ..results.file import frames
 from ..results.outline import Outline, section_outline
-from ..results.schema import BodyView, Link, Side, Sites, Surface
+from ..results.schema import BodyView, Link, Loads, Side, Sites, Surface
 from ..results.surfaces import (
     LINES,
     Ball,
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
 GLYPH = 0.012  # width of a bar without a known section, over the length of the body
+LOADED = 200  # times at which pictures show loads
 TIMES = 40  # that the governing points of a section are chosen from
 
 
@@ -137,6 +141,33 @@ def links(built: BuiltMechanism) -> tuple[Link, ...]:
             free = tuple(f for f in FREEDOMS if f not in JOINTS[joint.kind].removes)
             found.append(Link(name, joint.kind, (_side(built, one), _side(built, two)), free))
     return tuple(found)
+
+
+def drawn_loads(
+    built: BuiltMechanism, t: Array, y: Array | LongRows, multipliers: Array | LongRows
+) -> Loads | None:
+    """Return the loads of joints and force elements for pictures; None without, or of too many.
+
+    On the second place of each, at some of the output times t (k,), with states y (k, n) and
+    multipliers (k, n_c).
+    """
+    model, names = built.model, [*built.joints, *built.force_names]
+    # Rows of `loads_of_markers`: both sides of every joint table, then of every force element.
+    places = [[2 * row + 1 for row in joint.rows] for joint in built.joints.values()]
+    after = model.joint_marker.size
+    places += [[after + 2 * k + 1] for k in range(len(built.force_names))]
+    known = [k for k, rows in enumerate(places) if rows]
+    if not 0 < len(known) <= MOST_NAMED:
+        return None
+    times = frames(len(t), LOADED)
+    rows = np.asarray(y[times]), np.asarray(multipliers[times])
+    loads, origins = loads_of_markers(model, t[times], *rows)
+    return Loads(
+        tuple(names[k] for k in known),
+        t[times],
+        np.stack([origins[:, places[k][0]] for k in known], axis=1),
+        np.stack([loads[:, places[k]].sum(axis=1) for k in known], axis=1),
+    )
 
 
 def _side(built: BuiltMechanism, marker: int) -> Side:

@@ -32,7 +32,7 @@ from ..results.surfaces import MOST_STORED, all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
-from .drawing import links, point_masses, with_views
+from .drawing import drawn_loads, links, point_masses, with_views
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -115,6 +115,7 @@ def collect(
     geometry, points = drawn_shapes(finished.built, y)
     balls = point_masses(finished.mechanism, finished.built)
     geometry = with_views(geometry, finished.built, y, balls)
+    multipliers = kept["", "multipliers"].all()
     result = RunResult(
         case=spec.case,
         run=spec.run,
@@ -122,12 +123,13 @@ def collect(
         signals=found_signals,
         q=columns(y, 0, model.n_pos),
         v=columns(y, model.n_pos, model.n_pos + model.n_vel),
-        multipliers=kept["", "multipliers"].all(),
+        multipliers=multipliers,
         energies={n: rows.all() for (group, n), rows in kept.items() if group == "energies"},
         bodies=geometry,
         node_positions_G=points,
         violations={n: rows.all() for (group, n), rows in kept.items() if group == "violations"},
         links=links(finished.built),
+        loads=drawn_loads(finished.built, t, y, multipliers),
         provenance=provenance(spec.packages),
     )
     judgement = judge(finished)

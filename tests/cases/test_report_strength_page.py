@@ -139,7 +139,10 @@ def stressed(strength: PlyStrength | YieldStrength, stress: np.ndarray) -> RunRe
         stress_M=one,
         point_kind=np.zeros(1, dtype=np.int64),
         point_ply=np.zeros(1, dtype=np.int64),
-        plies=({"region": "a", "index": 0, "strength": vars(strength)},),
+        plies=(
+            {"region": "a", "index": 0, "material": "m", "angle_deg": 0.0}
+            | {"strength": vars(strength)},
+        ),
     )
     triangle = Surface(
         np.arange(3),

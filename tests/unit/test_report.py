@@ -12,6 +12,7 @@ from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -125,7 +126,7 @@ class Page(HTMLParser):
 
 def test_report_leaves_figures_and_a_page_and_nothing_else(case_dir: Path) -> None:
     made = {str(p.relative_to(case_dir)) for p in case_dir.rglob("*") if p.is_file()}
-    expected = {"report.html", "angles.png", "figures.json", RECORD}
+    expected = {"report.html", "angles.png", "tip_x.png", "tip_y.png", "figures.json", RECORD}
     for run in RUNS:
         files = ("summary.json", "result.vtkhdf", "motion.png", "balance.png", RECORD)
         expected |= {f"{run}/{file}" for file in files}
@@ -157,7 +158,25 @@ def test_only_figures_of_other_data_are_drawn_again(case_dir: Path, tmp_path: Pa
     make_report(folder, list(RUNS), CASE)
     drawn = {path for path in folder.rglob("*.png") if path.stat().st_mtime_ns != before[path]}
     own = {folder / changed / name for name in ("motion.png", "balance.png")}
-    assert drawn == {*own, folder / other / "balance.png", folder / "angles.png"}
+    compared = {folder / f"{name}.png" for name in ("angles", "tip_x", "tip_y")}
+    assert drawn == {*own, folder / other / "balance.png", *compared}
+
+
+def test_figures_are_also_svg_and_pdf_the_same_each_time(case_dir: Path, tmp_path: Path) -> None:
+    shutil.copytree(case_dir, tmp_path / "case", ignore=shutil.ignore_patterns("*.png", "*.json"))
+    for run in RUNS:
+        shutil.copy(case_dir / run / "summary.json", tmp_path / "case" / run)
+    found = []
+    for _ in range(2):
+        make_report(tmp_path / "case", ["long"], CASE, figures=True, formats=("svg", "pdf"))
+        files = [tmp_path / "case/long/motion.svg", tmp_path / "case/angles.pdf"]
+        found.append([file.read_bytes() for file in files])
+        assert ElementTree.fromstring(found[-1][0]).tag == "{http://www.w3.org/2000/svg}svg"
+        assert found[-1][1].startswith(b"%PDF-")
+        assert not list((tmp_path / "case").rglob("*.png"))
+        for file in files:
+            file.unlink()
+    assert found[0] == found[1]
 
 
 def test_page_is_well_formed_and_needs_nothing_from_outside(case_dir: Path) -> None:
@@ -293,8 +312,18 @@ def test_report_without_a_case_draws_every_signal(case_dir: Path, tmp_path: Path
 
 def test_figures_show_only_runs_that_exist(case_dir: Path) -> None:
     stories = [read_story(case_dir, "long", "long rod")]
-    (wanted,) = comparisons(CASE, stories)
-    assert wanted.runs == ("long",)
+    wanted = comparisons(CASE, stories)
+    assert all(each.runs == ("long",) for each in wanted)
+
+
+def test_figures_come_before_the_signals_that_they_do_not_show(case_dir: Path) -> None:
+    stories = [read_story(case_dir, run, run) for run in RUNS]
+    wanted = comparisons(CASE, stories)
+    assert [(c.name, c.signal, c.more) for c in wanted] == [
+        ("angles", "angle", False),
+        ("tip_x", "tip_x", True),
+        ("tip_y", "tip_y", True),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from samples.result_samples import swinging_rod
 
-from plymotion.solver.report.figures import crossings, plane, segments, spread, travelling_point
+from plymotion.solver.report.figures import crossings, outermost_point, plane, segments, spread
 from plymotion.solver.report.story import Story
 from plymotion.solver.results import BodyGeometry, Signal
 
@@ -39,7 +39,18 @@ def test_motion_is_drawn_in_the_plane_of_motion() -> None:
 
 def test_outermost_point_is_the_tip_of_the_rod() -> None:
     result = swinging_rod()
-    assert travelling_point(result.node_positions_G[:, :9, :2]) == 8
+    assert outermost_point(result.node_positions_G[:, :9, :2]) == 8
+
+
+def test_outermost_point_of_a_folding_arm_is_its_tip_not_its_elbow() -> None:
+    """The elbow of a forearm that is drawn in travels farther than the tip."""
+    a = np.linspace(0.0, 1.2, 50)
+    elbow = np.column_stack([np.cos(a), np.sin(a)])
+    tip = elbow + np.column_stack([np.cos(a * 0.4 - 0.9 * a), np.sin(a * 0.4 - 0.9 * a)])
+    points = np.stack([np.zeros((50, 2)), elbow, tip], axis=1)
+    travelled = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
+    assert travelled[1] > travelled[2]
+    assert outermost_point(points) == 2
 
 
 def test_outlines_of_cells() -> None:

@@ -14,7 +14,7 @@ from plymotion.solver.results import (
     read_result,
     write_result,
 )
-from plymotion.solver.results.schema import BodyView
+from plymotion.solver.results.schema import BodyView, Loads
 from plymotion.solver.results.surfaces import all_positions, node_positions
 
 
@@ -35,16 +35,18 @@ def same(one: object, two: object) -> bool:
 
 @pytest.mark.parametrize("count", [3, 150])
 def test_bodies_joints_and_signals_come_back(tmp_path: Path, count: int) -> None:
-    path, result = tmp_path / "result.vtkhdf", crowd(count)
+    random = np.random.default_rng(3)
+    loads = Loads(("a", "b"), np.arange(5.0), random.random((5, 2, 3)), random.random((5, 2, 6)))
+    path, result = tmp_path / "result.vtkhdf", dataclasses.replace(crowd(count), loads=loads)
     write_result(path, result)
     found = read_result(path)
-    for name in ("bodies", "links", "signals"):
+    for name in ("bodies", "links", "signals", "loads"):
         assert same(getattr(result, name), getattr(found, name)), name
     assert found.provenance == result.provenance
     assert np.array_equal(found.node_positions_G, result.node_positions_G)
     with h5py.File(path) as file:
         version = file.attrs["format_version"].tolist()
-        assert version == ([1, 3] if count == 3 else [2, 0])  # old readers refuse tables
+        assert version == ([1, 4] if count == 3 else [2, 1])  # old readers refuse tables
 
 
 def test_the_number_of_objects_does_not_grow_with_bodies_and_signals(tmp_path: Path) -> None:
@@ -65,6 +67,14 @@ def test_a_damaged_table_is_named(tmp_path: Path) -> None:
     with h5py.File(path, "r+") as file:
         del file["results/bodies_table/mass/values"]
     with pytest.raises(ResultError, match=r"/results/bodies_table: damaged table"):
+        read_result(path)
+
+
+def test_damaged_loads_are_named(tmp_path: Path) -> None:
+    path, loads = tmp_path / "result.vtkhdf", Loads(("a",), np.zeros(1), *np.zeros((2, 1, 1, 6)))
+    loads = dataclasses.replace(loads, place_G=np.zeros((1, 2, 3)))
+    write_result(path, dataclasses.replace(crowd(3), loads=loads))
+    with pytest.raises(ResultError, match=r"/results/loads: damaged view: expected places and"):
         read_result(path)
 
 

@@ -1,13 +1,37 @@
 // The eye goes round a target. Matrices by columns, as WebGL takes them.
 
-function homeCamera(scene) {
+function homeCamera(scene, shown) {
   const [x, y, z] = scene.extent;
   const flat = Math.min(x, y, z) < 0.25 * Math.max(x, y, z);
   // Along the shortest side of what is seen; y is up unless one looks along it.
   const along = flat ? [x, y, z].indexOf(Math.min(x, y, z)) : 2;
-  const up = along === 2 ? 1 : 2;
-  const yaw = along === 1 ? -Math.PI / 2 : along === 0 ? 0 : 0;
-  return { target: [0, 0, 0], up, yaw: yaw + (flat ? 0.2 : 0.6), pitch: flat ? 0.2 : 0.45, distance: 1.25 * scene.size / 0.53 / 2 + 0.3 * scene.size };
+  const camera = { target: [0, 0, 0], up: along === 2 ? 1 : 2, yaw: (along === 1 ? -Math.PI / 2 : 0) + (flat ? 0.2 : 0.6), pitch: flat ? 0.2 : 0.45, distance: scene.size };
+  return fitCamera(camera, scene, shown);
+}
+
+const FIT_TIMES = 25, FIT_POINTS = 4000, FILLED = 0.86; // of the picture
+
+// Move the eye so that some points of all bodies are in the picture at some times of the run.
+function fitCamera(camera, scene, { scale, aspect }) {
+  const axes = cameraAxes(camera), f = 1 / Math.tan(0.27), times = array(scene.t), points = [];
+  const most = Math.max(8, Math.floor(FIT_POINTS / FIT_TIMES / scene.bodies.length));
+  for (let k = 0; k < FIT_TIMES; k++) {
+    const t = times[Math.round((k * (times.length - 1)) / (FIT_TIMES - 1))];
+    for (const body of scene.bodies) {
+      const state = bodyState(scene, body, t, -1), node = array(body.node), offset = array(body.offset);
+      for (let i = 0; i < node.length; i += Math.ceil(node.length / most)) {
+        const at = pointAt(body, state, node[i], offset.subarray(3 * i, 3 * i + 3), scale);
+        points.push(axes.map((axis) => axis[0] * at[0] + axis[1] * at[1] + axis[2] * at[2]));
+      }
+    }
+  }
+  const middle = [0, 1, 2].map((a) => points.reduce(([low, high], p) => [Math.min(low, p[a]), Math.max(high, p[a])], [Infinity, -Infinity]));
+  const centre = middle.map(([low, high]) => (low + high) / 2);
+  const wide = [(f * Math.min(aspect, 1)) / aspect / FILLED, (f * Math.min(aspect, 1)) / FILLED];
+  const needed = (p) => p[2] - centre[2] + Math.max(...wide.map((each, a) => each * Math.abs(p[a] - centre[a])));
+  camera.distance = Math.max(0.05 * scene.size, points.reduce((most, p) => Math.max(most, needed(p)), 0));
+  camera.target = [0, 1, 2].map((a) => axes.reduce((sum, axis, i) => sum + axis[a] * centre[i], 0));
+  return camera;
 }
 
 // Axes of the eye: right, above, back (towards the eye).

@@ -79,6 +79,9 @@ function vertical(plot, t, colour, dash) {
   pen.restore();
 }
 
+// The legend has the values at the pointer, and without one those at the time that is shown.
+const tellValues = (plot) => plot.cursor.idx ?? plot.setLegend({ idx: plot.valToIdx(clock.t) });
+
 const markTime = (plot) => vertical(plot, clock.t, shade('--ink'), []);
 const markStops = (plot, lines) =>
   lines.filter((line) => line.stopped).forEach((line) => vertical(plot, line.x[line.x.length - 1], shade('--bad'), [5, 4]));
@@ -112,7 +115,7 @@ function setUpCharts() {
     const now = performance.now();
     if (clock.playing && now - drawn < 200) return; // all charts at 5 Hz while playing
     drawn = now;
-    charts.filter((plot) => plot.hooks.draw).forEach((plot) => plot.redraw(false, false));
+    charts.filter((plot) => plot.hooks.draw).forEach((plot) => { plot.redraw(false, false); tellValues(plot); });
   });
   themeListeners.push(() => charts.forEach((plot) => plot.redraw(false, true)));
   addEventListener('beforeprint', () => fitCharts(680));

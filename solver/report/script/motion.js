@@ -27,13 +27,17 @@ function bodyState(scene, body, t, solo) {
 
 // Strain energy or exposure of each site of a body, of all modes or of one.
 function siteValues(scene, body, state, name) {
+  if (name === 'ply') {
+    const known = plyNames(scene), row = (body.sites.plies ?? []).map((ply) => known.indexOf(ply));
+    return Float32Array.from(row.length ? array(body.sites.ply) : [0], (k) => row[k] ?? 0);
+  }
   const field = body.sites[name];
   if (!field) return new Float32Array(1);
   const steps = array(field.steps), count = page.arrays[field.steps].shape[1], unit = field.top / 255;
   const [k, high, part] = between(array(scene.field_t), state.t);
   const blend = (s) => unit * ((1 - part) * steps[k * count + s] + part * steps[high * count + s]);
   if (state.solo < 0) return Float32Array.from({ length: count }, (_, s) => blend(s));
-  const q = state.q[state.solo], alone = array(field.alone), linear = name === 'exposure';
+  const q = state.q[state.solo], alone = array(field.alone), linear = name !== 'energy';
   const row = linear && q < 0 ? state.solo + body.modes : state.solo, factor = linear ? Math.abs(q) : q * q;
   return Float32Array.from({ length: count }, (_, s) => factor * alone[row * count + s]);
 }

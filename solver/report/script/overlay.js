@@ -1,8 +1,9 @@
 // Over the picture: lines between the sides of joints, a mark at a place, the axes.
 
-function drawOverlay(canvas, scene, states, camera, shown, mark) {
-  const pen = canvas.getContext('2d'), { width, height } = canvas, ratio = shown.ratio;
+function drawOverlay(canvas, scene, states, camera, shown, mark, [left, , width, height]) {
+  const pen = canvas.getContext('2d'), { ratio } = shown;
   const matrix = cameraMatrix(camera, width / height);
+  inBox(pen, left, width, height);
   pen.clearRect(0, 0, width, height);
   pen.lineWidth = 1.5 * ratio;
   pen.strokeStyle = shade('--bad');
@@ -17,6 +18,8 @@ function drawOverlay(canvas, scene, states, camera, shown, mark) {
     pen.lineTo(b[0], b[1]);
     pen.stroke();
   });
+  if (shown.paths) drawPaths(pen, scene, shown, matrix, width, height);
+  if (shown.loads && scene.loads) drawLoads(pen, scene.loads, scene.size, shown, matrix, width, height);
   if (mark) {
     const at = pointAt(scene.bodies[mark.body], states[mark.body], mark.node, [0, 0, 0], shown.scale);
     const [x, y] = projected(matrix, at, width, height);
@@ -25,7 +28,8 @@ function drawOverlay(canvas, scene, states, camera, shown, mark) {
     pen.arc(x, y, 14 * ratio, 0, 2 * Math.PI);
     pen.stroke();
   }
-  drawAxes(pen, camera, height, ratio);
+  if (!left) drawAxes(pen, camera, height, ratio);
+  pen.restore();
 }
 
 function drawAxes(pen, camera, height, ratio) {

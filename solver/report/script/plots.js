@@ -56,7 +56,7 @@ function zoomToPeaks(plot, lines) {
 }
 
 // A long description would not fit beside the axis.
-const unitOf = (series) => `${series.text.length < 30 ? series.text : series.name} [${series.unit}]`;
+const unitOf = (series) => `${series.text.length + series.unit.length < 25 ? series.text : series.name} [${series.unit}]`;
 
 function lineOf(run, series, label) {
   return { label, x: array(run.t), y: array(series.values), stopped: run.stopped };
@@ -64,17 +64,32 @@ function lineOf(run, series, label) {
 
 function setUpPlots() {
   const list = document.getElementById('plot-list');
-  for (const figure of page.figures) {
+  const draw = (place, figure) => {
     const runs = figure.runs.map(runOf);
     const series = runs.map((run) => run.signals.find((signal) => signal.name === figure.signal));
-    addPlot(list, figure.title, runs.map((run, i) => lineOf(run, series[i], run.title)), unitOf(series[0]));
-  }
+    addPlot(place, figure.title, runs.map((run, i) => lineOf(run, series[i], run.title)), unitOf(series[0]));
+  };
+  page.figures.filter((figure) => !figure.more).forEach((figure) => draw(list, figure));
+  const others = page.figures.filter((figure) => figure.more);
+  if (others.length) list.append(otherSignals(others, draw));
   const balances = element('div', { class: 'balances' });
   const choice = element('select', { id: 'balance-run', onchange: () => showBalances(balances, page.runs[choice.selectedIndex]) });
   choice.append(...page.runs.map((run) => element('option', {}, run.title)));
   list.append(element('p', { class: 'choice' }, element('label', { for: 'balance-run' }, 'Verification of '), choice), balances);
   showBalances(balances, page.runs[0]);
   fitCharts();
+}
+
+// Signals without a figure of the case: drawn when they are asked for.
+function otherSignals(figures, draw) {
+  const inside = element('div', { class: 'balances' });
+  const made = element('details', { class: 'choice' }, element('summary', {}, `${figures.length} more signals`), inside);
+  made.addEventListener('toggle', () => {
+    if (inside.children.length) return;
+    figures.forEach((figure) => draw(inside, figure));
+    fitCharts();
+  });
+  return made;
 }
 
 function showBalances(place, run) {

@@ -10,7 +10,7 @@ function setUpPrint() {
     for (const each of [canvas, field('overlay')]) [each.width, each.height] = [720, 480];
     const pictures = [0, 1 / 3, 2 / 3, 1].map((part) => {
       clock.t = nearestTime(part * end);
-      drawView(homeCamera(runShown().scene));
+      drawView(homeCamera(runShown().scene, shownNow(runShown().scene)));
       const still = element('canvas', { width: '720', height: '480' }), pen = still.getContext('2d');
       pen.drawImage(canvas, 0, 0);
       pen.drawImage(field('overlay'), 0, 0);

@@ -1,3 +1,12 @@
+// Draw in a part of a canvas only; pen.restore() ends it.
+function inBox(pen, left, width, height) {
+  pen.save();
+  pen.translate(left, 0);
+  pen.beginPath();
+  pen.rect(0, 0, width, height);
+  pen.clip();
+}
+
 // Drawing without WebGL: triangles from far to near, computed in double precision.
 
 function flatRenderer(canvas) {
@@ -5,8 +14,8 @@ function flatRenderer(canvas) {
   return {
     name: 'canvas2d',
     canvas,
-    draw(layers, camera, shown) {
-      const { width, height } = canvas, matrix = cameraMatrix(camera, width / height);
+    draw(layers, camera, shown, [left, , width, height]) {
+      const matrix = cameraMatrix(camera, width / height);
       const faces = [];
       for (const { scene, states, alpha, plain } of layers) {
         scene.bodies.forEach((body, i) => {
@@ -21,6 +30,7 @@ function flatRenderer(canvas) {
         });
       }
       faces.sort((a, b) => b.depth - a.depth);
+      inBox(pen, left, width, height);
       pen.fillStyle = shade('--paper');
       pen.fillRect(0, 0, width, height);
       for (const { corners, colour, alpha } of faces) {
@@ -32,7 +42,7 @@ function flatRenderer(canvas) {
         pen.fill();
         pen.stroke();
       }
-      pen.globalAlpha = 1;
+      pen.restore();
     },
   };
 }

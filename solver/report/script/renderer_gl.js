@@ -39,9 +39,11 @@ function glRenderer(canvas) {
   return {
     name: 'webgl2',
     canvas,
-    // layers: [{ scene, states, alpha, colours }], the first is solid
-    draw(layers, camera, shown) {
-      gl.viewport(0, 0, canvas.width, canvas.height);
+    // layers: [{ scene, states, alpha, colours }], the first is solid; box: part of the canvas
+    draw(layers, camera, shown, box) {
+      gl.viewport(...box);
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(...box);
       gl.clearColor(...rgb('--paper'), 1);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       gl.enable(gl.DEPTH_TEST);
@@ -49,7 +51,7 @@ function glRenderer(canvas) {
       gl.enable(gl.POLYGON_OFFSET_FILL);
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.useProgram(move.program);
-      gl.uniformMatrix4fv(move.at.u_camera, false, cameraMatrix(camera, canvas.width / canvas.height));
+      gl.uniformMatrix4fv(move.at.u_camera, false, cameraMatrix(camera, box[2] / box[3]));
       gl.uniform3fv(move.at.u_eye, eyeOf(camera));
       gl.uniform3fv(move.at.u_joint, rgb('--grey'));
       gl.uniform1f(move.at.u_edges, shown.edges ? 1 : 0);

@@ -13,6 +13,12 @@ function statesOf(scene, solo) {
 
 const soloShown = () => (field('solo').value === '-1' ? null : field('solo').value.split(',').map(Number));
 
+// Parts of the canvas [left, bottom, width, height]: one, or two for runs side by side.
+function boxes() {
+  const { width, height } = view.renderer.canvas, half = Math.floor(width / 2);
+  return runOver() && field('beside').value ? [[0, 0, half, height], [half, 0, width - half, height]] : [[0, 0, width, height]];
+}
+
 function shownNow(scene) {
   const name = field('colour').value;
   return {
@@ -21,17 +27,23 @@ function shownNow(scene) {
     ranges: fieldRanges(name, scene),
     scale: Number(field('scale').value),
     edges: field('edges').checked,
+    paths: field('paths').checked,
+    loads: field('loads').value,
+    aspect: boxes()[0][2] / boxes()[0][3],
     ratio: view.renderer.canvas.width / Math.max(view.renderer.canvas.clientWidth, 1) || 1,
   };
 }
 
 function drawView(camera = view.camera) {
   const { scene } = runShown(), shown = shownNow(scene), states = statesOf(scene, soloShown());
-  const layers = [{ scene, states, alpha: 1 }];
-  const over = runOver();
-  if (over) layers.push({ scene: over.scene, states: statesOf(over.scene, null), alpha: 0.35, plain: true });
-  view.renderer.draw(layers, camera, shown);
-  drawOverlay(field('overlay'), scene, states, camera, shown, view.mark);
+  const layers = [{ scene, states, alpha: 1 }], over = runOver(), [box, beside] = boxes();
+  if (beside) {
+    const theirs = statesOf(over.scene, null);
+    view.renderer.draw([{ scene: over.scene, states: theirs, alpha: 1 }], camera, shown, beside);
+    drawOverlay(field('overlay'), over.scene, theirs, camera, shown, null, beside);
+  } else if (over) layers.push({ scene: over.scene, states: statesOf(over.scene, null), alpha: 0.35, plain: true });
+  view.renderer.draw(layers, camera, shown, box);
+  drawOverlay(field('overlay'), scene, states, camera, shown, view.mark, box);
 }
 
 // One picture for all that changes before the next one.
@@ -48,11 +60,11 @@ function tellView() {
   const run = runShown(), shown = shownNow(run.scene), over = runOver();
   const t = Math.min(clock.t, array(run.scene.t).at(-1));
   const scale = shown.scale === 1 ? 'true to scale' : `deformation ${shown.scale} times`;
-  field('caption').textContent = [`${run.title}`, `t = ${digits(t, 4)} s`, scale, over ? `grey: ${over.title}` : '', soloShown() ? `only ${field('solo').selectedOptions[0].textContent}` : '', view.mark ? view.mark.text : '']
+  field('caption').textContent = [`${run.title}`, `t = ${digits(t, 4)} s`, scale, over ? `${field('beside').value ? 'right' : 'grey'}: ${over.title}` : '', shown.loads && run.scene.loads ? `longest ${shown.loads} ${digits(run.scene.loads[shown.loads].longest, 3)} ${shown.loads === 'force' ? 'N' : 'N m'}` : '', soloShown() ? `only ${field('solo').selectedOptions[0].textContent}` : '', view.mark ? view.mark.text : '']
     .filter(Boolean).join(' · ');
   const legend = field('legend');
   legend.hidden = shown.name === 'body';
-  if (!legend.hidden) legend.replaceChildren(...fieldLegend(shown));
+  if (!legend.hidden) legend.replaceChildren(...fieldLegend(shown, run.scene));
 }
 
 function tellTime() {
@@ -90,16 +102,14 @@ function showPlace({ run, time, body, node, text }) {
 function changeRun() {
   const { scene } = runShown();
   view.mark = null;
-  view.camera = homeCamera(scene);
   const options = scene.bodies.flatMap((body, i) => body.labels.map((label, k) => element('option', { value: `${i},${k}` }, `${body.name}: ${label}`)));
   field('solo').replaceChildren(element('option', { value: '-1' }, 'all'), ...options);
-  const strong = view.renderer.name === 'webgl2' && hasStrength(scene);
-  const coloured = view.renderer.name === 'webgl2';
-  for (const option of field('colour').options) {
-    option.disabled = option.value === 'exposure' ? !strong : option.value === 'energy' ? !coloured || !scene.bodies.some((b) => b.sites) : option.value === 'displacement' && !coloured;
-  }
+  const coloured = view.renderer.name === 'webgl2', usable = { body: true, displacement: coloured, energy: coloured && scene.bodies.some((b) => b.sites) };
+  for (const option of field('colour').options) option.disabled = !(usable[option.value] ?? (coloured && hasStrength(scene)));
+  field('loads').disabled = !scene.loads;
   if (field('colour').selectedOptions[0].disabled) field('colour').value = 'body';
   field('worst').disabled = !runShown().worst.length;
+  view.camera = homeCamera(scene, shownNow(scene));
   tellView();
   drawSoon();
 }
@@ -128,12 +138,14 @@ function setUpView() {
   fitCanvas();
   changeRun();
   const redraw = () => { tellView(); drawSoon(); };
-  for (const id of ['view-over', 'colour', 'scale', 'solo', 'edges']) field(id).addEventListener('change', redraw);
+  const fit = () => { fitCamera(view.camera, runShown().scene, shownNow(runShown().scene)); redraw(); };
+  for (const id of ['colour', 'solo', 'edges', 'paths', 'loads']) field(id).addEventListener('change', redraw);
+  for (const id of ['view-over', 'beside', 'scale']) field(id).addEventListener('change', fit);
   field('view-run').addEventListener('change', changeRun);
   field('play').addEventListener('click', () => clock.toggle());
   field('slider').addEventListener('input', () => { clock.playing = false; clock.set(nearestTime(field('slider').value * clock.end)); });
   field('speed').addEventListener('change', () => (clock.speed = Number(field('speed').value)));
-  field('home').addEventListener('click', () => { view.camera = homeCamera(runShown().scene); view.mark = null; redraw(); });
+  field('home').addEventListener('click', () => { view.camera = homeCamera(runShown().scene, shownNow(runShown().scene)); view.mark = null; redraw(); });
   field('worst').addEventListener('click', () => { const [worst] = runShown().worst; showPlace({ ...worst, run: runShown().name }); });
   setUpCamera(field('canvas'), () => view.camera, drawSoon);
   let told = 0;
@@ -147,6 +159,7 @@ function setUpView() {
   addEventListener('resize', () => { fitCanvas(); drawSoon(); });
   themeListeners.push(drawSoon);
   setUpPrint();
+  setUpFilm();
   tellTime();
 }
 

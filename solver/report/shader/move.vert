@@ -9,7 +9,7 @@ uniform mat3 u_A;
 uniform vec3 u_r;
 uniform float u_scale;
 uniform int u_modes;
-uniform int u_field; // 0 body, 1 displacement, 2 energy, 3 exposure
+uniform int u_field; // 0 body, 1 displacement; of sites 2 energy, 3 exposure, 4 stress, 5 ply
 uniform float u_range; // value of the last colour
 uniform sampler2D u_q;
 uniform sampler2D u_shapes;
@@ -22,6 +22,7 @@ in vec4 a_corner; // distances to the edges of the triangle, 1: joint
 out vec3 v_position;
 out vec4 v_corner;
 out float v_value;
+flat out float v_first; // of one corner, for the whole triangle
 
 vec3 shape(int texel) {
   return texelFetch(u_shapes, ivec2(texel % WIDTH, texel / WIDTH), 0).xyz;
@@ -43,6 +44,7 @@ void main() {
     v_value = texelFetch(u_sites, ivec2(site % WIDTH, site / WIDTH), 0).x / u_range;
   }
   if (a_corner.w > 0.5) v_value = -1.0;
+  v_first = v_value;
   v_corner = a_corner;
   gl_Position = u_camera * vec4(v_position, 1.0);
 }

@@ -10,6 +10,8 @@ uniform float u_edges;
 in vec3 v_position;
 in vec4 v_corner;
 in float v_value;
+flat in float v_first;
+uniform int u_field;
 out vec4 colour;
 
 // Viridis by a polynomial of degree 6 (in the order of powers).
@@ -23,8 +25,9 @@ vec3 viridis(float t) {
 
 void main() {
   vec3 base = v_corner.w > 0.5 ? u_joint : u_colour;
-  if (v_value > 1.0005) base = vec3(0.78, 0.0, 0.13);
-  else if (v_value >= 0.0) base = viridis(v_value);
+  float value = u_field == 5 ? v_first : v_value;
+  if (value > 1.0005) base = vec3(0.78, 0.0, 0.13);
+  else if (value >= 0.0) base = viridis(value);
   vec3 normal = normalize(cross(dFdx(v_position), dFdy(v_position)));
   float light = 0.45 + 0.55 * abs(dot(normal, normalize(u_eye - v_position)));
   vec3 width = fwidth(v_corner.xyz);

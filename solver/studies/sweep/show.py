@@ -117,6 +117,7 @@ def _curves(result: SweepResult, name: str, along: int, few: int | None) -> Canv
     """Draw a panel for each measure, a curve for each value of the parameter `few`."""
     canvas = Canvas(10.0, 3.4)
     panels = canvas.panels(1, len(SHOWN))
+    panels[0].set_ylabel(_signal(result, name))
     x = result.values[:, along]
     family = [None] if few is None else list(np.unique(result.values[:, few]))
     early = _early(result)
@@ -154,7 +155,7 @@ def _map(result: SweepResult, name: str, varied: list[int]) -> Canvas:
         axes.plot(result.values[early, i], result.values[early, j], "x", color=WARNING)
         axes.grid(False)
         axes.set(title=words, xlabel=_label(result, i))
-        canvas.figure.colorbar(image, ax=axes)
+        canvas.figure.colorbar(image, ax=axes, label=_signal(result, name))
     panels[0].set_ylabel(_label(result, j))
     return canvas
 
@@ -171,10 +172,15 @@ def _points(result: SweepResult, name: str, varied: list[int]) -> Canvas:
             axes.plot(x[~early], y[~early], "o", markersize=3, color=colour(0))
             axes.plot(x[early], y[early], "x", color=WARNING)
             if column == 0:
-                axes.set_ylabel(words, color=INK)
+                axes.set_ylabel(f"{words}\n{_signal(result, name)}", color=INK)
             if row == len(SHOWN) - 1:
                 axes.set_xlabel(_label(result, i))
     return canvas
+
+
+def _signal(result: SweepResult, name: str) -> str:
+    """Return name and unit of a signal, for an axis."""
+    return f"{name}{unit_text(result.signal_units[name])}"
 
 
 def _early(result: SweepResult) -> NDArray[np.bool_]:
