@@ -130,7 +130,7 @@ INSIDE = """(() => {
       found.push(projected(matrix, points.subarray(k, k + 3), 1, 1));
     return found;
   });
-  return [0, 1].flatMap((a) => [Math.min(...at.map((p) => p[a])), Math.max(...at.map((p) => p[a]))]);
+  return [0, 1].flatMap((a) => [Math.min, Math.max].map((f) => f(...at.map((p) => p[a]))));
 })()"""
 
 
@@ -212,7 +212,8 @@ def test_a_video_of_two_seconds_is_written(browser: Browser, tmp_path: Path) -> 
         other.open(page)
         length, width = other.run("""new Promise((done) => {
           const film = document.querySelector('video');
-          const tell = () => Number.isFinite(film.duration) && done([film.duration, film.videoWidth]);
+          const tell = () =>
+            Number.isFinite(film.duration) && done([film.duration, film.videoWidth]);
           film.addEventListener('durationchange', tell);
           film.currentTime = 1e6; // a film that is recorded tells its length when it was passed
           tell();
