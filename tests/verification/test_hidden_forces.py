@@ -38,7 +38,6 @@ FORCES = {
     "curve": (curve([-10.0, 1.0, 1.002, 1.004, 10.0], [0.0, 0.0, -200.0, 0.0, 0.0]), 0.4),
     "condition": (by("400 if 0.7 < x and x < 0.701 else 0"), 0.4),
 }
-JUMPS = ("comparisons", "difference of steps", "condition")
 
 
 def solver(integrator: str, more: str = "") -> str:
@@ -54,10 +53,8 @@ def test_work_of_a_narrow_force(tmp_path, name, integrator):
     x, v = found["x"][-1], found["v"][-1]
     expected = sqrt(1.0 + 2.0 * work) if work else sqrt(1.0 + 2.0 * 1e3 * 1e-8 - 0.1 * x**2)
     share = 20 if integrator in ("radau", "rk8") else 200  # the others have low orders behind it
-    if integrator == "generalized-alpha" and name in JUMPS:  # its error estimate is of order 2
-        assert "energy-drift" in {w["code"] for w in summary["warnings"]}
-    else:
-        assert v == pytest.approx(expected, abs=share * RTOL)
+    assert v == pytest.approx(expected, abs=share * RTOL)
+    assert not summary["warnings"]
 
 
 def test_a_narrow_cam_on_a_shaft(tmp_path):

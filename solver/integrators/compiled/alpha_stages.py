@@ -174,11 +174,16 @@ def predict(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float) -
     """Begin Newton's iteration: accelerations go on as over the last step."""
     n_pos, last = model.n_pos, workspace.clock[TAKEN]
     alpha_m, alpha_f, gamma, beta = scheme.alpha_m, scheme.alpha_f, scheme.gamma, scheme.beta
+    ratio = h / last if last > 0.0 else 1.0
     for i in range(model.n_vel):
         v, v_d = workspace.y[n_pos + i], workspace.rate[n_pos + i]
         a_0 = workspace.a[i]
-        if last > 0.0:  # its lag grows and shrinks with the step
-            a_0 = v_d + (a_0 - v_d) * (h / last)
+        if last > 0.0:
+            # The lag of a smooth motion is proportional to the step. What a jump has left in it
+            # changes its sign in each step: scaled up, it would make the velocity swing more and
+            # more, which no error estimate sees.
+            due = (alpha_m - alpha_f) * last * workspace.v_dd[i]
+            a_0 = v_d + ratio * due + min(ratio, 1.0 / ratio) * (a_0 - v_d - due)
         v_d1 = v_d + h * workspace.v_dd[i]
         a_1 = ((1.0 - alpha_f) * v_d1 + alpha_f * v_d - alpha_m * a_0) / (1.0 - alpha_m)
         workspace.z[i] = h * v + h * h * ((0.5 - beta) * a_0 + beta * a_1)
