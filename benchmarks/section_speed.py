@@ -27,7 +27,7 @@ import numpy as np
 from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.solvers.petsc import MINIMUM_DEGREE
+from plymotion.preprocess.fenicsx.factorisation import MINIMUM_DEGREE
 from plymotion.preprocess.fenicsx.stack import PETSc
 from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.space.layers import layup

@@ -21,11 +21,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from samples.shell_element_samples import element_mass, element_stiffness
 
-from plymotion.preprocess.shell.elements.choice import Choice
+from plymotion.preprocess.shell.cells import Triangles, triangles
 from plymotion.preprocess.shell.elements.membranes import MEMBRANES
+from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.plates import PLATES
-from plymotion.preprocess.shell.elements.resultants import element_resultants
-from plymotion.preprocess.shell.mesh.triangles import Triangles, triangles
+from plymotion.preprocess.shell.elements.single_cells import element_resultants
 
 TARGET = 2.0  # seconds, of 100 k triangles
 

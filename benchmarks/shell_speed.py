@@ -19,9 +19,9 @@ import numpy as np
 from samples.shell_cantilevers import box, cantilever
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.distributed import Distribution
-from plymotion.preprocess.fenicsx.solvers.petsc import sorted_csr
+from plymotion.preprocess.fenicsx.factorisation import sorted_csr
 from plymotion.preprocess.fenicsx.stack import MPI, SLEPc
+from plymotion.preprocess.fenicsx.team import Distribution
 
 N_MODE = 8
 REPEATS = 7

@@ -82,9 +82,9 @@ def shell(k: int, kind: str, name: str) -> None:
 
 def solid(cell: str) -> None:
     """Compile stiffness and mass of a solid."""
-    from .fenicsx.solids import SolidSpace
-    from .solid.cells import reference_nodes
+    from .fenicsx.assembly import SolidSpace
     from .solid.forms import MASS_DEGREE, Elasticity, mass
+    from .solid.mesh import reference_nodes
 
     points = reference_nodes(cell)
     rows = np.arange(len(points))[None, :]

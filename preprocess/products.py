@@ -210,9 +210,9 @@ def launched_ranks() -> Any:
     """The ranks of this job, or None; found without loading MPI where no launcher is at work."""
     if not any(name in os.environ for name in LAUNCHERS):
         return None
-    from .fenicsx import parallel
+    from .fenicsx.team import Ranks
 
-    ranks = parallel.Ranks()
+    ranks = Ranks()
     expected = os.environ.get("PLYMOTION_RANKS", "")
     if expected.isdecimal() and int(expected) != ranks.size:
         raise InputError(
@@ -223,9 +223,9 @@ def launched_ranks() -> Any:
 
 
 def _world_size() -> int:
-    from .fenicsx import parallel
+    from .fenicsx.team import world_size
 
-    return parallel.world_size()
+    return world_size()
 
 
 def _mesh_key(path: Path) -> str:
@@ -248,11 +248,11 @@ def _build_over_ranks(
 
     Only the first rank reports. Each worker keeps the data that sections of a mesh share.
     """
-    from .fenicsx import parallel
+    from .fenicsx.team import pool
 
     code, count = 0, 0
     largest = max(1, math.ceil(len(specs) / (CHUNKS * (_world_size() - 1))))
-    with parallel.pool() as executor:
+    with pool() as executor:
         if executor is None:  # a worker that has received the signal to stop
             return code
         futures = []

@@ -2,8 +2,8 @@
 
 gmsh makes the meshes, Basix gives points of integration and nodes of reference cells, PETSc
 factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. DOLFINx compiles
-what sections, shells and solids state in UFL and assembles it (surface.py, solids.py) or has it
-evaluated at points (evaluation.py).
+what sections, shells and solids state in UFL and assembles it (assembly.py) or has it evaluated at
+points (kernels.py).
 
 If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it. Each name below loads its part of the stack
@@ -15,19 +15,27 @@ from . import stack as stack  # raises MissingFenicsx
 
 # Module of this folder -> the names that it offers; no module has the name of a function.
 _PUBLIC = {
-    "errors": ("EigenError", "FactorisationError", "InertiaError", "MeshError", "SingularError"),
-    "plain": ("EDGES", "NODES", "NamedNodes", "PlainMesh", "used_nodes", "with_centre_nodes"),
+    "plain": (
+        *("EDGES", "NODES", "NamedNodes", "PlainMesh", "used_nodes", "with_centre_nodes"),
+        *("lagrange", "order_of_nodes", "quadrature", "reference_nodes"),
+    ),
     "team": ("ALONE", "Team", "world"),
-    "evaluation": ("evaluated",),
-    "solvers.eigen": ("eigenpairs",),
-    "solvers.factorisation": ("Cholesky", "cholesky", "negative_pivots"),
-    "solvers.multigrid": ("TwoGrids",),
-    "meshing.gmsh_model": ("plain_from_model",),
-    "meshing.gmsh_script": ("check_count", "check_size", "gmsh_session", "open_mesh", "run_script"),
-    "kernels": ("Kernel", "Rows", "Symbols", "compiled", "kernel", "matrices", "rows", "symbols"),
-    "reference_cell": ("lagrange", "order_of_nodes", "quadrature", "reference_nodes"),
-    "stack": ("HAS_MUMPS", "MPI", "MissingFenicsx", "gmsh", "versions"),
-    "surface": ("Surface", "SurfacePattern"),
+    "eigen": ("eigenpairs",),
+    "factorisation": ("Cholesky", "cholesky", "negative_pivots"),
+    "multigrid": ("TwoGrids",),
+    "gmsh_surface": (
+        *("check_count", "check_size", "gmsh_session", "open_mesh", "plain_from_model"),
+        "run_script",
+    ),
+    "kernels": (
+        *("Kernel", "Rows", "Symbols", "compiled", "evaluated", "kernel", "matrices", "rows"),
+        "symbols",
+    ),
+    "stack": (
+        *("EigenError", "FactorisationError", "InertiaError", "MeshError", "SingularError"),
+        *("HAS_MUMPS", "MPI", "MissingFenicsx", "gmsh", "versions"),
+    ),
+    "assembly": ("Surface", "SurfacePattern"),
 }
 _MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
 

@@ -1,11 +1,15 @@
-"""A mesh as plain arrays from gmsh or a file, before conversion to DOLFINx."""
+"""A mesh as plain arrays, before conversion to DOLFINx, and its reference cells.
+
+Basix gives points of integration, nodes and functions of the reference cells."""
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from . import stack
 
 # Ends of the edges of a cell, counter-clockwise.
 EDGES = {
@@ -76,3 +80,41 @@ def used_nodes(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
     """Points that cells refer to, and the cells in their numbering."""
     used, number = np.unique(cells, return_inverse=True)
     return points[used], number.reshape(cells.shape)
+
+
+def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
+    """Points (q, 2) and weights (q,) on the reference cell, exact for polynomials of `degree`."""
+    points, weights = stack.basix.make_quadrature(getattr(stack.basix.CellType, cell), degree)
+    return np.array(points), np.array(weights)
+
+
+def reference_nodes(cell: str, degree: int) -> Array:
+    """Positions of the nodes of Lagrange functions on the reference cell, (k, dim)."""
+    return np.array(_lagrange(cell, degree).points)
+
+
+def lagrange(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
+    """Lagrange functions of the nodes `reference_nodes` at points (q, dim) of the reference cell.
+
+    Values (q, k) and derivatives (q, k, dim) of the k functions.
+    """
+    table = _lagrange(cell, degree).tabulate(1, points)
+    table = table.reshape(len(table), len(points), -1)  # some versions have a fourth axis
+    return np.array(table[0]), np.moveaxis(table[1:], 0, -1).copy()
+
+
+@cache
+def order_of_nodes(cell: str) -> list[int]:
+    """Row in `reference_nodes` of each of the 6 or 9 nodes of `NODES`."""
+    places = np.rint(2.0 * reference_nodes(cell, 2)).astype(int).tolist()
+    return [places.index(place) for place in NODES[cell].tolist()]
+
+
+@cache
+def _lagrange(cell: str, degree: int) -> Any:
+    return stack.basix.create_element(
+        stack.basix.ElementFamily.P,
+        getattr(stack.basix.CellType, cell),
+        degree,
+        stack.basix.LagrangeVariant.gll_warped,
+    )

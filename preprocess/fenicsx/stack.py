@@ -1,4 +1,4 @@
-"""DOLFINx, PETSc, SLEPc, gmsh and MPI, each loaded when it is first asked for.
+"""DOLFINx, PETSc, SLEPc, gmsh and MPI, each loaded when it is first asked for; error classes.
 
 This module handles all differences between versions of the FEniCSx stack. It tests for
 features, not for version numbers, so that the rest of the preprocessor
@@ -7,8 +7,7 @@ importing this module raises `MissingFenicsx` (an ImportError), which states wha
 is missing and how to install it. So does a part that is there but does not load.
 
 Most analyses need a few of the parts only: loading all of them takes 0.6 s of processor time,
-DOLFINx with UFL half of it.
-"""
+DOLFINx with UFL half of it."""
 
 import sys
 from collections.abc import Callable
@@ -23,6 +22,27 @@ from numpy.typing import NDArray
 
 from ...solver.errors import HOW_TO_INSTALL_FENICSX as HELP
 from ..form_cache import use_own_folder
+
+
+class MeshError(Exception):
+    """A gmsh model cannot be used as a finite-element mesh."""
+
+
+class FactorisationError(Exception):
+    """A matrix is not symmetric positive definite."""
+
+
+class SingularError(FactorisationError):
+    """The solution of a random load is so large that the matrix appears to be singular."""
+
+
+class InertiaError(Exception):
+    """The signs of the eigenvalues cannot be counted: the matrix is singular to round-off."""
+
+
+class EigenError(Exception):
+    """Fewer eigenpairs than requested, or eigenpairs that do not satisfy their equation."""
+
 
 Array = NDArray[np.float64]
 

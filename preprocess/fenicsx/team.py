@@ -1,10 +1,21 @@
-"""The processes that work on one analysis together."""
+"""Processes that work on one analysis together, and the matrices that each of them has a part of.
 
+Each process has the matrix of its own cells. The matrix of a problem is the sum of the parts, which
+are (n, n) each. Products are sums over the team; for a factorisation, every process gets rows of
+the sum."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
+from . import stack
 
 
 class Team:
@@ -27,9 +38,7 @@ class Team:
     def comm(self) -> Any:
         """The MPI communicator."""
         if self._comm is None:
-            from .stack import MPI
-
-            self._comm = MPI.COMM_SELF
+            self._comm = stack.MPI.COMM_SELF
         return self._comm
 
     def share(self, count: int) -> slice:
@@ -46,9 +55,7 @@ class Team:
 
     def least(self, values: IntArray) -> IntArray:
         """The least values over the team, on all processes."""
-        from .stack import MPI
-
-        self.comm.Allreduce(MPI.IN_PLACE, values, op=MPI.MIN)
+        self.comm.Allreduce(stack.MPI.IN_PLACE, values, op=stack.MPI.MIN)
         return values
 
     def stacked(self, part: Array) -> Array:
@@ -61,6 +68,145 @@ ALONE = Team()
 
 def world() -> Team:
     """All processes that mpirun started."""
-    from .stack import MPI
+    return Team(stack.MPI.COMM_WORLD)
 
-    return Team(MPI.COMM_WORLD)
+
+class Distribution:
+    """Which process has which rows of a sum of parts.
+
+    A row goes to the first process whose part has entries in it, so that rows between the cells
+    of two processes are all that is sent. A process alone has all rows, in their order.
+
+    Parameters
+    ----------
+    parts : (n, n) of this process, of the matrices of one problem
+    """
+
+    def __init__(self, team: Team, *parts: sp.csr_matrix) -> None:
+        self.team, self.n = team, parts[0].shape[0]
+        self.rows: Any = slice(0, self.n)  # of this process
+        self.n_own = self.n
+        if team.size == 1:
+            return
+        filled = np.logical_or.reduce([np.diff(part.indptr) > 0 for part in parts])
+        owner = team.least(np.where(filled, team.rank, team.size - 1))
+        group = 2 * owner + (team.total(filled.astype(float)) > 1.0)
+        # PETSc's order: process by process, of each the rows that others have entries in at the end
+        self._order = np.argsort(group, kind="stable")
+        bounds = np.searchsorted(group[self._order], np.arange(2 * team.size + 1))
+        groups = [self._order[a:b] for a, b in pairwise(bounds)]
+        self._inner, self._shared = groups[2 * team.rank], groups[1::2]
+        self.rows = np.concatenate([self._inner, self._shared[team.rank]])
+        self.n_own = len(self.rows)
+        self._number = np.empty(self.n, dtype=stack.PETSc.IntType)
+        self._number[self._order] = np.arange(self.n)
+
+    @property
+    def size(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Rows and columns of a matrix, of this process and of all, for PETSc."""
+        return (self.n_own, self.n), (self.n_own, self.n)
+
+    def csr(self, part: sp.csr_matrix) -> tuple[Any, Any, Array]:
+        """Own rows of the sum of parts, for PETSc: starts, columns, values."""
+        index = stack.PETSc.IntType
+        if self.team.size > 1:
+            mine = self.team.rank
+            pieces = [None if i == mine else part[rows] for i, rows in enumerate(self._shared)]
+            inner, shared = part[self._inner], part[self._shared[mine]]
+            for piece in self.team.comm.alltoall(pieces):
+                if piece is not None:
+                    shared = shared + piece
+            starts = np.concatenate([inner.indptr, inner.indptr[-1] + shared.indptr[1:]])
+            columns = self._number[np.concatenate([inner.indices, shared.indices])]
+            return starts.astype(index), columns, np.concatenate([inner.data, shared.data])
+        return (
+            part.indptr.astype(index, copy=False),
+            part.indices.astype(index, copy=False),
+            part.data,
+        )
+
+    def matrix(self, part: sp.csr_matrix, *, spd: bool) -> Any:
+        """The sum of parts as a symmetric matrix of PETSc, which may be positive definite."""
+        # PETSc makes a copy only for a team: for a process alone, new values need no insertion
+        create = "createAIJ" if self.team.size > 1 else "createAIJWithArrays"
+        mat = getattr(stack.PETSc.Mat(), create)(self.size, csr=self.csr(part), comm=self.team.comm)
+        mat.setOption(stack.PETSc.Mat.Option.SYMMETRIC, True)
+        if spd:
+            mat.setOption(
+                stack.PETSc.Mat.Option.SPD, True
+            )  # MUMPS then runs with SYM=1, half an LU
+        return mat
+
+    def gathered(self, own: Array) -> Array:
+        """Rows of a vector or several (n, ...) on all processes, from the own ones of each."""
+        if self.team.size == 1:
+            return own
+        stacked = self.team.stacked(own)
+        out = np.empty_like(stacked)
+        out[self._order] = stacked
+        return out
+
+
+def whole(part: sp.csr_matrix, team: Team) -> sp.csr_matrix:
+    """The sum of the parts of a small matrix, on all processes."""
+    return part if team.size == 1 else sp.csr_matrix(team.total(part.toarray()))
+
+
+# Maximum time between the ranks at the end of an analysis, and after an error of one of them [s].
+PATIENCE, AFTER_ERROR = 60.0, 20.0
+
+
+class RankError(RuntimeError):
+    """Another rank of the same analysis has failed."""
+
+
+class Ranks(Team):
+    """The ranks that mpirun started: all take part, rank 0 decides and writes."""
+
+    def __init__(self) -> None:
+        super().__init__(stack.MPI.COMM_WORLD)
+        self._private = stack.MPI.COMM_WORLD.Dup()  # separate from the messages of an analysis
+
+    def broadcast(self, value: Any) -> Any:
+        """The value of rank 0, on every rank."""
+        return self._private.bcast(value, root=0)
+
+    def agree(self, error: BaseException | None) -> None:
+        """Wait for the others; raises the first error of any of them.
+
+        A rank whose partners do not arrive, because they wait for its part of a sum, ends the job.
+        """
+        request = self._private.Ibarrier()
+        deadline = time.monotonic() + (PATIENCE if error is None else AFTER_ERROR)
+        while not request.Test():
+            if time.monotonic() > deadline:
+                what = "the other ranks do not respond" if error is None else f"error: {error}"
+                text = " ".join(f"rank {self.rank}: {what}; the job is aborted".split())
+                print(text, file=sys.stderr, flush=True)
+                self._private.Abort(2)
+            time.sleep(0.001)
+        for rank, found in enumerate(self._private.allgather(error and str(error))):
+            if found is not None:
+                raise error or RankError(f"rank {rank}: {found}")
+
+
+def world_size() -> int:
+    """Number of processes that mpirun started; 1 without it."""
+    return int(stack.MPI.COMM_WORLD.size)
+
+
+@contextmanager
+def pool() -> Iterator[Any]:
+    """An executor over all ranks except the first; None on a rank that has finished its work.
+
+    There are two ways to start: `mpirun -n N python -m mpi4py.futures -m MODULE ...`, where
+    only rank 0 calls this, and `mpirun -n N python -m MODULE ...`, where all ranks do.
+    """
+    from mpi4py.futures import MPICommExecutor, MPIPoolExecutor
+
+    if "mpi4py.futures" in sys.orig_argv:
+        with MPIPoolExecutor(max_workers=world_size() - 1, main=False) as executor:
+            yield executor
+    else:
+        with MPICommExecutor(stack.MPI.COMM_WORLD, root=0) as executor:
+            yield executor

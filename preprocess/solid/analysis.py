@@ -15,10 +15,8 @@ from ..exchange.import_table import SI
 from ..exchange.links import Constrained, constrained, links
 from ..exchange.reduce import reduce_body
 from ..modes.reference import Algebra, HeldDofs
-from .errors import SolidError
-from .mesh import edge_length
-from .model import SolidModel
-from .solvers import Mumps
+from .mesh import SolidError, edge_length
+from .model import Mumps, SolidModel
 
 FINER = 1.5  # size of the cells over that of the next mesh
 MOST = 60_000  # unknowns for which degree 3, with 3.4 times as many, is not left out

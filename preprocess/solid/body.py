@@ -18,8 +18,7 @@ from ..exchange.reduce import reduce_body
 from ..provenance import body_provenance
 from .analysis import accurate_model, findings
 from .model import MOST_FACTORISED
-from .recovery import face_stresses
-from .second_order import second_order_forces
+from .recovery import face_stresses, second_order_forces
 
 NOT_COUNTED = {
     "code": "modes-not-counted",

@@ -10,8 +10,7 @@ from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import material_from_dict, rotated
 from ..fenicsx import PlainMesh
-from .errors import SolidError
-from .mesh import SolidMesh
+from .mesh import SolidError, SolidMesh
 from .places import unit
 
 ALL = "all"

@@ -1,15 +1,20 @@
-"""Stresses at the surface of a solid, in the axes of its materials."""
+"""Stresses at the surface of a solid in modes and load cases, and the work of second-order strains.
+
+Surface stresses are in the axes of the materials."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import ufl
 
 from ...solver.math.arrays import Array
 from ...solver.package.body.schema import FaceStresses
 from ...solver.package.common.materials import bond
 from ...solver.package.section.stress import rounded
-from .cells import derivatives, face_centre
+from ..modes.reduced import pairs
+from .forms import strain
+from .mesh import derivatives, face_centre
 from .model import SolidModel
 
 
@@ -66,3 +71,22 @@ def face_stresses(
         cases=tuple(cases),
         case_stress_M=None if held is None else rounded(np.moveaxis(held, 2, 0)),
     )
+
+
+def second_order_forces(model: SolidModel, U: Array) -> Array:
+    """Forces g of each pair of modes i <= j, (3 n, pairs): see exchange/inertia.py.
+
+    Parameters
+    ----------
+    U : (3 n, m) displacements of the nodes in the modes
+    """
+    space = model.space
+    v, one, other = ufl.TestFunction(space.space), space.field(), space.field()
+    product = ufl.sym(ufl.grad(one).T * ufl.grad(other))
+    vector = space.vectors(model.elasticity(space).work(strain(v), product))
+    found = np.empty((len(U), len(pairs(U.shape[1])[0])))
+    for k, (i, j) in enumerate(zip(*pairs(U.shape[1]), strict=True)):
+        space.fill(one, U[:, i].reshape(-1, 3))
+        space.fill(other, U[:, j].reshape(-1, 3))
+        found[:, k] = vector()
+    return found

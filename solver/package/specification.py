@@ -24,7 +24,7 @@ fractions of it are then along the line, `elements` counts those of the line, an
 
     {"body": "hand", "kind": "shell",
      "shell": {"mesh": {...}, "materials": {...}, "laminates": {...}, "regions": {...},
-               "elements": {...}, "stiffeners": {...}},     see preprocess/shell/model/spec.py
+               "elements": {...}, "stiffeners": {...}},     see preprocess/shell/model/problem.py
      "mass_form": ..., "reference": ..., "modes": ..., "damping_ratio": ...,
      "interfaces": {"root": {"at": "left edge", "link": "rigid", "rotation_deg": [0, 0, 0]},
                     "tip": {"at": "right edge", "link": "average", "position": [0.7, 0.0, 0.0],

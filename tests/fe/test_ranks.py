@@ -55,7 +55,7 @@ PARTS = """
 import json, sys
 import numpy as np
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.distributed import Distribution
+from plymotion.preprocess.fenicsx.team import Distribution
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.problem import section_problem
 from plymotion.preprocess.shell.model.problem import ShellProblem
@@ -96,14 +96,14 @@ if team.rank == 0:
 FAILS = """
 import sys
 from plymotion.preprocess.__main__ import main
-from plymotion.preprocess.fenicsx import distributed, parallel, world
+from plymotion.preprocess.fenicsx import team
 
 def fails(self, part):
     raise MemoryError("no memory for the rows")
 
-parallel.AFTER_ERROR = 1.0
-if world().rank == 1:
-    distributed.Distribution.csr = fails
+team.AFTER_ERROR = 1.0
+if team.world().rank == 1:
+    team.Distribution.csr = fails
 sys.exit(main(sys.argv[1:]))
 """
 

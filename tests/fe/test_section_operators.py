@@ -8,7 +8,8 @@ import pytest
 import ufl
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx import PlainMesh, evaluation, gmsh, plain_from_model
+from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
+from plymotion.preprocess.fenicsx.kernels import compiled_text
 from plymotion.preprocess.fenicsx.stack import dolfinx
 from plymotion.preprocess.section.helical import TwistedStrains
 from plymotion.preprocess.section.problem import SectionProblem
@@ -117,11 +118,11 @@ def test_stiffness_comes_from_what_dolfinx_compiles(monkeypatch: pytest.MonkeyPa
         return compiled(comm, (expression, points), **options)
 
     monkeypatch.setattr(dolfinx.jit, "ffcx_jit", damaged)
-    evaluation.compiled_text.cache_clear()
+    compiled_text.cache_clear()
     try:
         assert torsion_of_a_square() < 0.95 * 0.140577
     finally:
-        evaluation.compiled_text.cache_clear()
+        compiled_text.cache_clear()
 
 
 def test_point_by_point_and_cell_by_cell_agree() -> None:

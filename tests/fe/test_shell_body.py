@@ -17,8 +17,8 @@ from plymotion.preprocess.modes.reference import ModeError
 from plymotion.preprocess.products import BodyPackages
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.body.body import shell_model, shell_modes, shell_package
-from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mesh.body_spec import read_shell_body
+from plymotion.preprocess.shell.body.interfaces import read_shell_body
+from plymotion.preprocess.shell.cells import ShellError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.package.body.plausibility import plausibility_findings

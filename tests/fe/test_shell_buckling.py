@@ -16,7 +16,7 @@ from samples.shell_specs import plate
 from samples.shell_squares import lamina
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.report.shell.findings import case_findings
 

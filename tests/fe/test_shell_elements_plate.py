@@ -11,9 +11,9 @@ from samples.shell_element_samples import (
     solved,
 )
 
-from plymotion.preprocess.shell.elements.choice import Choice
+from plymotion.preprocess.shell.cells import triangles
+from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.plates.dst import SHEAR_RATIO_LIMIT
-from plymotion.preprocess.shell.mesh.triangles import triangles
 
 NU = 0.3
 

@@ -12,7 +12,7 @@ from samples.shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.laminate.stiffness import LaminateError
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
 Record = Callable[[str, Any], None]

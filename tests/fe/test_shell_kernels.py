@@ -13,8 +13,8 @@ from samples.shell_specs import plate
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.stack import dolfinx
 from plymotion.preprocess.shell.elements import pairs
-from plymotion.preprocess.shell.elements.choice import Choice
-from plymotion.preprocess.shell.elements.table import cell_table
+from plymotion.preprocess.shell.elements.pairs import Choice
+from plymotion.preprocess.shell.elements.single_cells import cell_table
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
 ROOT = Path(__file__).resolve().parent.parent.parent

@@ -8,9 +8,8 @@ import pytest
 from samples.shell_specs import CFRP, METAL, SCRIPTS, box, mesh_from, plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mesh.axes import cell_directions
-from plymotion.preprocess.shell.mesh.groups import group
+from plymotion.preprocess.shell.cells import ShellError
+from plymotion.preprocess.shell.groups import cell_directions, group
 from plymotion.preprocess.shell.model.loads import resultant
 from plymotion.preprocess.shell.model.problem import ShellProblem
 

@@ -19,7 +19,7 @@ from plymotion.preprocess import fenicsx
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes
-from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.links import averaged, carried
 from plymotion.preprocess.shell.model.problem import ShellProblem

@@ -19,14 +19,15 @@ from samples.shell_element_samples import (
 )
 
 from plymotion.preprocess import fenicsx
+from plymotion.preprocess.shell.cells import GAUSS, ShellError, quadrilaterals, width_ratios
 from plymotion.preprocess.shell.elements.cell import SIZE, Cell
-from plymotion.preprocess.shell.elements.choice import Choice
-from plymotion.preprocess.shell.elements.quads.internal import relief
-from plymotion.preprocess.shell.elements.resultants import element_resultants
-from plymotion.preprocess.shell.elements.single_cells import cell_matrices
-from plymotion.preprocess.shell.elements.table import cell_table
-from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mesh.quadrilaterals import GAUSS, quadrilaterals, width_ratios
+from plymotion.preprocess.shell.elements.pairs import Choice
+from plymotion.preprocess.shell.elements.quadrilateral import relief
+from plymotion.preprocess.shell.elements.single_cells import (
+    cell_matrices,
+    cell_table,
+    element_resultants,
+)
 from plymotion.solver.package.common.cells import area_vectors, centres, corner_areas, sides
 
 STRAIN, CURVATURE = np.array([1.0, -0.4, 0.7]), np.array([0.8, 1.0, -0.5])

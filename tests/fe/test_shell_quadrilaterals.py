@@ -13,7 +13,7 @@ from samples.shell_specs import CFRP, box, plate
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.body.stations import mass_stations
-from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.package import validate, write_package
 from plymotion.solver.package.common.cells import corner_counts

@@ -14,8 +14,8 @@ from samples.shell_specs import METAL, SCRIPTS, plate
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mesh.mesh import mesh_of
+from plymotion.preprocess.shell.cells import ShellError
+from plymotion.preprocess.shell.mesh import mesh_of
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
@@ -183,7 +183,7 @@ def test_torque_at_the_open_end_of_a_channel(length: float, better: str) -> None
 
 @pytest.mark.parametrize("load", [{"force": [0.1, 0.0, 1.0]}, {"moment": [1.0, 1.0, 0.0]}])
 def test_the_second_method_agrees(load: dict[str, Any]) -> None:
-    """Its forces come from quadratic functions along the walls, second_links.py."""
+    """Its forces come from quadratic functions along the walls, second_route.py."""
     found = thin_walled("channel", 0.5, "section", load, verify=True)
     words = str(found.provenance["verification"])
     assert words.startswith("strain energy of F: difference"), words

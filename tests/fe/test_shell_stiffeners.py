@@ -9,7 +9,7 @@ from samples.section_specs import rectangle_spec
 from samples.shell_specs import METAL, plate
 
 from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
 Record = Callable[[str, Any], None]

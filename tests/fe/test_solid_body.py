@@ -22,7 +22,7 @@ from samples.solid_samples import (
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.solid.analysis import HeldSolid, accurate_model, findings, free_hertz
-from plymotion.preprocess.solid.errors import SolidError
+from plymotion.preprocess.solid.mesh import SolidError
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.validation import validate
 from plymotion.solver.strength.shell_bodies import shell_strength

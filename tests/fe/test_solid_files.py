@@ -26,7 +26,7 @@ from samples.solid_samples import (
 
 from plymotion.preprocess.fenicsx import gmsh_session
 from plymotion.preprocess.solid.analysis import free_hertz
-from plymotion.preprocess.solid.errors import SolidError
+from plymotion.preprocess.solid.mesh import SolidError
 from plymotion.preprocess.solid.model import SolidModel
 from plymotion.solver.package.common.materials import rotated
 

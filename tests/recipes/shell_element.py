@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from samples.shell_element_samples import element_stiffness, isotropic
 
-from plymotion.preprocess.shell.elements.choice import Choice
-from plymotion.preprocess.shell.mesh.triangles import triangles
+from plymotion.preprocess.shell.cells import triangles
+from plymotion.preprocess.shell.elements.pairs import Choice
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "fe"))
 from test_shell_elements_plate import deflection, series

@@ -6,17 +6,21 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from plymotion.preprocess.shell.elements.choice import Choice
-from plymotion.preprocess.shell.elements.pairs import kernel_of, mass_kernel, stiffness_kernel
-from plymotion.preprocess.shell.elements.plates import shear_ratio
-from plymotion.preprocess.shell.elements.single_cells import cell_matrices
-from plymotion.preprocess.shell.elements.table import cell_table, write
-from plymotion.preprocess.shell.mesh.quadrilaterals import (
+from plymotion.preprocess.shell.cells import (
     Quadrilaterals,
+    Triangles,
     quadrilaterals,
+    triangles,
     width_ratios,
 )
-from plymotion.preprocess.shell.mesh.triangles import Triangles, triangles
+from plymotion.preprocess.shell.elements.pairs import (
+    Choice,
+    kernel_of,
+    mass_kernel,
+    stiffness_kernel,
+)
+from plymotion.preprocess.shell.elements.plates import shear_ratio
+from plymotion.preprocess.shell.elements.single_cells import cell_matrices, cell_table, write
 from plymotion.solver.package.shell import elements
 
 QUADS = tuple(elements.QUADS)

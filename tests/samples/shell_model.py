@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plymotion.preprocess.laminate.stiffness import stress_operators
+from plymotion.preprocess.shell.analyses.cases import Statics, solve_cases
 from plymotion.preprocess.shell.analyses.frequencies import Frequencies, natural_modes
-from plymotion.preprocess.shell.analyses.statics import Statics, solve_cases
-from plymotion.preprocess.shell.mesh.groups import group
+from plymotion.preprocess.shell.groups import group
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
 Array = NDArray[np.float64]

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.preprocess.shell.errors import ShellError
-from plymotion.preprocess.shell.mesh.triangles import END, START, triangles
+from plymotion.preprocess.shell.cells import END, START, ShellError, triangles
 
 POINTS = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 1]])
 X = np.array([1.0, 0, 0])

@@ -2,40 +2,30 @@
 
 import dataclasses
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ....solver.math.arrays import Array
 from ....solver.package.common.plausible import described_doubts, not_allowed, shell_doubts
 from ....solver.package.shell.schema import (
-    ShellCases,
     ShellFile,
     ShellLaminate,
     ShellLinks,
     ShellMeshData,
     ShellPlaces,
-    ShellProbes,
 )
 from ... import fenicsx
 from ...laminate.report import report
 from ...laminate.stiffness import computed, stress_operators
-from ..mesh.mesh import ShellMesh
-from ..model.guards import check_supported
-from ..model.link_distortion import link_warnings
-from ..model.loads import resultant
+from ..mesh import ShellMesh
+from ..model.guards import Progress, Warnings
 from ..model.problem import ShellProblem
 from ..model.regions import cell_axes
-from ..model.warped import locking_warnings
+from .buckling import Stressed
+from .cases import load_cases
 from .discretisation import FinerMesh
-from .modes import by_node, shell_buckling, shell_modes
-from .prestress import Stressed
-from .probes import probe_values, read_probes
-from .statics import solve_cases
-
-Progress = Callable[[str], None]
-Warnings = list[dict[str, str]]
+from .modes import shell_buckling, shell_modes
 
 
 def analyse(
@@ -51,7 +41,7 @@ def analyse(
 
     Parameters
     ----------
-    spec : plain data, see spec.py
+    spec : plain data, see problem.py
     where : file and key of the specification for messages, the shell's name by default
     mesh : replaces the mesh that the specification names
     verify : compute strain energies and frequencies by a second method as well (verification.py)
@@ -78,7 +68,7 @@ def analyse(
     doubts = [*described_doubts(spec), *shell_doubts(spec, problem.mesh.points_G, mass)]
     units = [doubt.warning for doubt in not_allowed(spec, doubts)]
     warnings = [*problem.warnings, *warnings, *units]
-    cases, probes, u = _cases(problem, warnings, begin)
+    cases, probes, u = load_cases(problem, warnings, begin)
     stressed = Stressed(problem, cases.names, u)
     finer = FinerMesh(problem, begin)
     modes, left_out = shell_modes(stressed, finer, warnings, begin)
@@ -120,52 +110,6 @@ def analyse(
             "versions": fenicsx.versions(),
         },
     )
-
-
-def _cases(
-    problem: ShellProblem, warnings: Warnings, begin: Progress
-) -> tuple[ShellCases, ShellProbes, Array]:
-    spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
-    probes = read_probes(problem)
-    names = tuple(spec.get("loads", {}))
-    forces, given = problem.loads.columns(spec.get("loads", {}), problem.where)
-    u, energy, residual = np.zeros_like(forces), np.zeros(len(names)), np.zeros(len(names))
-    reactions = np.zeros((len(names), len(problem.supports), 6))
-    if names:
-        check_supported(freedom, *problem.free_motions(freedom))
-        begin(f"load cases, {freedom.n_free} unknowns")
-        solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
-        u, energy, residual = solved.displacements, solved.energy, solved.residual
-        warnings += solved.warnings
-        states = [f"load case {name}" for name in names]
-        warnings += locking_warnings(problem, u, states, forces)
-        warnings += link_warnings(problem, u, forces, energy, names)
-        taken = np.zeros(freedom.n_dof, dtype=bool)
-        for row, support in enumerate(problem.supports):
-            own = np.zeros_like(forces)
-            dofs = support.dofs[
-                ~taken[support.dofs]
-            ]  # a node held by two supports is reported with the first
-            own[dofs] = solved.reactions[dofs]
-            taken[dofs] = True
-            reactions[:, row] = resultant(mesh, freedom, own, support.point_G).T
-    resultants = problem.resultants(u)
-    cases = ShellCases(
-        names=names,
-        displacements_G=by_node(mesh, u),
-        resultants_E=resultants,
-        link_motions_G=np.moveaxis(u.reshape(len(u) // 6, 6, len(names))[mesh.n_node :], 2, 0),
-        loads_G=resultant(mesh, freedom, forces, np.zeros(3)).T,
-        reactions_G=reactions,
-        energy=energy,
-        residual=residual,
-    )
-    told = ShellProbes(
-        tuple(probe.name for probe in probes),
-        tuple(probe.quantity for probe in probes),
-        probe_values(probes, u, resultants),
-    )
-    return cases, told, u
 
 
 def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from ..errors import ShellError
+from ..cells import ShellError
 from ..model.freedom import Freedom
 
 EXTRA = 1  # modes beyond the requested ones, to find a gap

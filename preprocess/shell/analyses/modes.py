@@ -1,25 +1,22 @@
 """Natural modes and load factors of a shell, in the order of its mesh file, with their errors."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ....solver.math.arrays import Array
 from ....solver.package.shell.schema import ShellBuckling, ShellModes
-from ..mesh.mesh import ShellMesh
-from ..model.assembly import DOFS
+from ..cells import DOFS
+from ..mesh import ShellMesh
 from ..model.freedom import Freedom
-from ..model.guards import drilling_warning, zero_energy_warnings
-from ..model.problem import ShellProblem
-from ..model.spec import mode_count
-from ..model.warped import locking_warnings
+from ..model.guards import Progress, Warnings, drilling_warning, zero_energy_warnings
+from ..model.problem import ShellProblem, mode_count
+from ..model.states import locking_warnings
+from .buckling import Stressed, buckled, buckling, check_stable
+from .cases import by_node
 from .discretisation import FinerMesh, frequency_errors, load_factor_errors
 from .frequencies import natural_modes
-from .prestress import Stressed, buckled, buckling, check_stable
-
-Progress = Callable[[str], None]
-Warnings = list[dict[str, str]]
 
 COARSE = 0.05  # estimated error of a first load factor, or a frequency, that is warned about
 CHEAP = 4000  # unknowns up to which errors of frequencies are estimated by default: half a second
@@ -97,11 +94,6 @@ def shell_buckling(
         reversed=np.array([found[name].reversed if name in found else 0.0 for name in names]),
         error=None if errors is None else np.concatenate([np.zeros(0), *errors.values()]),
     )
-
-
-def by_node(mesh: ShellMesh, u: Array) -> Array:
-    """Displacements (n_dof, m) of the nodes of the mesh, (m, n, 6)."""
-    return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[: mesh.n_node], 2, 0)
 
 
 def _locked(problem: ShellProblem, shapes: Array, first: int) -> Warnings:

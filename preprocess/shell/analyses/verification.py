@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.shell.schema import ShellCases, ShellModes
 from ... import fenicsx
-from ..errors import ShellError
+from ..cells import ShellError
 from ..model.guards import COINCIDENT
 from ..model.loads import KINDS
 from ..model.problem import ShellProblem

@@ -1,4 +1,4 @@
-"""Modal package of a body from a laminated shell."""
+"""Modal package of a body from a laminated shell, with the data of its stress recovery."""
 
 import time
 from typing import Any
@@ -7,21 +7,59 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ....solver.package.body.invariants import MOST_MODES, second_order_from_stations
-from ....solver.package.body.schema import ModalPackage, SecondOrder
+from ....solver.package.body.schema import CellResultants, LaminateData, ModalPackage, SecondOrder
 from ....solver.package.body.selection import ALONG
 from ....solver.package.common.cells import vtk_cells
+from ....solver.package.section.stress import rounded
 from ...beam.stations import Stations
 from ...modes.reduced import Modes, reduced_modes
 from ...provenance import body_provenance
-from ..mesh.body_spec import ShellBodySpec, read_shell_body
-from ..model.link_distortion import interface_warnings
 from ..model.problem import ShellProblem
-from ..model.warped import locking_warnings
-from .interfaces import interfaces, node_shapes, places
-from .recovery import cell_resultants, laminates
+from ..model.regions import cell_axes
+from ..model.states import interface_warnings, locking_warnings
+from .interfaces import ShellBodySpec, interfaces, node_shapes, places, read_shell_body
 from .reduction import ShellModel, eigen_solver
 from .second_order import second_order_fields
 from .stations import mass_stations
+
+
+def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
+    """Mean resultants of every cell per unit mode, in the order of the mesh file.
+
+    They are rounded like the recovery of sections, which halves the size of the compressed data.
+
+    Parameters
+    ----------
+    u : (n_dof, m) motion of all degrees of freedom
+    """
+    mesh = problem.mesh
+    laminate = np.empty(len(mesh.cells), dtype=np.int64)
+    names = _laminate_names(problem)
+    for region in problem.regions:
+        laminate[region.cells] = names.index(region.laminate_name)
+    found = problem.resultants(u)
+    return CellResultants(
+        cell=np.arange(len(mesh.cells)),
+        laminate=laminate,
+        A_BE=cell_axes(mesh, problem.regions),
+        resultants_E=rounded(np.ascontiguousarray(np.moveaxis(found, 0, 2))),
+    )
+
+
+def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
+    """Every laminate that a region uses, once."""
+    found: dict[str, LaminateData] = {}
+    for region in problem.regions:
+        name = region.laminate_name
+        if name not in found:
+            constants = problem.spec["materials"]
+            found[name] = region.laminate.data(name, region.stiffness, constants)
+    return tuple(found.values())
+
+
+def _laminate_names(problem: ShellProblem) -> list[str]:
+    return list(dict.fromkeys(region.laminate_name for region in problem.regions))
+
 
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 

@@ -1,20 +1,114 @@
-"""Interfaces of a shell body: their motion in the modes, and their nodes.
+"""Specification of a shell body, and its interfaces: their motion in the modes, and their nodes.
 
 An interface at the centre of its group is the weighted mean of the group's nodes, for both
 kinds of link: kind "average" of the package. An interface at another position has its own node
-there, without cells and mass. The same holds for the two ends of a chord.
-"""
+there, without cells and mass. The same holds for the two ends of a chord."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
+from ....solver.math.rotations import vector_to_matrix
 from ....solver.package.body.schema import Interface
-from ..mesh.body_spec import ShellInterface
-from ..mesh.mesh import ShellMesh
+from ....solver.package.common.plain_data import check_form
+from ....solver.package.specification import ShellInterfaceTable, ShellSpecification
+from ...beam.spec import ModeSpec, Reference, read_modes, read_reference
+from ..mesh import ShellMesh
 from ..model.links import Link
+
+
+@dataclass(frozen=True)
+class ShellInterface:
+    """A checked specification of an interface.
+
+    Attributes
+    ----------
+    at : physical group of the mesh
+    link : "rigid" (the group moves as a rigid body) or "average" (the interface follows its mean
+     motion)
+    position_B : (3,) reference point, None for the centre of the group [m]
+    A_BI : (3, 3) interface axes in body axes
+    """
+
+    name: str
+    at: str
+    link: str
+    position_B: Array | None
+    A_BI: Array
+
+
+@dataclass(frozen=True)
+class ShellBodySpec:
+    """A checked specification of a shell body.
+
+    Attributes
+    ----------
+    body : name
+    shell : specification of the shell, with links for the interfaces and the mass form
+    mass_form : "consistent" or "lumped"
+    interfaces : in the order of the links
+    reference : how the body frame is attached to the shell; its places are interfaces, by number
+    modes : requested modes
+    damping_ratio : of every mode, fraction of critical
+    second_order : with second-order displacements, for geometric stiffening
+    """
+
+    body: str
+    shell: dict[str, Any]
+    mass_form: str
+    interfaces: tuple[ShellInterface, ...]
+    reference: Reference
+    modes: ModeSpec
+    damping_ratio: float
+    second_order: bool = False
+
+
+def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
+    """Read a specification (solver/package/specification.py).
+
+    Raises
+    ------
+    SpecError : a key is unknown or missing, a value has another type, an interface does not exist.
+    """
+    check_form(spec, ShellSpecification)
+    table = cast(ShellSpecification, spec)
+    interfaces = tuple(_interface(name, entry) for name, entry in table["interfaces"].items())
+    numbers = {interface.name: float(i) for i, interface in enumerate(interfaces)}
+    elements = {**table["shell"]["elements"], "mass_form": table["mass_form"]}
+    return ShellBodySpec(
+        body=table["body"],
+        shell={**table["shell"], "elements": elements, "links": _links(interfaces)},
+        mass_form=table["mass_form"],
+        interfaces=interfaces,
+        reference=read_reference(table["reference"], numbers),
+        modes=read_modes(table["modes"], numbers),
+        damping_ratio=float(table["damping_ratio"]),
+        second_order=table.get("second_order", False),
+    )
+
+
+def _interface(name: str, table: ShellInterfaceTable) -> ShellInterface:
+    position = table.get("position")
+    return ShellInterface(
+        name=name,
+        at=table["at"],
+        link=table["link"],
+        position_B=None if position is None else np.array(position, dtype=float),
+        A_BI=vector_to_matrix(np.deg2rad(table["rotation_deg"])),
+    )
+
+
+def _links(interfaces: tuple[ShellInterface, ...]) -> dict[str, Any]:
+    links: dict[str, Any] = {}
+    for interface in interfaces:
+        links[interface.name] = {"at": interface.at, "kind": interface.link}
+        if interface.position_B is not None:
+            links[interface.name]["point"] = interface.position_B.tolist()
+    return links
+
 
 SAME_PLACE = 1e-9  # relative to the size of the mesh
 

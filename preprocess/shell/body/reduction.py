@@ -17,11 +17,10 @@ from ... import fenicsx
 from ...modes.reduced import StaticLoad, accelerations, inertia_loads
 from ...modes.reference import Algebra, Condition, HeldDofs, MeanAxis
 from ..analyses.frequencies import TOLERANCE
-from ..mesh.body_spec import ShellBodySpec
-from ..model.assembly import DOFS
+from ..cells import DOFS
 from ..model.links import Link
 from ..model.problem import ShellProblem
-from .interfaces import SAME_PLACE
+from .interfaces import SAME_PLACE, ShellBodySpec
 from .stations import nodal_mass
 
 # Held dofs of the reference nodes: all if clamped; for a chord those that keep both nodes on x.

@@ -20,11 +20,9 @@ import numpy as np
 from ....solver.math.arrays import Array, IntArray
 from ...modes.reduced import pairs, square, turned
 from ...modes.reference import Condition
-from ..elements.choice import Choice
-from ..elements.pairs import geometric_kernel, stiffness_kernel
-from ..elements.single_cells import cell_rows
-from ..elements.table import cell_table, write
-from ..model.assembly import DOFS
+from ..cells import DOFS
+from ..elements.pairs import Choice, geometric_kernel, stiffness_kernel
+from ..elements.single_cells import cell_rows, cell_table, write
 from ..model.freedom import Freedom
 from ..model.problem import ShellProblem
 from ..model.regions import Region

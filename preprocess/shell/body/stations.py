@@ -5,7 +5,7 @@ fibre of the wall along the normal n, with the moments m0, m1, m2 of its density
 is a rigid piece: mass m0, centre at m1/m0 n from the mesh, rotary inertia about it
 (m2 - m1^2/m0) (1 - n n'). With consistent mass there are fibres at three points of each triangle
 and at four of each quadrilateral, which integrate the motions of their corners exactly. With lumped
-mass they are at its corners, and m2 also acts on the drilling rotation, as in mass.py. The sums
+mass they are at its corners, and m2 also acts on the drilling rotation, as in `mass_work`. The sums
 then equal the mass matrix to round-off, with one exception: consistent mass also acts on the
 difference of the drilling rotation from that of the cell. This part is zero for rigid
 motions and has no momentum; only the modal mass includes it.
@@ -21,7 +21,7 @@ from ....solver.package.common.plain_data import SpecError
 from ...beam.element import MASS_POINTS, BeamElement, gauss
 from ...beam.line import SectionMass
 from ...beam.stations import Stations
-from ..mesh.mesh import ShellMesh
+from ..mesh import ShellMesh
 from ..model.links import carried, cross_matrix
 from ..model.regions import Region
 from ..model.stiffeners import Stiffener

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 from ufl import as_matrix, as_vector, dot, sqrt
 
 from ...fenicsx import Symbols, symbols
-from ..mesh import quadrilaterals, triangles
+from ..cells import AT_GAUSS, CENTRE, GAUSS, POINTS, slopes
 
-# Data of a cell, one row of numbers: table.py fills it.
+# Data of a cell, one row of numbers: `cell_table` fills it.
 SHAPES: dict[str, tuple[int, ...]] = {
     "A_GE": (3, 3),  # rotation, v_G = A_GE v_E
     "A": (3, 3),  # membrane [N/m]
@@ -27,7 +27,7 @@ SHAPES: dict[str, tuple[int, ...]] = {
     "beta0": (),  # of "opt"
     "drilling_factor": (),
     "bow": (),  # of the sides of quadrilaterals, that of the triangles (membranes)
-    "width_ratio": (4,),  # of the sides of quadrilaterals (side_widths.py)
+    "width_ratio": (4,),  # of the sides of quadrilaterals
     "N": (3,),  # resultants of a prestress: Nxx, Nyy, Nxy [N/m]
     "in_plane": (),  # 1: the prestress works on rotations about the normal, 0: it does not
     "p": (4,),  # pressure along e3 at the points of integration [N/m2]
@@ -168,7 +168,7 @@ class Cell:
         grad = [as_vector((-edges[j][1], edges[j][0])) / signed for _, j in self.sides]
         self.centre = grad
         self.points = []
-        for N in triangles.POINTS.tolist():  # the area coordinates
+        for N in POINTS.tolist():  # the area coordinates
             bulges = [4.0 * (N[i] * grad[j] + N[j] * grad[i]) for i, j in self.sides]
             edges = [
                 L * (N[i] * grad[j] - N[j] * grad[i])
@@ -180,9 +180,9 @@ class Cell:
         self.gradient_points = [Point(self.area, ZERO, thirds, grad, [], [])]
 
     def _quadrilateral(self) -> None:
-        gauss, shapes = quadrilaterals.GAUSS, quadrilaterals.AT_GAUSS.tolist()
-        found = [_mapped(self.xy, slopes) for slopes in quadrilaterals.slopes(gauss)]
-        self.mapping = _mapped(self.xy, quadrilaterals.CENTRE)
+        shapes = AT_GAUSS.tolist()
+        found = [_mapped(self.xy, at) for at in slopes(GAUSS)]
+        self.mapping = _mapped(self.xy, CENTRE)
         self.centre = self.mapping.grad
         self.area = sum(abs(at.det) for at in found)
         centroid = ZERO
@@ -192,7 +192,7 @@ class Cell:
         self.xy = [place - centroid for place in self.xy]
         self._sides()
         self.points = []
-        for (xi, eta), N, at in zip(gauss.tolist(), shapes, found, strict=True):
+        for (xi, eta), N, at in zip(GAUSS.tolist(), shapes, found, strict=True):
             to_xi, to_eta = at.grad_xi, at.grad_eta
             # P_1 = (1 - xi^2) (1 - eta)/2 and so on around the cell
             bulges = [

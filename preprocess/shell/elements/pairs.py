@@ -1,7 +1,7 @@
 """Virtual work of a cell as lists of pairs (stress, strain) in UFL, and the compiled lists.
 
 The virtual work is the sum of stress(u) . strain(v) over the pairs, each linear in the unknowns of
-the corners (cell.py); the elements are in plates/, membranes/, drilling/ and quads/.
+the corners (cell.py); the elements are in plates/, membranes/, drilling/ and quadrilateral.py.
 
     stiffness    a membrane and a plate, coupled by their mean strains, and a drilling stiffness
     mass         the displacements and rotations of the corners interpolated
@@ -9,24 +9,82 @@ the corners (cell.py); the elements are in plates/, membranes/, drilling/ and qu
     pressure     that of a pressure which stays normal to the surface
 """
 
+from collections.abc import Iterable
 from functools import cache
 from typing import Any, NamedTuple
 
 from ufl import as_matrix, as_vector, inv
 
+from ....solver.errors import did_you_mean
 from ....solver.package.body.schema import MASS_FORMS
+from ....solver.package.shell import elements
 from ...fenicsx import Kernel, Rows, compiled, kernel
-from ..errors import ShellError
+from ..cells import ShellError
 from .cell import SIZE, Cell, Point, cell_of
-from .choice import Choice
 from .drilling import DRILLINGS
 from .membranes import MEMBRANES
 from .plates import PLATES
+from .plates.contract import side_differences
 from .plates.dkmt import dkmt
 from .plates.dst import moment_slopes
-from .plates.strains import side_differences
-from .quads.hybrid import hybrid
-from .quads.internal import relief
+from .quadrilateral import hybrid, relief
+
+
+class Choice(NamedTuple):
+    """Names of the elements of triangles and of quadrilaterals, with their parameters.
+
+    Attributes
+    ----------
+    plate : key of PLATES
+    membrane : key of MEMBRANES
+    beta0 : factor of the higher-order stiffness of "opt", or "felippa": from the membrane
+        stiffness of the laminate
+    drilling : key of DRILLINGS, "none", or "auto": "tie" for a membrane without rotations of its
+        own, otherwise "none"
+    drilling_factor : factor of the drilling stiffness, to the laminate's A66
+    quadrilateral : key of QUADS
+    """
+
+    plate: str = elements.PLATE
+    membrane: str = elements.MEMBRANE
+    beta0: float | str = elements.BETA0
+    drilling: str = elements.DRILLING
+    drilling_factor: float = elements.DRILLING_FACTOR
+    quadrilateral: str = elements.QUAD
+
+    def drilling_form(self) -> str:
+        """Name of the drilling stiffness, with "auto" resolved."""
+        if self.drilling != "auto":
+            return self.drilling
+        return "none" if MEMBRANES[self.membrane].rotations else "tie"
+
+    def checked(self) -> "Choice":
+        """Return itself; raise `ShellError` with key, value and expectation if it is wrong."""
+        for key, known in (
+            ("plate", PLATES),
+            ("membrane", MEMBRANES),
+            ("drilling", ("auto", "none", *DRILLINGS)),
+            ("quadrilateral", elements.QUADS),
+        ):
+            _known(key, getattr(self, key), known)
+        if isinstance(self.beta0, str):
+            if self.beta0 != "felippa":
+                raise ShellError(f'beta0 {self.beta0!r}: expected a number above 0 or "felippa"')
+        elif not self.beta0 > 0.0:
+            raise ShellError(f"beta0 {self.beta0!r}: expected a number above 0")
+        if not self.drilling_factor > 0.0:
+            raise ShellError(
+                f'drilling_factor {self.drilling_factor!r}: expected above 0; drilling = "none" '
+                "switches it off"
+            )
+        return self
+
+
+def _known(key: str, name: str, known: Iterable[str]) -> None:
+    names = list(known)
+    if name not in names:
+        listed = ", ".join(names)
+        raise ShellError(f"{key} {name!r}: expected one of {listed}{did_you_mean(name, names)}")
 
 
 class Work(NamedTuple):
@@ -71,8 +129,8 @@ def quadrilateral_work(q: Cell) -> Work:
     """Hybrid membrane and plate of a quadrilateral, coupled.
 
     The plate is DKMQ, the discrete Kirchhoff-Mindlin quadrilateral (Katili 1993), as the triangle.
-    The ratio phi_k of a side has a part of the width (quadrilaterals.py), which with the internal
-    rotations (internal.py) lets a strip of one cell twist.
+    The ratio phi_k of a side has a part of the width (`width_ratios`), which with the internal
+    rotations lets a strip of one cell twist.
     """
     plate = dkmt(q)
     membrane = hybrid(q, plate.curvature)

@@ -1,19 +1,74 @@
-"""Matrices and rows of single cells, from the same pairs that DOLFINx assembles.
+"""Data, matrices, rows and resultants of single cells, from the pairs that DOLFINx assembles.
 
-Corners run around the cell here, as everywhere but in DOLFINx.
+Kernels read the data of a cell from one row of numbers. Corners run around the cell here, as
+everywhere but in DOLFINx.
 """
+
+from typing import Any, Protocol
 
 import numpy as np
 
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from ..mesh.quadrilaterals import Quadrilaterals
-from ..mesh.triangles import Triangles
-from .cell import AROUND
+from ..cells import Quadrilaterals, Triangles
+from .cell import AROUND, COLUMNS, SIZE
+from .membranes import MEMBRANES
+from .membranes.opt import best_beta0
+from .pairs import Choice, stiffness_kernel
+
+
+class Stiffness(Protocol):
+    """Laminate data that an element needs, in E; the first axis c or 1 is optional."""
+
+    @property
+    def A(self) -> Array:
+        """Membrane, (3, 3) [N/m]."""
+
+    @property
+    def B(self) -> Array:
+        """Coupling, (3, 3) [N]."""
+
+    @property
+    def D(self) -> Array:
+        """Bending, (3, 3) [N m]."""
+
+    @property
+    def Ds(self) -> Array:
+        """Transverse shear, corrected, (2, 2) [N/m]."""
+
+
+def cell_table(geometry: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice) -> Array:
+    """The table (c, SIZE) of cells; entries of a prestress, a pressure, and of the mass of a
+    laminate without density are zero.
+
+    Parameters
+    ----------
+    laminate : one for all or one for each cell
+    """
+    table = np.zeros((len(geometry), SIZE))
+    beta0: Array | float
+    if isinstance(choice.beta0, str):
+        beta0 = best_beta0(np.reshape(laminate.A, (-1, 3, 3)))
+    else:
+        beta0 = choice.beta0
+    write(table, A_GE=geometry.A_GE, beta0=beta0, drilling_factor=choice.drilling_factor)
+    write(table, A=laminate.A, B=laminate.B, D=laminate.D, Ds=laminate.Ds)
+    write(table, mass=getattr(laminate, "mass", np.zeros(3)))
+    if isinstance(geometry, Quadrilaterals):
+        write(table, bow=MEMBRANES[choice.membrane].bow, width_ratio=geometry.width_ratio)
+    return table
+
+
+def write(table: Array, **entries: Any) -> None:
+    """Write entries by name, one for all cells or one for each."""
+    for name, values in entries.items():
+        first, shape = COLUMNS[name]
+        size = int(np.prod(shape, dtype=int))
+        table[:, first : first + size] = np.reshape(values, (-1, size))
 
 
 def cell_matrices(t: Triangles | Quadrilaterals, kernel: fenicsx.Kernel, table: Array) -> Array:
-    """Matrices of cells in G, (c, 6 k, 6 k), with data (c, columns) of table.py."""
+    """Matrices of cells in G, (c, 6 k, 6 k), with data (c, columns) of `cell_table`."""
     order = _unknowns(t)
     return fenicsx.matrices(kernel, table, _corners(t))[:, order[:, None], order]
 
@@ -40,3 +95,48 @@ def _unknowns(t: Triangles | Quadrilaterals) -> Array:
     """Unknown of DOLFINx's cell for each one around the cell; the order is its own inverse."""
     around = np.array(AROUND[t.xy_E.shape[1]])
     return np.asarray((6 * around[:, None] + np.arange(6)).ravel())
+
+
+AT_A_TIME = 512  # cells whose rows are in memory together
+
+
+def element_strains(
+    t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice, u_G: Array
+) -> Array:
+    """Mean strains of each element in E, (c, 8, m): exx eyy gxy, kxx kyy kxy [1/m], gxz gyz.
+
+    Parameters
+    ----------
+    t : c triangles or quadrilaterals
+    laminate : A, B, D, Ds in E, one for all or one for each triangle
+    choice : the elements
+    u_G : (c, 18|24, m) displacements [m] and rotations [rad] of the corners, m states at once
+
+    Raises
+    ------
+    ShellError
+        for a choice that does not exist
+    """
+    kernel = stiffness_kernel(t.xy_E.shape[1], choice, drilling=False)
+    table = cell_table(t, laminate, choice)
+    strains = np.empty((len(t), 8, u_G.shape[2]))
+    for first in range(0, len(t), AT_A_TIME):
+        some = slice(first, first + AT_A_TIME)
+        means = [mean for _, _, mean in cell_rows(t[some], kernel, table[some])]
+        strains[some] = np.concatenate(means, axis=1) @ u_G[some]
+    return strains
+
+
+def element_resultants(
+    t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice, u_G: Array
+) -> Array:
+    """Mean resultants of each element in E, (c, 8, m): N [N/m] 3, M [N] 3, T [N/m] 2.
+
+    Order N_xx N_yy N_xy, M_xx M_yy M_xy, T_x T_y. Arguments and errors as in `element_strains`.
+
+    Paper: Eq. (28).
+    """
+    A, B, D = (np.reshape(a, (-1, 3, 3)) for a in (laminate.A, laminate.B, laminate.D))
+    strains = element_strains(t, laminate, choice, u_G)
+    e, k, gamma = strains[:, :3], strains[:, 3:6], strains[:, 6:]
+    return np.concatenate([A @ e + B @ k, B @ e + D @ k, laminate.Ds @ gamma], axis=1)

@@ -9,9 +9,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import SHELL_LINK_KINDS
-from ..errors import ShellError
-from ..mesh.mesh import ShellMesh
-from .assembly import DOFS
+from ..cells import DOFS, ShellError
+from ..mesh import ShellMesh
 from .links import Link, averaged, carried
 from .regions import Region
 from .stiffeners import Stiffener

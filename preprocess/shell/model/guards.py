@@ -1,6 +1,6 @@
 """Checks of a shell: coded warnings and errors for problems that the analysis would not show."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,19 +11,18 @@ from ....solver.math.arrays import Array
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.shell import elements
 from ...mesh_input import coincident
-from ..elements.choice import Choice
+from ..cells import DOFS, ShellError, Triangles
 from ..elements.drilling import DRILLINGS
 from ..elements.membranes import MEMBRANES
+from ..elements.pairs import Choice
 from ..elements.plates import PLATES, shear_ratio
-from ..errors import ShellError
-from ..mesh.mesh import ShellMesh
-from ..mesh.triangles import Triangles
-from .assembly import DOFS
+from ..mesh import ShellMesh
 from .freedom import Freedom
 from .links import Link
 from .regions import Region, cell_axes
 
 Warnings = list[dict[str, str]]
+Progress = Callable[[str], None]
 
 SLIVER = 0.05  # area over the sum of squared sides; 1 where they are equal
 COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position

@@ -20,11 +20,9 @@ import numpy as np
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ..errors import ShellError
-from ..mesh.axes import vector
-from ..mesh.groups import group
-from ..mesh.mesh import ShellMesh
-from .assembly import DOFS
+from ..cells import DOFS, ShellError
+from ..groups import group, vector
+from ..mesh import ShellMesh
 from .freedom import Freedom
 from .regions import Region, cell_axes
 from .supports import COMPONENTS

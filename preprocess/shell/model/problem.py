@@ -1,30 +1,204 @@
-"""A shell as a finite-element model: mesh, lay-ups, stiffness, mass and supports."""
+"""A shell as a finite-element model: mesh, lay-ups, stiffness, mass and supports.
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+Six unknowns per node, in the node numbering of the mesh; reference points of links come after the
+nodes. Of several processes, each assembles the matrix of its own cells: the sum of all is that of
+the shell.
+
+The specification may be written by hand:
+
+{"name": "panel", "mesh": {"file": "panel.msh"}, "materials": {...},
+ "laminates": {"skin": {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1e-4}]}},
+ "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}},
+ "elements": {"plate": "dkmt", "membrane": "opt", "mass_form": "consistent"},
+ "stiffeners": {"rib": {"at": "ridge", "section": {...}, "offset": [0.0, 0.01]}},
+ "links": {"end": {"at": "tip", "kind": "rigid"}},
+ "supports": {"root": {"at": "root", "fixed": "all"}},
+ "loads": {"pull": {"tip": {"at": "end", "force": [1.0, 0.0, 0.0]}}},
+ "probes": {"tip": {"at": "end", "what": "uz"}},
+ "frequencies": {"count": 6, "free": false, "prestress": "pull", "error": true},
+ "buckling": {"count": 4, "cases": ["pull"], "constant": "weight", "in_plane": true,
+              "error": true}}
+
+SI and degrees; docs/shell-description.md explains each key.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.math.arrays import Array
+from ....solver.errors import check_keys, did_you_mean
+from ....solver.math.arrays import Array, IntArray
+from ....solver.package.body.schema import MASS_FORMS
 from ... import fenicsx
+from ..cells import DOFS, ShellError
 from ..elements.membranes import MEMBRANES
-from ..elements.pairs import geometric_kernel, mass_kernel, pressure_kernel, stiffness_kernel
-from ..elements.resultants import element_resultants
-from ..errors import ShellError
-from ..mesh.mesh import ShellMesh, shell_mesh
-from .assembly import Assembly
+from ..elements.pairs import (
+    Choice,
+    geometric_kernel,
+    mass_kernel,
+    pressure_kernel,
+    stiffness_kernel,
+)
+from ..elements.single_cells import cell_table, element_resultants, write
+from ..mesh import KEYS as MESH
+from ..mesh import ShellMesh, shell_mesh
 from .freedom import Freedom, flat_nodes
 from .guards import drilling_motions, model_warnings
-from .links import Link, read_links
+from .links import read_links
+from .loads import KEYS as LOAD
 from .loads import Loads
-from .regions import own_cells, read_regions
-from .section_link import section_rows
-from .spec import check_spec, elements
+from .regions import Region, own_cells, read_regions
+from .stiffeners import KEYS as STIFFENER
 from .stiffeners import read_stiffeners
 from .supports import read_supports, with_straight_edges
+
+REQUIRED = ("mesh", "materials", "regions")
+TABLES = (
+    "laminates",
+    "elements",
+    "stiffeners",
+    "links",
+    "supports",
+    "loads",
+    "probes",
+    "frequencies",
+    "buckling",
+)
+OTHER = ("name", "title", "format", "allow")
+REGION = (
+    *("laminate", "material", "thickness", "offset", "shear_correction"),
+    *("axis", "axis_curve", "axis_about", "flip"),
+)
+ENTRIES = {
+    "regions": REGION,
+    "stiffeners": STIFFENER,
+    "links": ("at", "kind", "point"),
+    "supports": ("at", "fixed", "only"),
+    "probes": ("at", "near", "what"),
+}
+
+
+BUCKLING = ("count", "cases", "constant", "in_plane", "error")
+
+
+class Elements(NamedTuple):
+    """Choice of elements and mass form."""
+
+    choice: Choice
+    mass_form: str
+
+
+def check_spec(spec: Mapping[str, Any], where: str) -> None:
+    """Raise ShellError for a key that is unknown, missing or not a table."""
+    check_keys(spec, (*REQUIRED, *TABLES, *OTHER), where, ShellError)
+    for key in REQUIRED:
+        if not isinstance(spec.get(key), Mapping) or not spec[key]:
+            raise ShellError(f"{where}.{key} = {spec.get(key)!r}: expected a table")
+    for key in TABLES:
+        if key in spec and not isinstance(spec[key], Mapping):
+            raise ShellError(f"{where}.{key} = {spec[key]!r}: expected a table")
+    check_keys(spec["mesh"], MESH, f"{where}.mesh", ShellError)
+    for key, known in ENTRIES.items():
+        for name, entry in spec.get(key, {}).items():
+            check_keys(entry, known, f"{where}.{key}.{name}", ShellError)
+    for case, loads in spec.get("loads", {}).items():
+        if not isinstance(loads, Mapping):
+            raise ShellError(f"{where}.loads.{case} = {loads!r}: expected a table of loads")
+        for name, entry in loads.items():
+            check_keys(entry, LOAD, f"{where}.loads.{case}.{name}", ShellError)
+    modes = ("count", "free", "prestress", "error")
+    check_keys(spec.get("frequencies", {}), modes, f"{where}.frequencies", ShellError)
+    check_keys(spec.get("buckling", {}), BUCKLING, f"{where}.buckling", ShellError)
+
+
+def elements(table: Mapping[str, Any], where: str) -> Elements:
+    """Plate, membrane, drilling and mass. Raises ShellError for a name that does not exist."""
+    check_keys(table, (*Choice._fields, "mass_form"), where, ShellError)
+    form = table.get("mass_form", "consistent")
+    if form not in MASS_FORMS:
+        raise ShellError(
+            f"{where}.mass_form = {form!r}: expected one of {', '.join(MASS_FORMS)}"
+            + did_you_mean(str(form), MASS_FORMS)
+        )
+    given = {key: table[key] for key in Choice._fields if key in table}
+    try:
+        return Elements(Choice(**given).checked(), form)
+    except ShellError as error:
+        raise ShellError(f"{where}.{error}") from error
+
+
+def mode_count(table: Mapping[str, Any], where: str) -> int:
+    """Number of requested modes. Raises ShellError."""
+    count = table.get("count", 6)
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")
+    return count
+
+
+class Assembly:
+    """The cells of a shell as surfaces of DOLFINx, one for each kind of cell.
+
+    Parameters
+    ----------
+    regions : the cells that are assembled
+    extra : number of nodes without cells after those of the mesh
+    """
+
+    def __init__(
+        self,
+        mesh: ShellMesh,
+        regions: Sequence[Region],
+        choice: Choice,
+        extra: int,
+    ) -> None:
+        self._mesh, self._choice, self._extra = mesh, choice, extra
+        kinds = [[r for r in regions if r.nodes.shape[1] == k] for k in (3, 4)]
+        self._kinds = [kind for kind in kinds if kind]
+
+    @cached_property
+    def _surfaces(self) -> list[fenicsx.Surface]:
+        points = self._mesh.points_G
+        return [
+            fenicsx.Surface(points, np.concatenate([region.nodes for region in kind]))
+            for kind in self._kinds
+        ]
+
+    @cached_property
+    def _pattern(self) -> fenicsx.SurfacePattern:
+        return fenicsx.SurfacePattern(
+            [surface.cells for surface in self._surfaces], self._mesh.n_node + self._extra
+        )
+
+    def matrix(self, kernel: Callable[[int], fenicsx.Kernel], **entries: Array) -> sp.csr_matrix:
+        """Sum of the matrices of the cells, (n_dof, n_dof) with ascending columns.
+
+        Parameters
+        ----------
+        kernel : of cells with a number of corners (pairs.py)
+        entries : of the table of the cells by their names, in the order of the mesh
+        """
+        # first, because what DOLFINx needs a compiler for gives a worse message without one
+        kernels = [kernel(kind[0].nodes.shape[1]) for kind in self._kinds]
+        parts = []
+        for surface, kind, found in zip(self._surfaces, self._kinds, kernels, strict=True):
+            data = [cell_table(r.geometry, r.stiffness, self._choice) for r in kind]
+            table = np.concatenate(data)
+            cells = np.concatenate([region.cells for region in kind])
+            write(table, **{name: values[cells] for name, values in entries.items()})
+            parts.append((surface, found, table))
+        return self._pattern.summed(parts)
+
+    def lines(self, ends: IntArray, matrices: Array) -> sp.csr_matrix:
+        """Sum of matrices (l, 12, 12) of lines with nodes (l, 2)."""
+        dofs = (DOFS * ends[:, :, None] + np.arange(DOFS)).reshape(len(ends), -1)
+        rows = np.repeat(dofs, dofs.shape[1], axis=1).ravel()
+        columns = np.tile(dofs, dofs.shape[1]).ravel()
+        n_dof = DOFS * (self._mesh.n_node + self._extra)
+        return sp.csr_matrix((matrices.ravel(), (rows, columns)), shape=(n_dof, n_dof))
+
 
 AT_ONCE = 8  # number of states for which resultants are computed together
 
@@ -34,7 +208,7 @@ class ShellProblem:
 
     Parameters
     ----------
-    spec : see spec.py
+    spec : see above
     where : file and key of the specification, for messages
     team : processes that all make the same problem and share its matrices: each has its part of
         their sum
@@ -59,10 +233,7 @@ class ShellProblem:
         self.regions = read_regions(spec, self.mesh, where)
         self.team = team if len(self.mesh.cells) >= team.size else fenicsx.ALONE
         self._own = own_cells(self.regions, self.mesh, self.team)
-        self.links = [
-            self._with_rows(link)
-            for link in read_links(spec.get("links", {}), self.mesh, f"{where}.links")
-        ]
+        self.links = read_links(spec.get("links", {}), self.mesh, self.regions, f"{where}.links")
         self.supports = read_supports(
             spec.get("supports", {}), self.mesh, self.links, f"{where}.supports"
         )
@@ -89,13 +260,6 @@ class ShellProblem:
         if all(support.only is None for support in self.supports):
             return self.freedom
         return self._freedom("modes")
-
-    def _with_rows(self, link: Link) -> Link:
-        if link.kind != "section":
-            return link
-        place = f"{self.where}.links.{link.name}.at"
-        rows = section_rows(self.mesh, self.regions, link.group, link.point_G, place)
-        return replace(link, rows=rows)
 
     def _freedom(self, purpose: str) -> Freedom:
         held = [support for support in self.supports if support.only in (None, purpose)]

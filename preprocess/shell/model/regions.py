@@ -17,12 +17,19 @@ from ....solver.package.common.materials import Orthotropic, material_from_dict
 from ... import fenicsx
 from ...laminate.spec import LaminateSpec, laminate_from_dict
 from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
-from ..errors import CellError, ShellError
-from ..mesh.axes import KEYS as AXES
-from ..mesh.axes import cell_directions
-from ..mesh.mesh import ShellMesh
-from ..mesh.quadrilaterals import Quadrilaterals, quadrilaterals, width_ratios
-from ..mesh.triangles import NORMAL, Triangles, triangles
+from ..cells import (
+    NORMAL,
+    CellError,
+    Quadrilaterals,
+    ShellError,
+    Triangles,
+    quadrilaterals,
+    triangles,
+    width_ratios,
+)
+from ..groups import KEYS as AXES
+from ..groups import cell_directions
+from ..mesh import ShellMesh
 
 ALL = "all"
 Geometry = Triangles | Quadrilaterals

@@ -20,9 +20,9 @@ from ....solver.errors import few
 from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
 from ...beam.element import BeamElement
-from ..errors import ShellError
-from ..mesh.axes import vector
-from ..mesh.mesh import ShellMesh
+from ..cells import ShellError
+from ..groups import vector
+from ..mesh import ShellMesh
 from .links import carried
 from .regions import Region, cell_axes
 

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ..errors import ShellError
-from ..mesh.groups import united
-from ..mesh.mesh import ShellMesh
-from .assembly import DOFS
+from ..cells import DOFS, ShellError
+from ..groups import united
+from ..mesh import ShellMesh
 from .links import Link
 
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")

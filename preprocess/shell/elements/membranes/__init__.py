@@ -2,8 +2,7 @@
 
 from .....solver.math.catalogue import catalogue, listed
 from .....solver.package.shell import elements
-from .contract import Membrane
-from .strains import MembraneStrains
+from .contract import Membrane, MembraneStrains
 
 MEMBRANES = listed(
     [(membrane.name, membrane) for membrane in catalogue(__name__, __path__, Membrane)],

@@ -3,8 +3,7 @@
 from ufl import as_vector
 
 from ..cell import Cell
-from .contract import Membrane
-from .strains import MembraneStrains, bow_strain, linear_strain
+from .contract import Membrane, MembraneStrains, bow_strain, linear_strain
 
 # Relative to A66, stiffness of equal rotations of all corners. It affects warped shells: with a
 # hundredth of this value a twisted beam becomes too soft with refinement, by a tenth at 8 cells

@@ -1,8 +1,7 @@
 """CST: the triangle of constant strain."""
 
 from ..cell import Cell
-from .contract import Membrane
-from .strains import MembraneStrains, linear_strain
+from .contract import Membrane, MembraneStrains, linear_strain
 
 
 def cst(t: Cell) -> MembraneStrains:

@@ -5,8 +5,7 @@ from ufl import as_matrix, as_vector
 
 from .....solver.math.arrays import Array
 from ..cell import Cell
-from .contract import Membrane
-from .strains import MembraneStrains, linear_strain
+from .contract import Membrane, MembraneStrains, linear_strain
 
 ALPHA_B = 1.5
 LOWEST = 0.01  # lower bound of beta0

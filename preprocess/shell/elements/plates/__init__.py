@@ -2,8 +2,7 @@
 
 from .....solver.math.catalogue import catalogue, listed
 from .....solver.package.shell import elements
-from .contract import Plate
-from .strains import PlateStrains, shear_ratio
+from .contract import Plate, PlateStrains, shear_ratio
 
 PLATES = listed(
     [(plate.name, plate) for plate in catalogue(__name__, __path__, Plate)],

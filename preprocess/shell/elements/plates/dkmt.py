@@ -1,8 +1,7 @@
 """DKMT: the discrete Kirchhoff-Mindlin triangle (Katili 1993)."""
 
 from ..cell import Cell
-from .contract import Plate
-from .strains import PlateStrains, curvature, edge_shear, side_differences, side_ratios
+from .contract import Plate, PlateStrains, curvature, edge_shear, side_differences, side_ratios
 
 
 def dkmt(t: Cell) -> PlateStrains:
@@ -12,7 +11,7 @@ def dkmt(t: Cell) -> PlateStrains:
 
         gamma_s = -(2/3) phi_k alpha_k,     phi_k = 12 D_ss / (Ds_ss L_k^2)  (`shear_ratio`),
 
-    so by (side) of strains.py
+    so by (side) of contract.py
 
         alpha_k = 3 / (2 L_k (1 + phi_k)) Aw_k,
 

@@ -1,14 +1,13 @@
 """DKT: the discrete Kirchhoff triangle, without transverse shear."""
 
 from ..cell import Cell
-from .contract import Plate
-from .strains import PlateStrains, curvature, side_differences
+from .contract import Plate, PlateStrains, curvature, side_differences
 
 
 def dkt(t: Cell) -> PlateStrains:
     """Strains of the discrete Kirchhoff triangle.
 
-    On each side gamma_s = 0, so by (side) of strains.py
+    On each side gamma_s = 0, so by (side) of contract.py
 
         alpha_k = 3 / (2 L_k) Aw_k,
 

@@ -5,8 +5,7 @@ from typing import Any
 from ufl import as_matrix, as_vector, inv
 
 from ..cell import Cell
-from .contract import Plate
-from .strains import PlateStrains, curvature, side_differences
+from .contract import Plate, PlateStrains, curvature, side_differences
 
 # `shear_ratio` above which the incompatible sides of this element have an effect: the error is
 # about 2 % in constant curvature on an irregular patch, and in deflections of laminated plates.
@@ -20,8 +19,8 @@ def dst(t: Cell) -> PlateStrains:
 
         T = (Mx,x + Mxy,y ; Mxy,x + My,y) = Ha alpha,    M = D k,
 
-    where only the P_k of strains.py have second derivatives. This gives the constant shear strain
-    gamma = Ds^-1 Ha alpha = Bsa alpha. With it on the sides, (side) of strains.py reads
+    where only the P_k of contract.py have second derivatives. This gives the constant shear strain
+    gamma = Ds^-1 Ha alpha = Bsa alpha. With it on the sides, (side) of contract.py reads
 
         [(2/3) diag(L_k) - L_k t_k' Bsa] alpha = Aw.
 

@@ -8,15 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ....solver.errors import few
-from ....solver.math.arrays import Array, IntArray
-from ....solver.package.specification import CAD, CAD_WITH_UNIT
-from ..errors import MeshError
-from ..plain import PlainMesh
-from ..stack import gmsh
+from ...solver.errors import few
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.specification import CAD, CAD_WITH_UNIT
 from .gmsh_alone import define, read
-from .gmsh_model import check_finite, curves, physical
-from .gmsh_script import check_count, gmsh_session, opened
+from .gmsh_surface import check_count, check_finite, curves, gmsh_session, opened, physical
+from .plain import PlainMesh
+from .stack import MeshError, gmsh
 
 STEP, IGES = CAD_WITH_UNIT[:2], CAD_WITH_UNIT[2:]
 GAP = 1e-5  # between faces of an IGES file that are one surface [m]

@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse.linalg as spla
 
-from ....solver.math.arrays import Array
-from ..distributed import Distribution
-from ..errors import EigenError, FactorisationError
-from ..stack import PETSc
-from ..team import ALONE
+from ...solver.math.arrays import Array
 from .eigen import checked, eigenpairs
-from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
+from .factorisation import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
+from .stack import EigenError, FactorisationError, PETSc
+from .team import ALONE, Distribution
 
 RTOL = 1e-10  # of the residual relative to the load
 MOST = 100  # iterations; 10 to 20 are usual

@@ -6,13 +6,10 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from ....solver.math.arrays import is_positive_definite
-from ..distributed import Distribution, whole
-from ..errors import EigenError
-from ..stack import HAS_MUMPS, Array, PETSc, SLEPc
-from ..team import ALONE, Team
-from .factorisation import RandomLoad
-from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
+from ...solver.math.arrays import is_positive_definite
+from .factorisation import PETSC_ERRORS, RandomLoad, destroy, reason, sorted_csr, use_mumps
+from .stack import HAS_MUMPS, Array, EigenError, PETSc, SLEPc
+from .team import ALONE, Distribution, Team, whole
 
 
 def eigenpairs(

@@ -15,17 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from ....solver.errors import did_you_mean
-from ....solver.math.arrays import Array, IntArray
-from ....solver.package.common import cells as tables
-from ....solver.package.common.plain_data import canonical
-from ... import fenicsx
-from ...fenicsx import NamedNodes, PlainMesh
-from ...mesh_input import is_refused, load_script
-from ..errors import ShellError
-from .edges import Edges
-from .pairing import Unpaired, paired
-from .refinement import finer_parameters, is_ours, split
+from ...solver.errors import did_you_mean
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common import cells as tables
+from ...solver.package.common.plain_data import canonical
+from .. import fenicsx
+from ..fenicsx import NamedNodes, PlainMesh
+from ..mesh_input import is_refused, load_script
+from .cells import Edges, ShellError
+from .refinement import Unpaired, finer_parameters, is_ours, paired, split
 
 FEW = 300.0  # cells of a direction of a script of meshes/shells that need no check
 KEPT = 8  # meshes that a process keeps

@@ -1,0 +1,411 @@
+"""Surface meshes by gmsh: scripts with parameters, and mesh files, as plain arrays."""
+
+import inspect
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...solver.errors import few
+from . import gmsh_alone
+from .gmsh_alone import Parameters, generate
+from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
+from .stack import Array, MeshError, gmsh
+
+CELLS = {
+    2: ("triangle", 1, 3),
+    3: ("quadrilateral", 1, 4),
+    9: ("triangle", 2, 6),
+    10: ("quadrilateral", 2, 9),
+    16: ("quadrilateral", 2, 8),  # serendipity
+}
+SURFACE = ("mixed", 1, 4)  # triangles have -1 as fourth node
+LINES = {1: 2, 8: 3}
+
+
+def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
+    """Read the surfaces of the current gmsh model, each in one physical group, and named curves.
+
+    Raises
+    ------
+    MeshError : solid cells, cells of a degree above 2, surfaces in no or in two physical groups,
+        groups without cells; if gdim is 2, nodes outside the plane z = 0. Triangles and
+        quadrilaterals of degree 1 may be mixed: see `SURFACE`.
+    """
+    _check_kinds(where)
+    tags, every = _nodes()
+    groups = _surface_groups(where)
+    _check_membership(groups, where)
+    kinds = sorted(int(kind) for kind in gmsh.model.mesh.getElementTypes(2))
+    shape, degree, n_node = CELLS[kinds[0]] if len(kinds) == 1 else SURFACE
+    parts, rows = [], []
+    for row, (name, entities) in enumerate(groups.items()):
+        found = [_cells(kind, entities, n_node) for kind in kinds]
+        if not any(len(nodes) for nodes in found):
+            raise MeshError(f"{where}: physical surface {name!r} has no cells")
+        parts += found
+        rows.append(np.full(sum(map(len, found)), row))
+    labels = np.concatenate(parts)
+    used = np.searchsorted(tags, np.unique(labels[labels >= 0]))
+    position = np.full(len(tags), -1)
+    position[used] = np.arange(len(used))
+    at = position[np.searchsorted(tags, np.maximum(labels, tags[0]))]
+    cells = np.where(labels < 0, -1, at)
+    check_finite(every[used], tags[used], where)
+    points = _in_plane(every[used], where) if gdim == 2 else every[used]
+    if n_node == 8:
+        points, cells = with_centre_nodes(points, cells)
+    named_curves = curves(tags, every, gdim)
+    named = _named_nodes(tags, used)
+    return PlainMesh(
+        points, cells, shape, degree, np.concatenate(rows), tuple(groups), named_curves, named
+    )
+
+
+def _cells(kind: int, entities: Sequence[int], width: int) -> IntArray:
+    """Node numbers of all cells of a kind, (c, width), filled with -1."""
+    tables = [gmsh.model.mesh.getElementsByType(kind, entity)[1] for entity in entities]
+    nodes = np.concatenate([np.zeros(0, dtype=np.int64), *tables]).astype(np.int64)
+    nodes = nodes.reshape(-1, CELLS[kind][2])
+    return np.pad(nodes, ((0, 0), (0, width - nodes.shape[1])), constant_values=-1)
+
+
+def _check_kinds(where: str) -> None:
+    if len(gmsh.model.mesh.getElementTypes(3)):
+        raise MeshError(f"{where}: has solid (3-D) cells, expected a mesh of surfaces only")
+    kinds = [int(kind) for kind in gmsh.model.mesh.getElementTypes(2)]
+    if not kinds:
+        raise MeshError(f"{where}: has no surface cells")
+    for kind in kinds:
+        if kind not in CELLS:
+            name = gmsh.model.mesh.getElementProperties(kind)[0]
+            raise MeshError(
+                f"{where}: has cells of kind {name!r}, expected triangles or quadrilaterals of "
+                "degree 1 or 2 (gmsh: Mesh.ElementOrder = 2;)"
+            )
+    if set(kinds) == {2, 3}:
+        return
+    if len({CELLS[kind][0] for kind in kinds}) > 1:
+        count = {CELLS[kind][0]: 0 for kind in kinds}
+        for kind in kinds:
+            count[CELLS[kind][0]] += len(gmsh.model.mesh.getElementsByType(kind)[0])
+        raise MeshError(
+            f"{where}: mixes {count['triangle']} triangles and {count['quadrilateral']} "
+            "quadrilaterals: only those of degree 1 may be mixed. In gmsh, remove every "
+            "`Recombine` for triangles only, or set Mesh.SubdivisionAlgorithm = 1;"
+        )
+    if len(kinds) > 1:
+        raise MeshError(f"{where}: mixes cells of degree 1 and 2, or with 8 and 9 nodes")
+
+
+def _surface_groups(where: str) -> dict[str, list[int]]:
+    """Physical surfaces and their entities; raises MeshError if there are none."""
+    groups = physical(2)
+    if not groups:
+        raise MeshError(
+            f"{where}: no physical surface, expected one for each region, such as "
+            'Physical Surface("section") = {1}; (and no Mesh.SaveAll when saving)'
+        )
+    return groups
+
+
+def physical(dimension: int) -> dict[str, list[int]]:
+    """Physical groups by name, or by number if unnamed, and their entities."""
+    return {
+        gmsh.model.getPhysicalName(dimension, tag) or str(tag): [
+            int(entity) for entity in gmsh.model.getEntitiesForPhysicalGroup(dimension, tag)
+        ]
+        for _, tag in gmsh.model.getPhysicalGroups(dimension)
+    }
+
+
+def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
+    """Check that every surface with cells is in exactly one group; gmsh returns cells by group."""
+    members: dict[int, list[str]] = {}
+    for name, entities in groups.items():
+        for entity in entities:
+            members.setdefault(entity, []).append(name)
+    for _, entity in gmsh.model.getEntities(2):
+        names = members.get(entity, [])
+        if len(names) == 1 or not len(gmsh.model.mesh.getElements(2, entity)[0]):
+            continue
+        box = gmsh.model.getBoundingBox(2, entity)
+        place = (
+            f"surface {entity}, from ({box[0]:.4g}, {box[1]:.4g}) to ({box[3]:.4g}, {box[4]:.4g}),"
+        )
+        listed = ": " + " and ".join(map(repr, names)) if names else ""
+        raise MeshError(
+            f"{where}: {place} is in {len(names)} physical groups{listed}; expected exactly one, "
+            "the region of its material"
+        )
+
+
+def check_finite(points: Array, tags: IntArray, where: str) -> None:
+    """Raise MeshError for a coordinate that is not finite; `tags` are the numbers of the file."""
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if wrong.size:
+        raise MeshError(
+            f"{where}: node {tags[wrong[0]]} at {points[wrong[0]].tolist()}: expected finite "
+            f"coordinates; wrong nodes: {wrong.size}"
+        )
+
+
+def _in_plane(points: Array, where: str) -> Array:
+    """The x, y of points that must lie on z = 0, (n, 2)."""
+    size = float(np.ptp(points[:, :2], axis=0).max())
+    far = int(np.argmax(np.abs(points[:, 2])))
+    if not abs(points[far, 2]) <= 1e-9 * size:
+        x, y, z = points[far]
+        raise MeshError(
+            f"{where}: node at ({x:.4g}, {y:.4g}, {z:.4g}) is not in the plane z = 0; a section is "
+            "meshed with x = x2, y = x3 and z = 0"
+        )
+    return np.ascontiguousarray(points[:, :2])
+
+
+def _nodes() -> tuple[IntArray, Array]:
+    """Numbers of all nodes, ascending, and their positions (n, 3)."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    return np.asarray(tags, dtype=np.int64)[order], np.reshape(coordinates, (-1, 3))[order]
+
+
+def curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
+    """Line elements of every physical curve by name."""
+    lines = {n: _lines(entities, tags, points, gdim) for n, entities in physical(1).items()}
+    return {name: ends for name, ends in lines.items() if ends.size}
+
+
+def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) -> Array:
+    """Line elements of some curves; none if their degrees are mixed."""
+    rows = np.searchsorted(tags, _line_tags(entities))
+    return np.asarray(points[rows, :gdim])
+
+
+def _line_tags(entities: Sequence[int]) -> IntArray:
+    """Node numbers of the line elements of some curves, (s, 2 or 3)."""
+    pieces = []
+    for entity in entities:
+        kinds, _, nodes = gmsh.model.mesh.getElements(1, entity)
+        for kind, table in zip(kinds, nodes, strict=True):
+            if kind in LINES:
+                pieces.append(np.reshape(table, (-1, LINES[kind])))
+    if len({piece.shape[1] for piece in pieces}) != 1:
+        return np.zeros((0, 2), dtype=np.int64)
+    return np.concatenate(pieces).astype(np.int64)
+
+
+def _named_nodes(tags: IntArray, used: IntArray) -> NamedNodes:
+    """Nodes of physical curves and points, as rows of the nodes that cells use."""
+    row = np.full(len(tags), -1)
+    row[used] = np.arange(len(used))
+    curves, points = {}, {}
+    for name, entities in physical(1).items():
+        curves[name] = row[np.searchsorted(tags, _line_tags(entities))]
+    for _, tag in gmsh.model.getPhysicalGroups(0):
+        name = gmsh.model.getPhysicalName(0, tag) or str(tag)
+        nodes = gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64)
+        points[name] = row[np.searchsorted(tags, nodes)]
+    return NamedNodes(tags[used], curves, points)
+
+
+MESH_HEAD = b"$MeshFormat"
+_session_depth = 0
+
+MOST_CELLS = 1_000_000  # of a script's mesh: more take hours and tens of gigabytes to solve
+MOST_MEMORY = 3 * 2**30  # of gmsh for its curves [B]; a mesh of MOST_CELLS takes half of that
+LONGEST = 120.0  # to mesh the curves [s]
+LARGEST = 1e8  # of a parameter: gmsh counts elements of a curve with 32 bits, then begins again
+
+
+@contextmanager
+def gmsh_session() -> Iterator[Any]:
+    """A gmsh session without terminal output and without the user's option files; may be nested."""
+    global _session_depth
+    if _session_depth == 0:
+        keywords: dict[str, Any] = {"readConfigFiles": False}
+        if "interruptible" in inspect.signature(gmsh.initialize).parameters:
+            keywords["interruptible"] = False  # Python keeps handling Ctrl-C
+        gmsh.initialize([], **keywords)
+        gmsh.option.setNumber("General.Terminal", 0)
+    _session_depth += 1
+    try:
+        yield gmsh
+    finally:
+        _session_depth -= 1
+        if _session_depth == 0:
+            gmsh.finalize()
+
+
+def check_count(path: Path, parameters: Mapping[str, Any]) -> None:
+    """Raise MeshError for a script of the user that asks for more than MOST_CELLS cells.
+
+    gmsh meshes until the memory is used up, so a process of its own meshes the curves first. Other
+    errors of the script are left to the run itself.
+    """
+    numbers = {key: np.asarray(value).tolist() for key, value in parameters.items()}
+    given = few(f"{key} = {value}" for key, value in numbers.items())
+    asked = f"mesh.parameters ({given})" if given else "its mesh sizes"
+    limit = f"expected at most {MOST_CELLS} cells"
+    for key, value in parameters.items():
+        if not isinstance(value, str) and np.abs(np.asarray(value, float)).max(initial=0) > LARGEST:
+            raise MeshError(
+                f"{path}: mesh.parameters.{key} = {value}: expected a number up to {LARGEST:g}; "
+                f"as a density or a number of elements it asks for more than {MOST_CELLS} cells"
+            )
+    command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), json.dumps(numbers)]
+    command += ["--count", str(MOST_MEMORY)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        text = f"the curves alone take more than {LONGEST:g} s to mesh"
+        raise MeshError(f"{path}: {asked}: {text}, {limit}") from None
+    if done.returncode < 0 or "MemoryError" in done.stderr:
+        text = f"the mesh of the curves takes more than {MOST_MEMORY / 2**30:g} GB"
+        raise MeshError(f"{path}: {asked}: {text}, {limit}")
+    try:
+        count = float(done.stdout.split()[-1])
+    except (IndexError, ValueError):  # another error, which the run will show
+        return
+    check_size(count, f"{path}: {asked}")
+
+
+def check_size(count: float, what: str) -> None:
+    """Raise MeshError for more cells than MOST_CELLS; `what` names file, key and value."""
+    if count > MOST_CELLS:
+        about = f"about {count:.1e} cells" if np.isfinite(count) else "far too many cells"
+        raise MeshError(f"{what}: the mesh would have {about}, expected at most {MOST_CELLS}")
+
+
+def run_script(path: Path, parameters: Parameters, *, gdim: int = 2) -> PlainMesh:
+    """Mesh a gmsh script with values for its parameters.
+
+    Parameters
+    ----------
+    path : a .geo file with DefineConstant entries named "Parameters/<key>"
+    parameters : value of each <key>, a number or a list of numbers
+    gdim : of the space
+
+    Raises
+    ------
+    MeshError : missing file, unknown parameter, gmsh error, a model without a mesh of regions.
+    """
+    if not path.is_file():
+        raise MeshError(f"{path}: no such gmsh script")
+    text = path.read_text(encoding="utf-8", errors="replace")
+    for key in parameters:
+        if f'"Parameters/{key}"' not in text:
+            raise MeshError(f"{path}: the script has no parameter {key}")
+    with gmsh_session():
+        gmsh.clear()
+        try:
+            generate(str(path), parameters)
+        except Exception as error:  # gmsh raises bare Exception or ValueError
+            _flush_parser()
+            if "Redefinition of function" not in str(error):
+                raise MeshError(f"{path}: gmsh: {error}") from error
+        else:
+            plain = plain_from_model(str(path), gdim)
+            gmsh.clear()
+            return plain
+    # gmsh reads a script with a Macro only once per process, because it keeps the name
+    return _run_alone(path, parameters, gdim)
+
+
+def _flush_parser() -> None:
+    """Clear the remains of a faulty script from gmsh's parser; they would affect the next script.
+
+    Every attempt to read an empty script removes the remains up to the next error.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        empty = Path(folder) / "empty.geo"
+        empty.write_text("\n")
+        for _ in range(100):
+            try:
+                gmsh.merge(str(empty))
+            except Exception:  # gmsh raises bare Exception or ValueError
+                continue
+            return
+
+
+def _run_alone(path: Path, parameters: Parameters, gdim: int) -> PlainMesh:
+    """`run_script` in a separate process."""
+    with tempfile.TemporaryDirectory() as folder:
+        mesh = Path(folder) / "mesh.msh"
+        numbers = json.dumps({key: np.asarray(v).tolist() for key, v in parameters.items()})
+        command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), numbers]
+        done = subprocess.run([*command, str(mesh)], capture_output=True, text=True)
+        if done.returncode != 0:
+            reason = (done.stderr.strip().splitlines() or ["no mesh"])[-1]
+            raise MeshError(f"{path}: gmsh: {reason.removeprefix('Exception: ')}")
+        with gmsh_session():
+            gmsh.clear()
+            gmsh.open(str(mesh))
+            plain = plain_from_model(str(path), gdim)
+            gmsh.clear()
+        return plain
+
+
+def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
+    """Read a surface mesh of gmsh, see `opened`.
+
+    Raises
+    ------
+    MeshError : missing file, no mesh of gmsh, gmsh error, a model without a mesh of regions.
+    """
+    with opened(path):
+        return plain_from_model(str(path), gdim)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[None]:
+    """Read a mesh of gmsh (.msh from version 2) as the current model; nothing in it is executed.
+
+    Nor is anything beside it. gmsh decides by name and content what a file is: it runs what is not
+    a mesh as a script, and FILE.opt, too. It gets a copy that begins as a mesh does, alone in a
+    private folder.
+
+    Raises
+    ------
+    MeshError : missing file, no mesh of gmsh, gmsh error.
+    """
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    content = path.read_bytes()
+    if not content.startswith(MESH_HEAD):
+        raise MeshError(f"{path}: not a mesh of gmsh, expected $MeshFormat as its first bytes")
+    _check_names(content, path)
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder, gmsh_session():
+        copy = Path(folder) / "mesh.msh"
+        copy.write_bytes(content)
+        gmsh.clear()
+        try:
+            gmsh.open(str(copy))
+        except Exception as error:  # gmsh raises bare Exception or ValueError
+            raise MeshError(f"{path}: gmsh: {str(error).replace(str(copy), path.name)}") from error
+        yield
+        gmsh.clear()
+
+
+_NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
+_SURFACE = re.compile(rb'^\s*2\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
+
+
+def _check_names(content: bytes, path: Path) -> None:
+    """Error for two groups of one name: gmsh would drop the second name without a message."""
+    block = _NAMES.search(content)  # text in binary files too
+    numbers: dict[bytes, bytes] = {}
+    for number, name in _SURFACE.findall(block[1]) if block else []:
+        if name in numbers:
+            raise MeshError(
+                f"{path}: two physical surfaces, {numbers[name].decode()} and {number.decode()}, "
+                f"are named {name.decode('utf-8', 'replace')!r}: give each region its own name"
+            )
+        numbers[name] = number

@@ -1,1 +1,0 @@
-"""gmsh: scripts, mesh files and CAD files as plain arrays."""

@@ -1,1 +1,0 @@
-"""Factorisations and eigenpairs by PETSc and SLEPc."""

@@ -1,0 +1,252 @@
+"""Load cases of a supported shell, one factorisation for all, and probes of their results."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from ....solver.errors import did_you_mean
+from ....solver.math.arrays import Array, IntArray
+from ....solver.package.shell.schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellCases, ShellProbes
+from ... import fenicsx
+from ..cells import DOFS, ShellError
+from ..groups import Group, group, nearest_node, vector
+from ..mesh import ShellMesh
+from ..model.freedom import Freedom
+from ..model.guards import Progress, Warnings, check_supported
+from ..model.loads import resultant
+from ..model.problem import ShellProblem
+from ..model.states import link_warnings, locking_warnings
+
+RESIDUAL = 1e-9  # residual of the nodal equilibrium, relative to the load
+STEPS = 2  # refinement steps; each adds as many digits as the first solve has
+BALANCE = 1e-6  # relative difference of work and twice the energy
+
+
+class Statics(NamedTuple):
+    """Solutions of `l` load cases, on all degrees of freedom."""
+
+    displacements: Array  # (n_dof, l)                      [m, rad]
+    reactions: Array  # (n_dof, l) of supports on the shell [N, N m]
+    energy: Array  # (l,) strain energy                     [J]
+    residual: Array  # (l,) relative residual of equilibrium
+    warnings: tuple[dict[str, str], ...]
+
+
+def solve_cases(
+    K: sp.csr_matrix,
+    freedom: Freedom,
+    forces: Array,
+    names: tuple[str, ...],
+    team: fenicsx.Team = fenicsx.ALONE,
+    given: Array | None = None,
+) -> Statics:
+    """Displacements and reactions under nodal forces (n_dof, l).
+
+    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere. Each process
+    of a team has its part of K.
+
+    Raises
+    ------
+    ShellError : nothing to solve, or the stiffness is singular in spite of its supports.
+    """
+    if not freedom.n_free:
+        raise ShellError("supports: every degree of freedom is fixed")
+    reduced = freedom.reduced(K)
+    moved = np.zeros_like(forces) if given is None else freedom.carried_along(given)
+    loads = freedom.gathered(forces - team.total(K @ moved) if moved.any() else forces)
+    try:
+        factor = fenicsx.Cholesky(reduced, team)
+        q = _refined(factor, reduced, loads, team)
+        factor.close()
+    except fenicsx.FactorisationError as error:
+        raise ShellError(f"statics: {error}") from error
+    u = freedom.expanded(q) + moved
+    out_of_balance = np.abs(team.total(reduced @ q) - loads)
+    # the accuracy of a row is that of the terms that cancel in it
+    size = team.total(abs(reduced) @ np.abs(q)).max(axis=0) + np.abs(loads).max(axis=0)
+    residual = out_of_balance.max(axis=0) / np.where(size > 0.0, size, 1.0)
+    Ku = team.total(K @ u)
+    energy = 0.5 * np.einsum("nl,nl->l", u, Ku)
+    reactions = freedom.on_supports(Ku - forces)
+    work = np.einsum("nl,nl->l", u, forces)
+    if given is not None:
+        work += np.einsum("nl,nl->l", given, reactions)
+    return Statics(
+        u,
+        reactions,
+        energy,
+        residual,
+        tuple(_warnings(names, residual, energy, work)),
+    )
+
+
+def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array, team: fenicsx.Team) -> Array:
+    """Solve with residuals in extended precision.
+
+    The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.
+    The round-off of one solve depends on the order of elimination and changes the ninth digit. With
+    refinement the result is the same for every factorisation of the same matrix.
+    """
+    longer = K.astype(np.longdouble)
+    q = factor.solve(loads)
+    for _ in range(STEPS):
+        q = q + factor.solve(np.asarray(loads - team.total(longer @ q), dtype=float))
+    return np.asarray(q)
+
+
+def _warnings(names: tuple[str, ...], residual: Array, energy: Array, work: Array) -> Warnings:
+    found = []
+    for name, relative, stored, done in zip(names, residual, energy, work, strict=True):
+        gap = abs(2.0 * stored - done) / (abs(done) or 1.0)
+        if relative > RESIDUAL or gap > BALANCE:
+            found.append(
+                {
+                    "code": "few-digits",
+                    "message": f"load case {name}: residual {relative:.1e}, work and energy "
+                    f"differ by {gap:.1e} (relative): the stiffness is ill-conditioned, as for "
+                    "a very thin shell; the displacements have fewer correct digits",
+                }
+            )
+    return found
+
+
+KNOWN = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
+
+
+class Probe(NamedTuple):
+    """One number per load case: a weighted mean."""
+
+    name: str
+    quantity: str  # of SHELL_MOTIONS or SHELL_RESULTANTS
+    rows: IntArray  # (k,) degrees of freedom, or cells
+    weights: Array  # (k,), sum 1
+
+
+def read_probes(problem: ShellProblem) -> list[Probe]:
+    """The probes of a specification: {name: {at or near, what}}; one for each quantity.
+
+    A motion is the mean over the group's nodes (by length, area or number) or that of a link; a
+    resultant the mean over the cells that touch the group, by area, or of a region.
+
+    Raises ShellError for an unknown group or quantity.
+    """
+    found = []
+    for name, entry in problem.spec.get("probes", {}).items():
+        where = f"{problem.where}.probes.{name}"
+        what = entry.get("what")
+        for quantity in [what] if isinstance(what, str) else what or []:
+            if quantity not in KNOWN:
+                raise ShellError(
+                    f"{where}.what = {quantity!r}: expected some of {', '.join(KNOWN)}"
+                    + did_you_mean(str(quantity), KNOWN)
+                )
+            found.append(_probe(problem, name, quantity, entry, where))
+        if not what:
+            raise ShellError(f"{where}.what: missing, expected some of {', '.join(KNOWN)}")
+    return found
+
+
+def probe_values(probes: Sequence[Probe], u: Array, resultants_E: Array) -> Array:
+    """Values of the probes: displacements (n_dof, l), resultants (l, c, 8) -> (l, o)."""
+    out = np.empty((u.shape[1], len(probes)))
+    for column, probe in enumerate(probes):
+        if probe.quantity in SHELL_MOTIONS:
+            out[:, column] = probe.weights @ u[probe.rows]
+        else:
+            row = SHELL_RESULTANTS.index(probe.quantity)
+            out[:, column] = resultants_E[:, probe.rows, row] @ probe.weights
+    return out
+
+
+def _probe(
+    problem: ShellProblem, name: str, quantity: str, entry: Mapping[str, Any], where: str
+) -> Probe:
+    mesh, at, near = problem.mesh, entry.get("at"), entry.get("near")
+    if (at is None) == (near is None):
+        raise ShellError(f"{where}: expected at = ..., or near = [x, y, z]")
+    if quantity in SHELL_MOTIONS:
+        component = SHELL_MOTIONS.index(quantity)
+        for row, link in enumerate(problem.links):
+            if link.name == at:
+                return Probe(
+                    name, quantity, np.array([DOFS * (mesh.n_node + row) + component]), np.ones(1)
+                )
+        of = _place(problem, at, near, where)
+        weights = of.weights / of.weights.sum()
+        return Probe(name, quantity, DOFS * of.nodes + component, weights)
+    area = np.linalg.norm(mesh.area_vectors_G, axis=1)
+    if near is not None:
+        middles = mesh.centres_G
+        gap = np.linalg.norm(middles - vector(near, f"{where}.near"), axis=1)
+        cells = np.array([int(np.argmin(gap))])
+    elif at in mesh.regions:
+        cells = np.flatnonzero(mesh.region == mesh.regions.index(str(at)))
+    else:
+        nodes = _place(problem, at, near, where).nodes
+        cells = np.flatnonzero(np.isin(mesh.cells, nodes).any(axis=1))
+    return Probe(name, quantity, cells, area[cells] / area[cells].sum())
+
+
+def _place(problem: ShellProblem, at: Any, near: Any, where: str) -> Group:
+    if near is not None:
+        return nearest_node(problem.mesh, vector(near, f"{where}.near"))
+    return group(problem.mesh, str(at), f"{where}.at")
+
+
+def load_cases(
+    problem: ShellProblem, warnings: Warnings, begin: Progress
+) -> tuple[ShellCases, ShellProbes, Array]:
+    """Results of all load cases, values of probes, displacements (n_dof, l); adds warnings.
+
+    Raises
+    ------
+    ShellError : free rigid motions, a singular stiffness, a wrong load or probe.
+    """
+    spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
+    probes = read_probes(problem)
+    names = tuple(spec.get("loads", {}))
+    forces, given = problem.loads.columns(spec.get("loads", {}), problem.where)
+    u, energy, residual = np.zeros_like(forces), np.zeros(len(names)), np.zeros(len(names))
+    reactions = np.zeros((len(names), len(problem.supports), 6))
+    if names:
+        check_supported(freedom, *problem.free_motions(freedom))
+        begin(f"load cases, {freedom.n_free} unknowns")
+        solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
+        u, energy, residual = solved.displacements, solved.energy, solved.residual
+        warnings += solved.warnings
+        states = [f"load case {name}" for name in names]
+        warnings += locking_warnings(problem, u, states, forces)
+        warnings += link_warnings(problem, u, forces, energy, names)
+        taken = np.zeros(freedom.n_dof, dtype=bool)
+        for row, support in enumerate(problem.supports):
+            own = np.zeros_like(forces)
+            dofs = support.dofs[
+                ~taken[support.dofs]
+            ]  # a node held by two supports is reported with the first
+            own[dofs] = solved.reactions[dofs]
+            taken[dofs] = True
+            reactions[:, row] = resultant(mesh, freedom, own, support.point_G).T
+    resultants = problem.resultants(u)
+    cases = ShellCases(
+        names=names,
+        displacements_G=by_node(mesh, u),
+        resultants_E=resultants,
+        link_motions_G=np.moveaxis(u.reshape(len(u) // 6, 6, len(names))[mesh.n_node :], 2, 0),
+        loads_G=resultant(mesh, freedom, forces, np.zeros(3)).T,
+        reactions_G=reactions,
+        energy=energy,
+        residual=residual,
+    )
+    told = ShellProbes(
+        tuple(probe.name for probe in probes),
+        tuple(probe.quantity for probe in probes),
+        probe_values(probes, u, resultants),
+    )
+    return cases, told, u
+
+
+def by_node(mesh: ShellMesh, u: Array) -> Array:
+    """Displacements (n_dof, m) of the nodes of the mesh, (m, n, 6)."""
+    return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[: mesh.n_node], 2, 0)

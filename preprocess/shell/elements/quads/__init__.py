@@ -1,1 +1,0 @@
-"""Quadrilaterals: their membrane, and rotations inside their cells."""

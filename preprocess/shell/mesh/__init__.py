@@ -1,1 +1,0 @@
-"""Surface meshes: cells, groups, axes, refinement."""
