@@ -139,7 +139,6 @@ SHELL_CODES = _of_files(
     "zero-energy-modes",
     ("shell-triangles-warped", 0.1),
     ("shell-quadrilaterals-warped", 0.1),
-    ("stiffener-locks-cells", 0.1),
     ("shell-mesh-coarse", 0.05),
     ("buckling-after-large-rotation", 0.1),
     ("buckles-in-plane", 0.1),

@@ -29,7 +29,6 @@ LIMITS = {
     "shell-mesh-coarse": ("preprocess/shell/analyses/modes.py", "COARSE"),
     "shell-triangles-warped": ("preprocess/shell/model/states.py", "LOCKED"),
     "shell-quadrilaterals-warped": ("preprocess/shell/model/states.py", "LOCKED"),
-    "stiffener-locks-cells": ("preprocess/shell/model/states.py", "LOCKED"),
     "link-distorts-section": ("preprocess/shell/model/states.py", "DISTORTED"),
     "triangles-not-paired": ("preprocess/shell/model/guards.py", "UNPAIRED"),
     "buckling-after-large-rotation": ("preprocess/shell/analyses/buckling.py", "LARGE"),

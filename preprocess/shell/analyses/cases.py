@@ -17,7 +17,7 @@ from ..model.freedom import Freedom
 from ..model.guards import Progress, Warnings, check_supported
 from ..model.loads import resultant
 from ..model.problem import ShellProblem
-from ..model.states import link_warnings, locking_warnings
+from ..model.states import link_warnings, warped_warnings
 
 RESIDUAL = 1e-9  # residual of the nodal equilibrium, relative to the load
 STEPS = 2  # refinement steps; each adds as many digits as the first solve has
@@ -217,7 +217,7 @@ def load_cases(
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
         states = [f"load case {name}" for name in names]
-        warnings += locking_warnings(problem, u, states, forces)
+        warnings += warped_warnings(problem, u, states)
         warnings += link_warnings(problem, u, forces, energy, names)
         taken = np.zeros(freedom.n_dof, dtype=bool)
         for row, support in enumerate(problem.supports):

@@ -11,8 +11,8 @@ from ..cells import DOFS
 from ..mesh import ShellMesh
 from ..model.freedom import Freedom
 from ..model.guards import Progress, Warnings, drilling_warning, zero_energy_warnings
-from ..model.problem import ShellProblem, mode_count
-from ..model.states import locking_warnings
+from ..model.problem import mode_count
+from ..model.states import warped_warnings
 from .buckling import Stressed, buckled, buckling, check_stable
 from .cases import by_node
 from .discretisation import FinerMesh, frequency_errors, load_factor_errors
@@ -47,7 +47,8 @@ def shell_modes(
         check_stable(freedom.reduced(K), problem, case, where)
     found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
     warnings += zero_energy_warnings(found.n_zero, len(rigid))
-    locked = _locked(problem, found.shapes[:, found.n_zero :], found.n_zero)
+    elastic = range(found.n_zero, found.shapes.shape[1])
+    locked = warped_warnings(problem, found.shapes[:, elastic], [f"mode {i + 1}" for i in elastic])
     warnings += locked
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     if case is not None and (values < 0.0).any():
@@ -94,11 +95,6 @@ def shell_buckling(
         reversed=np.array([found[name].reversed if name in found else 0.0 for name in names]),
         error=None if errors is None else np.concatenate([np.zeros(0), *errors.values()]),
     )
-
-
-def _locked(problem: ShellProblem, shapes: Array, first: int) -> Warnings:
-    names = [f"mode {first + i + 1}" for i in range(shapes.shape[1])]
-    return locking_warnings(problem, shapes, names)
 
 
 def _left_out(table: Mapping[str, Any], mesh: ShellMesh) -> str:

@@ -10,13 +10,15 @@ Unknowns behind those of the surface are the rotations of the nodes of stiffener
 the points of links. Linear equations x = T y make some unknowns depend on others:
 
 - a stiffener has the quadratic displacement of the edge and a rotation that is linear between its
-  nodes; the rotation of the surface in the middle of the edge is the mean of those of its ends;
+  nodes; the rotation of the surface in the middle of the edge is the mean of those of its ends, and
+  a rotation of its own about the normal;
 - a rigid link moves all places of its group, and their rotations, with its point;
 - the point of another link follows integrals over its group: F'u with six fields F of forces that
   have unit resultants. Those of an average link are rigid motions, those of a section link the
   stresses of Saint-Venant in the walls, from the warping of the section.
 """
 
+from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -68,6 +70,8 @@ class Route(Protocol):
     sides: IntArray
     u: IntArray
     turns: IntArray
+    normal: Array
+    of_cells: IntArray
 
     def spread(self, names: Any) -> Spread:
         """Places of groups."""
@@ -95,6 +99,9 @@ class Parts:
         held = held.astype(np.int64)
         self.turns[held] = size + np.arange(3 * len(held)).reshape(-1, 3)
         size += 3 * len(held)
+        ends = size + np.cumsum([0, *(len(s.ends) for s in problem.stiffeners)])
+        spins = [np.arange(*pair) for pair in pairwise(ends)]
+        size = int(ends[-1])
         self.points = size + np.arange(6 * len(problem.links)).reshape(-1, 6)
         self.size = size + self.points.size
         self.K, self.M = (sp.csr_matrix((self.size, self.size)) for _ in range(2))
@@ -102,8 +109,8 @@ class Parts:
         for link, point in zip(problem.links, self.points, strict=True):
             if link.kind == "rigid":
                 self._carry(route, problem, link, point)
-        for stiffener in problem.stiffeners:
-            self._beam(route, stiffener)
+        for stiffener, spin in zip(problem.stiffeners, spins, strict=True):
+            self._beam(route, stiffener, spin)
         for link, point in zip(problem.links, self.points, strict=True):
             if link.kind != "rigid":
                 rows, fields = _fields(route, problem, link)
@@ -128,12 +135,19 @@ class Parts:
         rows = np.concatenate(turned)
         self._depend(rows.ravel(), np.tile(point[3:], len(rows)), np.ones(rows.size))
 
-    def _beam(self, route: Route, beam: Stiffener) -> None:
+    def _beam(self, route: Route, beam: Stiffener, spin: IntArray) -> None:
         middle = route.numbers(beam.ends)
         nodes = [*beam.ends.T, len(self.turns) + middle]
         ends = self.turns[beam.ends]  # (l, 2, 3)
-        rows = np.repeat(route.turns[middle], 2, axis=0)
-        self._depend(rows.ravel(), ends.reshape(-1, 3).ravel(), np.full(rows.size, 0.5))
+        own, side = np.unique(route.of_cells, return_index=True)
+        normal = route.normal[side[np.searchsorted(own, middle)] // 3]
+        rows = route.turns[middle]
+        carried = self.dependent[rows[:, 0]]
+        self._depend(spin[carried], np.zeros(0, int), np.zeros(0))
+        columns = np.concatenate([ends, np.repeat(spin[:, None, None], 3, axis=2)], axis=1)
+        values = np.concatenate([np.full(ends.shape, 0.5), normal[:, None]], axis=1)
+        rows = np.broadcast_to(rows[:, None], columns.shape)
+        self._depend(rows.ravel(), columns.ravel(), values.ravel())
         unknowns = np.concatenate([*(route.u[n] for n in nodes), ends[:, 0], ends[:, 1]], axis=1)
         A, L = np.swapaxes(beam.A_GE, 1, 2), beam.length[:, None, None]
         arm = -crossed(np.array([0.0, *beam.offset])) @ A  # of a rotation, at the reference line

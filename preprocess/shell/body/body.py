@@ -16,7 +16,7 @@ from ...modes.reduced import Modes, reduced_modes
 from ...provenance import body_provenance
 from ..model.problem import ShellProblem
 from ..model.regions import cell_axes
-from ..model.states import interface_warnings, locking_warnings
+from ..model.states import interface_warnings, warped_warnings
 from .interfaces import ShellBodySpec, interfaces, node_shapes, places, read_shell_body
 from .reduction import ShellModel, eigen_solver
 from .second_order import second_order_fields
@@ -84,7 +84,7 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     assembled = time.perf_counter()
     modes = shell_modes(model)
     u = model.problem.freedom.expanded(modes.columns_B)
-    found = locking_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
+    found = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
     found += interface_warnings(model.problem, u, modes.values, body.modes.attachments)
     solved = time.perf_counter()
     provenance = body_provenance(

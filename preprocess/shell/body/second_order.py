@@ -39,18 +39,26 @@ def second_order_fields(problem: ShellProblem, condition: Condition, u: Array) -
     condition : reference condition of the modes, in the independent degrees of freedom
     u : (n_dof, m) motion of all degrees of freedom in the modes
     """
-    m = u.shape[1]
-    first, second = pairs(m)
-    g = np.zeros((problem.freedom.n_dof, len(first)))
-    for region in problem.regions:
-        _add_region(g, region, problem.choice, u, first, second)
-    for stiffener in problem.stiffeners:
-        _add_stiffener(g, stiffener, u, first, second)
+    g = pair_forces(problem, u)
     moved = _turned_interfaces(problem.freedom, u)
     loads = -problem.freedom.gathered(g + problem.K @ moved)
     columns = condition.static(loads, np.zeros_like(loads)).columns
     h = problem.freedom.expanded(columns) + moved
-    return square(h, m)
+    return square(h, u.shape[1])
+
+
+def pair_forces(problem: ShellProblem, u: Array) -> Array:
+    """Forces g (n_dof, pairs): v . g is the work of the stresses of v on the strains of a pair."""
+    first, second = pairs(u.shape[1])
+    g = np.zeros((problem.freedom.n_dof, len(first)))
+    for number, region in enumerate(problem.own):
+        forces = _add_region(g, region, problem.choice, u, first, second)
+        if problem.beside is not None:
+            rows, change = problem.beside.rows[number], problem.beside.change[number]
+            g += change.T @ forces[rows].reshape(change.shape[0], -1)
+    for stiffener in problem.stiffeners:
+        _add_stiffener(g, stiffener, u, first, second)
+    return g
 
 
 def work_on_second_order_strains(problem: ShellProblem, v: Array, u: Array) -> Array:
@@ -60,8 +68,11 @@ def work_on_second_order_strains(problem: ShellProblem, v: Array, u: Array) -> A
 
 def _add_region(
     g: Array, region: Region, choice: Choice, u: Array, first: IntArray, second: IntArray
-) -> None:
-    """Add R' c_ij of its cells: N = R v, and c_ij the second-order strains over the area."""
+) -> Array:
+    """Add R' c_ij of its cells: N = R v, and c_ij the second-order strains over the area.
+
+    Returns them on the corners, (c, 6 k, pairs).
+    """
     rows = u.reshape(-1, DOFS, u.shape[1])
     k = region.nodes.shape[1]
     stiffness, geometric = stiffness_kernel(k, choice, drilling=False), geometric_kernel(k)
@@ -69,6 +80,7 @@ def _add_region(
     table = cell_table(region.geometry, region.stiffness, choice)
     # the work of this tension is that of w,x^2 + w,y^2 + 2 r^2
     write(table, N=np.array([1.0, 1.0, 0.0]), in_plane=1.0)
+    found = np.empty((len(region.cells), DOFS * k, len(first)))
     for some in _slices(len(region.cells)):
         part, nodes = region.geometry[some], region.nodes[some]
         means = [mean for _, _, mean in cell_rows(part, stiffness, table[some])]
@@ -90,9 +102,10 @@ def _add_region(
             axis=2,
         )
         strains = c.sum(axis=1)  # (c, 3, pairs)
-        forces = np.swapaxes(R, 1, 2) @ strains
+        found[some] = np.swapaxes(R, 1, 2) @ strains
         dofs = (DOFS * nodes[:, :, None] + np.arange(DOFS)).ravel()
-        np.add.at(g, dofs, forces.reshape(-1, len(first)))
+        np.add.at(g, dofs, found[some].reshape(-1, len(first)))
+    return found
 
 
 def _add_stiffener(

@@ -52,7 +52,7 @@ from .loads import KEYS as LOAD
 from .loads import Loads
 from .regions import Region, own_cells, read_regions
 from .stiffeners import KEYS as STIFFENER
-from .stiffeners import read_stiffeners
+from .stiffeners import CellsBeside, read_stiffeners
 from .supports import read_supports, with_straight_edges
 
 REQUIRED = ("mesh", "materials", "regions")
@@ -232,7 +232,7 @@ class ShellProblem:
         self.mesh = mesh or shell_mesh(spec["mesh"], f"{where}.mesh")
         self.regions = read_regions(spec, self.mesh, where)
         self.team = team if len(self.mesh.cells) >= team.size else fenicsx.ALONE
-        self._own = own_cells(self.regions, self.mesh, self.team)
+        self.own = own_cells(self.regions, self.mesh, self.team)
         self.links = read_links(spec.get("links", {}), self.mesh, self.regions, f"{where}.links")
         self.supports = read_supports(
             spec.get("supports", {}), self.mesh, self.links, f"{where}.supports"
@@ -268,10 +268,18 @@ class ShellProblem:
     @cached_property
     def K(self) -> sp.csr_matrix:
         """Stiffness of all degrees of freedom, (n_dof, n_dof) [N/m, N, N m]."""
-        return self._with_lines(
-            self._assembly.matrix(lambda k: stiffness_kernel(k, self.choice)),
-            [stiffener.stiffness() for stiffener in self.stiffeners],
-        )
+        K = self._assembly.matrix(lambda k: stiffness_kernel(k, self.choice))
+        if self.beside is not None:
+            K = K + self.beside.stiffness(self.choice)
+        return self._with_lines(K, [stiffener.stiffness() for stiffener in self.stiffeners])
+
+    @cached_property
+    def beside(self) -> CellsBeside | None:
+        """Cells of this process at stiffeners, None without any."""
+        if not self.stiffeners:
+            return None
+        ends = np.concatenate([stiffener.ends for stiffener in self.stiffeners])
+        return CellsBeside(self.mesh, self.regions, self.own, ends, self.freedom.n_dof)
 
     @cached_property
     def M(self) -> sp.csr_matrix:
@@ -310,22 +318,20 @@ class ShellProblem:
         order of the mesh."""
         nodes = u.reshape(len(u) // 6, 6, u.shape[1])
         out = np.zeros((u.shape[1], len(self.mesh.cells), 8))
-        for region in self._own:
+        for number, region in enumerate(self.own):
             for first in range(0, u.shape[1], AT_ONCE):  # no pass without states
                 some = slice(first, first + AT_ONCE)
                 corners = nodes[region.nodes][..., some]
-                found = element_resultants(
-                    region.geometry,
-                    region.stiffness,
-                    self.choice,
-                    corners.reshape(len(region.cells), 6 * region.nodes.shape[1], -1),
-                )
+                corners = corners.reshape(len(region.cells), 6 * region.nodes.shape[1], -1)
+                if self.beside is not None:
+                    corners = self.beside.moved(number, corners, u[:, some])
+                found = element_resultants(region.geometry, region.stiffness, self.choice, corners)
                 out[some, region.cells] = np.moveaxis(found, 2, 0)
         return self.team.total(out)
 
     @cached_property
     def _assembly(self) -> Assembly:
-        return Assembly(self.mesh, self._own, self.choice, len(self.links))
+        return Assembly(self.mesh, self.own, self.choice, len(self.links))
 
     def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[Array]) -> sp.csr_matrix:
         """Add the matrices of the beams that stiffen the shell."""

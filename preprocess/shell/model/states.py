@@ -7,13 +7,6 @@ components alone, over that of the whole shell, is about the relative error of t
 this locking (docs/shells-accuracy.md). Triangles lock on any such surface; quadrilaterals need
 cells some times larger to do so, and do not where two of their lines follow its twist.
 
-A stiffener turns with its nodes, about the normal with the rotation that the membranes of the cells
-have. In a shear strain of the cells this is not the rotation of their edge, which a section follows
-that is stiff in the plane of the shell: it keeps the shear strain away from the cells beside it.
-Moments about the normal between stiffener and shell should do no work on the difference between the
-rotation of the node and that of the cells. Their work over the strain energy is about the relative
-error of the latter (docs/shells-accuracy.md).
-
 The forces of an average link have a part normal to the walls, those of a section link are the
 stresses far from the end of a member that twists evenly. Where they do not suit the section, they
 deform the walls near the end. With the nodal forces F of the link and G of the other kind, both of
@@ -132,74 +125,6 @@ def _normals(problem: ShellProblem) -> tuple[Array, Array]:
         along = np.einsum("ci,cki->ck", region.geometry.A_GE[:, :, 2], normal[region.nodes])
         smooth[region.nodes[along < FOLD]] = 0.0
     return normal, smooth
-
-
-def locking_warnings(
-    problem: ShellProblem, u: Array, names: Sequence[str], forces: Array | None = None
-) -> Warnings:
-    """Warnings if cells lock in states u (n_dof, m), which `names` describe, under `forces`."""
-    found = warped_warnings(problem, u, names)
-    share = held_work(problem, u, forces)
-    bad = np.flatnonzero(share > LOCKED)
-    if bad.size:
-        worst = bad[np.argmax(share[bad])]
-        more = "" if bad.size == 1 else f" and {bad.size - 1} more"
-        text = (
-            f"{names[worst]}{more}: stiffeners that are stiff in the plane of the shell hold the "
-            f"rotation of its cells about the normal, and the shell is too stiff: this takes "
-            f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; use "
-            'triangles of membrane = "cst" with several cells across each wall, or much smaller '
-            "cells"
-        )
-        found.append({"code": "stiffener-locks-cells", "message": text})
-    return found
-
-
-def held_work(problem: ShellProblem, u: Array, forces: Array | None = None) -> Array:
-    """Work of stiffeners against the rotation of cells about their normal, (m,).
-
-    Parameters
-    ----------
-    u, forces : (n_dof, m) states, and the loads on them
-
-    Returns
-    -------
-    over the strain energy; nodes with rotations that supports or rigid links hold do not count
-    """
-    n, m = problem.mesh.n_node, u.shape[1]
-    if not m or not problem.stiffeners:
-        return np.zeros(m)
-    nodal = u.reshape(-1, DOFS, m)
-    moments = np.zeros((n, DOFS, m)) - (0.0 if forces is None else forces.reshape(-1, DOFS, m)[:n])
-    for stiffener in problem.stiffeners:
-        own = nodal[stiffener.ends].reshape(-1, 2 * DOFS, m)
-        np.add.at(moments, stiffener.ends, (stiffener.stiffness() @ own).reshape(-1, 2, DOFS, m))
-    counts = np.zeros(n, dtype=bool)
-    counts[np.concatenate([stiffener.ends.ravel() for stiffener in problem.stiffeners])] = True
-    held = problem.freedom.fixed[problem.freedom.fixed < DOFS * n]
-    counts[held[held % DOFS >= 3] // DOFS] = False
-    for link in problem.links:
-        if link.kind == "rigid":
-            counts[link.group.nodes] = False
-    area, excess = np.zeros(n), np.zeros((n, 3, m))
-    for region in problem.regions:
-        some = np.flatnonzero(counts[region.nodes].any(axis=1))
-        nodes, A = region.nodes[some], region.geometry.A_GE[some]
-        xy = region.geometry.corners_G[some] @ A[:, :, :2]
-        xy = xy - xy.mean(axis=1, keepdims=True)
-        moved = np.einsum("ckim,cij->ckjm", nodal[nodes, :3], A[:, :, :2])
-        gradient = np.einsum(
-            "cij,ckj,ckam->ciam", np.linalg.inv(np.swapaxes(xy, 1, 2) @ xy), xy, moved
-        )
-        turn = 0.5 * (gradient[:, 0, 1] - gradient[:, 1, 0])
-        weighted = region.geometry.area[some, None] * A[:, :, 2]
-        more = np.einsum("ckim,ci->ckm", nodal[nodes, 3:], A[:, :, 2]) - turn[:, None]
-        np.add.at(excess, nodes, np.einsum("ckm,ci->ckim", more, weighted))
-        np.add.at(area, nodes, region.geometry.area[some, None])
-    excess /= np.where(area > 0.0, area, 1.0)[:, None, None]
-    work = -np.einsum("nim,nim->m", moments[counts, 3:], excess[counts])
-    energy = 0.5 * np.einsum("nm,nm->m", u, problem.team.total(problem.K @ u))
-    return np.divide(work, energy, out=np.zeros(m), where=energy > 0.0)
 
 
 DISTORTED = 0.1  # motion of the point beyond that of the section, over the latter

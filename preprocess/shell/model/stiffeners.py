@@ -15,18 +15,23 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from ....solver.errors import few
 from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
 from ...beam.element import BeamElement
-from ..cells import ShellError
+from ..cells import DOFS, ShellError
+from ..elements.pairs import Choice, stiffness_kernel
+from ..elements.single_cells import cell_matrices, cell_table
 from ..groups import vector
 from ..mesh import ShellMesh
 from .links import carried
 from .regions import Region, cell_axes
 
 KEYS = ("at", "section", "stiffness", "mass", "x2_axis", "offset")
+KINK = 0.9  # cosine between normals of neighbouring cells below which there is a fold
 PARALLEL = 1e-6  # sine of the angle between x2_axis and the curve
 
 
@@ -97,6 +102,132 @@ class Stiffener:
         both[:, :6, :6] = both[:, 6:, 6:] = arm @ turn
         out = np.swapaxes(both, 1, 2) @ in_E @ both
         return np.asarray(0.5 * (out + np.swapaxes(out, 1, 2)))
+
+
+class CellsBeside:
+    """Cells at stiffeners: about their normals they do not turn with the nodes.
+
+    A stiffener turns with its nodes. In a shear strain of the cells, the edge, which a section
+    follows that is stiff in the plane, has another rotation about the normal than the cells have.
+    With one rotation for both, the stiffener would keep shear strain away from the cells. A corner
+    at a stiffener therefore has the mean rotation (v,x - u,y)/2, by area, of the cells around its
+    node, up to stiffeners, folds and edges of several walls.
+
+    Attributes
+    ----------
+    regions : the cells of this process
+    rows : (m,) of those at stiffeners in each region
+    change : (6 k m, n_dof) motion of their corners less that of the nodes, for each region
+    """
+
+    def __init__(
+        self,
+        mesh: ShellMesh,
+        regions: Sequence[Region],
+        own: Sequence[Region],
+        ends: IntArray,
+        n_dof: int,
+    ) -> None:
+        """`regions` has all cells, `own` those of this process; `ends` (l, 2) of all stiffeners."""
+        at = np.zeros(mesh.n_node, dtype=bool)
+        at[ends] = True
+        corners, excess = zip(
+            *(_corners(mesh, region, at, n_dof) for region in regions), strict=True
+        )
+        keys, area, normal = (np.concatenate(part) for part in zip(*corners, strict=True))
+        order = np.argsort(keys)
+        mean_excess = _means(mesh, keys, area, normal, ends) @ sp.vstack(excess)
+        self.regions, self.rows, self.change = own, [], []
+        for region in own:
+            rows = np.flatnonzero(at[region.nodes].any(axis=1))
+            row, corner = np.nonzero(at[region.nodes[rows]])
+            key = region.cells[rows[row]] * mesh.n_node + region.nodes[rows[row], corner]
+            found = order[np.searchsorted(keys, key, sorter=order)]
+            k, count = region.nodes.shape[1], np.arange(len(found))
+            place = (DOFS * (k * row + corner) + 3)[:, None] + np.arange(3)
+            entries = -normal[found].ravel(), (place.ravel(), np.repeat(count, 3))
+            shape = (DOFS * k * len(rows), len(found))
+            self.rows.append(rows)
+            self.change.append(sp.csr_matrix(entries, shape=shape) @ mean_excess[found])
+
+    def moved(self, number: int, corners: Array, u: Array) -> Array:
+        """Add the change to motions of the corners (c, 6 k, m) of a region in states (n_dof, m)."""
+        change = self.change[number] @ u
+        corners[self.rows[number]] += change.reshape(-1, *corners.shape[1:])
+        return corners
+
+    def stiffness(self, choice: Choice) -> sp.csr_matrix:
+        """What the change adds to the stiffness of nodes, (n_dof, n_dof) [N/m, N, N m]."""
+        parts = []
+        for region, rows, change in zip(self.regions, self.rows, self.change, strict=True):
+            k = region.nodes.shape[1]
+            some, size = region.geometry[rows], DOFS * k
+            table = cell_table(some, region.stiffness, choice)
+            K = cell_matrices(some, stiffness_kernel(k, choice), table)
+            own = np.arange(len(rows))
+            C = sp.bsr_matrix((K, own, np.arange(len(rows) + 1)), shape=2 * (size * len(rows),))
+            dofs = DOFS * region.nodes[rows][:, :, None] + np.arange(DOFS)
+            entries = (np.ones(dofs.size), dofs.ravel(), np.arange(dofs.size + 1))
+            moved = sp.csr_matrix(entries, shape=change.shape)
+            across = moved.T @ (C @ change)
+            parts.append(across + across.T + change.T @ (C @ change))
+        return sp.csr_matrix(sum(parts[1:], parts[0]))
+
+
+def _corners(
+    mesh: ShellMesh, region: Region, at: Array, n_dof: int
+) -> tuple[tuple[IntArray, Array, Array], sp.csr_matrix]:
+    """Corners at nodes marked by `at`: key, area and normal of each, and rows of their excess.
+
+    The excess is the rotation of the node about the normal less that of the cell.
+    """
+    rows, corner = np.nonzero(at[region.nodes])
+    nodes, A = region.nodes[rows], region.geometry.A_GE[rows]
+    node, e3 = nodes[np.arange(len(rows)), corner], A[:, :, 2]
+    turn = _cell_rotation(region.geometry.corners_G[rows], A)
+    values = np.concatenate([e3[:, None], -turn], axis=1)
+    dofs = DOFS * np.concatenate([node[:, None], nodes], axis=1)
+    dofs[:, 0] += 3
+    columns = dofs[:, :, None] + np.arange(3)
+    starts = columns[0].size * np.arange(len(rows) + 1) if len(rows) else np.zeros(1, int)
+    excess = sp.csr_matrix((values.ravel(), columns.ravel(), starts), shape=(len(rows), n_dof))
+    return (region.cells[rows] * mesh.n_node + node, region.geometry.area[rows], e3), excess
+
+
+def _cell_rotation(corners_G: Array, A_GE: Array) -> Array:
+    """Rotation (v,x - u,y)/2 of cells about e3 from displacements of their corners, (c, k, 3)."""
+    xy = corners_G @ A_GE[:, :, :2]
+    xy = xy - xy.mean(axis=1, keepdims=True)
+    slopes = xy @ np.linalg.inv(np.swapaxes(xy, 1, 2) @ xy)  # of the best plane, (c, k, 2)
+    e1, e2 = A_GE[:, None, :, 0], A_GE[:, None, :, 1]
+    return 0.5 * (slopes[:, :, :1] * e2 - slopes[:, :, 1:] * e1)
+
+
+def _means(
+    mesh: ShellMesh, keys: IntArray, area: Array, normal: Array, ends: IntArray
+) -> sp.csr_matrix:
+    """Means of values about the normals over corners (c,) of a node, up to stiffeners and folds.
+
+    Parameters
+    ----------
+    keys : cell and node of each corner, as cell n + node
+    """
+    edges, order = mesh.edges, np.argsort(keys)
+    sides = edges.shared[~np.isin(np.flatnonzero(edges.count == 2), edges.find(ends))]
+    pairs = edges.owner[sides, None] * mesh.n_node + edges.nodes[edges.number[sides[:, :1]]]
+    pairs = np.moveaxis(pairs, 1, 2).reshape(-1, 2)  # corners of a node in two cells
+    found = order[np.searchsorted(keys, pairs, sorter=order).clip(max=len(keys) - 1)]
+    found = found[(keys[found] == pairs).all(axis=1)]
+    cosine = np.einsum("pi,pi->p", *np.moveaxis(normal[found], 1, 0))
+    a, b = found[np.abs(cosine) > KINK].T
+    graph = sp.csr_matrix((np.ones(len(a)), (a, b)), shape=2 * (len(keys),))
+    count, group = connected_components(graph, directed=False)
+    first = np.unique(group, return_index=True)[1]
+    sign = np.sign(np.einsum("ci,ci->c", normal, normal[first[group]]))
+    weight = sign * area / np.bincount(group, weights=area)[group]
+    corner = np.arange(len(keys))
+    gathered = sp.csr_matrix((weight, (group, corner)), shape=(count, len(keys)))
+    return sp.csr_matrix((sign, (corner, group)), shape=gathered.shape[::-1]) @ gathered
 
 
 def read_stiffeners(
