@@ -5,10 +5,11 @@ further. What its elastic forces then gain beside K q is the geometric stiffness
 inertia loads and weight (Z0, Z1, G3), and of the forces and moments at its markers (H).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from ..dynamics.analysis.recovery import stiffened
@@ -19,8 +20,14 @@ from ..dynamics.model.model import GROUND, Model
 from ..integrators.generic.base import Dense
 from ..integrators.generic.drive import Steps, StopRequest
 from ..math.arrays import Array, IntArray
-from ..math.rotations import rotation_matrices
-from ..results.codes import BUCKLING, BUCKLING_LOAD, SPIN, Finding
+from ..math.rotations import rotation_matrices, skew
+from ..results.codes import BUCKLING, BUCKLING_LOAD, MATTERS, SPIN, Finding
+
+# Growth over the spin that a run passes by: that of a shaft whose two stiffnesses
+# differ by 4 %, by (w_2 - w_1) / 2 between its critical speeds; meshed round shafts differ by less.
+GROWS = 0.01
+_ALIKE = 1e-6  # directions of motion that are one, relative
+SAME = 1e-3  # difference of spins, relative, that is judged once
 
 
 @dataclass(frozen=True)
@@ -62,12 +69,17 @@ class SpinMonitor:
     Criterion, for every flexible body: the smallest eigenvalue of
     K_ij - w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), masses carried
     at its interfaces included once, is positive. Bodies with geometric stiffening are left out.
+
+    A shaft above its critical speed has lost that stiffness, too, and runs on: gyroscopic forces
+    hold it (`holds`).
     """
 
     model: Model
     body_names: list[str]
     stop: bool = True
     findings: list[Finding] = field(default_factory=list)  # one for each invalid body
+    # (body, t (k,), y (k, n)) -> geometric stiffness (k, m, m); None: of a body without its data
+    loads: Callable[[int, Array, Array], Array | None] | None = None
 
     def __post_init__(self) -> None:
         self._carried = carried_masses(self.model)
@@ -77,6 +89,7 @@ class SpinMonitor:
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
         ]
         self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
+        self._held: dict[tuple[int, bytes], bool] = {}
         self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
 
     def _spin_without_doubt(self, body: int) -> float:
@@ -120,10 +133,73 @@ class SpinMonitor:
         """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
         return self._matrices(body, self.spin(body, y))
 
-    def margin(self, body: int, y: Array) -> float:
-        """Smallest eigenvalue of the softened modal stiffness [1/s2]."""
+    def margin(self, body: int, y: Array, t: float = 0.0) -> float:
+        """Smallest eigenvalue of the softened modal stiffness [1/s2].
+
+        Its size where the loss does not count (`holds`).
+        """
         K, lost = self._matrices(body, self.spin(body, y))
-        return float(np.linalg.eigvalsh(K - lost)[0])
+        found = float(np.linalg.eigvalsh(K - lost)[0])
+        return found if found > 0.0 or not self._holds(body, t, y) else -found
+
+    def _holds(self, body: int, t: float, y: Array) -> bool:
+        """Tell whether a body that has lost its stiffness by a state's spin keeps its shape."""
+        w = self.spin(body, y)
+        K, lost = self._matrices(body, w)
+        if self.holds(body, w, K - lost):
+            return True
+        Kg = self.loads(body, np.array([t]), y[None]) if self.loads else None
+        return Kg is not None and self.holds(body, w, K - lost, Kg[0])
+
+    def holds(self, body: int, w: Array, whole: Array, Kg: Array | None = None) -> bool:
+        """Tell whether a body without stiffness in some directions keeps its shape.
+
+        In a frame that turns at w, M q" + G q' + whole q = 0 with G_ij = 2 sum m phi_i.(w x phi_j)
+        in these directions. A round shaft is stable above its critical speed, a blade, whose
+        second direction is stiff, is not. A shaft of two stiffnesses grows between its two critical
+        speeds, at no more than half their difference. Growth by GROWS of the spin is passed by.
+
+        Where loads neither stiffen nor soften these directions, the loss is the motion's own: no
+        term of second order is missing.
+
+        Parameters
+        ----------
+        w : (3,) spin of the frame, body axes [rad/s]
+        whole : (m, m) stiffness of all terms
+        Kg : (m, m) geometric stiffness; None: not looked at
+        """
+        M, G, K = self._inertia(body, w)
+        try:
+            L = np.linalg.cholesky(M)
+            values, V = scipy.linalg.eigh(whole, M)
+        except np.linalg.LinAlgError:  # modes without inertia of their own
+            return False
+        V = V[:, values <= 0.0]
+        if not V.size:
+            return True
+        if Kg is not None:
+            share = np.abs(np.linalg.eigvalsh(V.T @ Kg @ V)).max(initial=0.0)
+            if share <= MATTERS.limit * np.linalg.eigvalsh(V.T @ K @ V).min(initial=np.inf):
+                return True
+        # These directions, and those in which gyroscopic forces of their motion push; mass one.
+        pushed = np.linalg.solve(L, G @ V) / float(np.linalg.norm(w) or 1.0)
+        B = np.linalg.solve(L.T, scipy.linalg.orth(np.hstack([L.T @ V, pushed]), _ALIKE))
+        n = B.shape[1]
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [-B.T @ whole @ B, -B.T @ G @ B]])
+        growth = float(np.linalg.eigvals(A).real.max(initial=0.0))
+        return growth <= GROWS * float(np.linalg.norm(w))
+
+    def _inertia(self, body: int, w: Array) -> tuple[Array, Array, Array]:
+        """Return modal mass, gyroscopic matrix at a spin w (3,), and stiffness, (m, m) each."""
+        m, two = int(self.model.n_mode[body]), int(self.model.square_start[body])
+        M = self.model.M_qq[two : two + m * m].reshape(m, m).copy()
+        T11 = self.model.T11[9 * two : 9 * (two + m * m)].reshape(3, 3, m, m).copy()
+        for c in self._carried:
+            if c.body == body:
+                M += c.mass * c.phi.T @ c.phi
+                T11 += c.mass * np.einsum("aj,bi->abij", c.phi, c.phi)
+        G = 2.0 * np.einsum("ab,abij->ji", skew(w), T11)
+        return M, G, self.model.K_qq[two : two + m * m].reshape(m, m)
 
     def critical_spin(self, body: int, direction: Array) -> float:
         """Spin about `direction` (3,) at which the margin vanishes [rad/s]; inf if never."""
@@ -207,14 +283,22 @@ class SpinMonitor:
         K, _ = self._matrices(body, np.zeros(3))
         w = w[doubtful]
         lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
-        invalid = doubtful[np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0]
-        return int(invalid[0]) if invalid.size else None
+        for k in np.flatnonzero(np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0):
+            # one look for all states of nearly the same spin
+            key = body, np.round(w[k] / (SAME * float(np.abs(w[k]).max()))).tobytes()
+            if key not in self._held:
+                self._held[key] = self._holds(
+                    body, steps.t[doubtful[k] + 1], steps.y[doubtful[k] + 1]
+                )
+            if not self._held[key]:
+                return int(doubtful[k])
+        return None
 
     def _crossing(self, body: int, low: float, high: float, dense: Dense) -> float:
         """Bisect a step for the time at which the margin passes zero."""
         while high - low > 1e-9 * max(1.0, abs(high)):
             middle = 0.5 * (low + high)
-            if self.margin(body, dense(middle)) > 0.0:
+            if self.margin(body, dense(middle), middle) > 0.0:
                 low = middle
             else:
                 high = middle
@@ -331,6 +415,7 @@ class BucklingMonitor:
 
     def __post_init__(self) -> None:
         self._loading = Loading(self.model)
+        self.spin.loads = self._stiffness_of_loads
         self._lasts = {i: self._lasting(i) for i in self.bodies}
 
     def _lasting(self, i: int) -> float:
@@ -358,13 +443,27 @@ class BucklingMonitor:
         return request
 
     def margin(self, i: int, t: Array, y: Array) -> Array:
-        """Smallest eigenvalue of the stiffness of body i in states y (k, n), (k,) [1/s2]."""
+        """Smallest eigenvalue of the stiffness of body i in states y (k, n), (k,) [1/s2].
+
+        Its size where the spin alone has taken it and the body keeps its shape (`holds`).
+        """
         elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
         whole = elastic + geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
         found = np.full(t.size, np.nan)
         finite = np.isfinite(whole).all(axis=(1, 2))
         found[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]
+        for k in np.flatnonzero(found <= 0.0):
+            # A critical speed is no load: it is passed if the loads alone leave stiffness.
+            w = self.spin.spin(i, y[k])
+            loaded = np.linalg.eigvalsh(whole[k] - elastic[k] + self.spin.matrices(i, y[k])[0])[0]
+            if loaded > 0.0 and self.spin.holds(i, w, whole[k], whole[k] - elastic[k]):
+                found[k] = -found[k]
         return found
+
+    def _stiffness_of_loads(self, i: int, t: Array, y: Array) -> Array | None:
+        if i not in self.bodies:
+            return None
+        return geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
 
     def _lost(self, i: int, steps: Steps, looks: IntArray) -> float | None:
         """Return the time at which body i has been without stiffness long enough [s]."""

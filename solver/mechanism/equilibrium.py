@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..dynamics.analysis.rank import FreeMotions, free_motions
+from ..dynamics.analysis.recovery import extent
 from ..dynamics.elements.joints.table import DRIVES, JOINTS, NAMES
 from ..dynamics.evaluation.accelerations import Equations, assemble
 from ..dynamics.evaluation.evaluation import started
@@ -255,6 +256,7 @@ def _same(one: tuple[Array, Array], two: tuple[Array, Array]) -> bool:
 
 _CONSTANT = 1e-6  # the same for loads in turned positions
 _CONSISTENT = 1e-9  # velocities that joints contradict, relative to the largest
+_ROUNDING = 1e3 * float(np.finfo(float).eps)  # of the accelerations by the spin
 _ITERATIONS = 40
 _PATIENCE = 8  # iterations in which what is unbalanced must fall by a hundredth
 _LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
@@ -388,7 +390,8 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
-        if np.max(np.abs(push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
+        least = max(_TOLERANCE * max(largest, 1e-12), _round_off(model, here.y, spin))
+        if np.max(np.abs(push), initial=0.0) <= least:
             return positions, push
         if size > 0.99 * sizes[-_PATIENCE]:
             break  # the spin is to grow in steps
@@ -412,6 +415,11 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
             return None, push
         positions = there
     return None, push
+
+
+def _round_off(model: Model, y: Array, spin: Spin) -> float:
+    """Return the round-off of accelerations, of the size of W x (W x r) at the mechanism's rim."""
+    return _ROUNDING * spin.rate**2 * max(1.0, extent(model, y))
 
 
 def _stiffness(
@@ -475,7 +483,8 @@ def _require_constant(
         free = free_motions(equations, model.inertia_scale)
         push = free.Z @ (free.Z.T @ g)
         loads = float(np.max(np.abs(g) / model.inertia_scale))
-        if np.max(np.abs(push), initial=0.0) > _CONSTANT * max(loads, 1e-9):
+        least = max(_CONSTANT * max(loads, 1e-9), _round_off(model, there.y, spin))
+        if np.max(np.abs(push), initial=0.0) > least:
             raise InputError(
                 "spin: the loads are not constant in axes that turn with the mechanism: after "
                 f"{np.degrees(angle):.0f} deg {pushed(model, push, body_names)}. Expected gravity "

@@ -84,6 +84,7 @@ class Point(NamedTuple):
     modes: Modes
     vectors: Vectors
     fixed: Array  # (k,) angular frequencies seen from axes at rest; nan: no whirl
+    damping: Array  # (k,) ratios; of whirls in axes at rest
     main: list[str]  # (k,) names of main coordinates
 
 
@@ -188,7 +189,7 @@ def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> C
                 overlaps.append([np.nan] * s)
                 alive += 1
     modes = np.array(columns, dtype=np.int64).reshape(-1, len(points)).T
-    rows = [(p.modes.frequencies, p.fixed, p.modes.damping, p.modes.growth) for p in points]
+    rows = [(p.modes.frequencies, p.fixed, p.damping, p.modes.growth) for p in points]
     tables = [
         np.array([np.where(n >= 0, row[q][n], np.nan) for row, n in zip(rows, modes, strict=True)])
         for q in range(4)

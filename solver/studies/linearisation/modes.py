@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, eig
+from scipy.linalg import block_diag, eig, qr
 
 from ...dynamics.analysis.recovery import extent
 from ...dynamics.evaluation.accelerations import assemble
@@ -22,6 +22,7 @@ _STILL = 1e-6  # [rad/s] eigenvalues below are zero, whatever the mechanism
 _ROUND_OFF = 100.0  # safety on the round-off of a double eigenvalue zero
 _DOUBLE = 30.0  # safety on what the eigenvalue solver makes of a double zero [sqrt(rad/s)]
 _TERMS = 10.0  # safety on the round-off of sums whose terms cancel
+_HELD = 1e-9  # what constraints take of a motion, relative
 _REAL = 1e-9  # imaginary part of a real eigenvalue, relative
 
 
@@ -61,13 +62,20 @@ class Modes:
         return np.where(significant & ~self.still, self.eigenvalues.real, 0.0)
 
 
-def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
-    """Return the modes of linearised equations of a model at time t."""
+def modes_of(
+    model: Model, space: StateSpace, t: float = 0.0, turning: Array | None = None
+) -> Modes:
+    """Return the modes of linearised equations of a model at time t.
+
+    `turning` (n_vel,) is a displacement that is known to leave the equations as they are: the turn
+    of a mechanism in steady spin. Its eigenvalue is zero, not what the stiff terms of the
+    accelerations leave of it.
+    """
     if not space.A_free.size:
         none = np.zeros((0, 0), dtype=complex)
         x = np.zeros((model.n_vel, 0), dtype=complex)
         return Modes(np.zeros(0, dtype=complex), none, none, np.zeros(0, dtype=bool), x)
-    values, left, right = eig(space.A_free, left=True, right=True)
+    values, left, right = _eigen(space, turning)
     largest = float(np.abs(values).max())
     real = np.abs(values.imag) <= _REAL * np.abs(values)
     values = np.where(real, values.real, values)
@@ -89,6 +97,35 @@ def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     product = np.einsum("ik,ik->k", left.conj(), right)
     left = left / np.where(np.abs(product) > 0.0, product.conj(), 1.0)
     return Modes(values, right, left, still, x)
+
+
+def _eigen(space: StateSpace, turning: Array | None) -> tuple[Array, Array, Array]:
+    """Return eigenvalues, left and right vectors, with those of a known motion of zero stiffness.
+
+    In a basis that begins with that motion s, A = [0, a'; 0, A_2]. The others follow from A_2:
+    its right vector r_2 has the share a' r_2 / lambda of s, its left vector none.
+    """
+    A, n = space.A_free, space.n_free
+    s = np.zeros(len(A))
+    if turning is not None:
+        s[:n] = space.free.Z_left @ turning
+        away = np.abs(space.free.Z @ s[:n] - turning).max()
+        if away > _HELD * np.abs(turning).max():  # a drive holds it
+            turning = None
+    if turning is None:
+        return tuple(eig(A, left=True, right=True))
+    Q = qr(s[:, None])[0]
+    others = Q.T @ A @ Q[:, 1:]
+    values, left, right = eig(others[1:], left=True, right=True)
+    along = others[0] @ right
+    # Beside a second eigenvalue of zero the displacement is s alone.
+    share = along / np.where(np.abs(values) > np.abs(along) * _REAL, values, _REAL)
+    first = np.linalg.lstsq(others[1:].T, -others[0], rcond=None)[0]
+    return (
+        np.concatenate([[0.0], values]),
+        Q @ np.block([[np.ones((1, 1)), np.zeros((1, values.size))], [first[:, None], left]]),
+        Q @ np.block([[np.ones((1, 1)), share[None]], [np.zeros((values.size, 1)), right]]),
+    )
 
 
 def _still(model: Model, space: StateSpace, t: float) -> float:
@@ -264,13 +301,14 @@ def _moments(model: Model, i: int, y: Array, x: Array) -> Array:
 
 
 def change_when_turned(
-    model: Model, space: StateSpace, modes: Modes, later: StateSpace, A: Array
+    model: Model, space: StateSpace, modes: Modes, later: StateSpace, A: Array, rate: float
 ) -> float:
     """Return how much the equations change when the mechanism has turned by A (3, 3).
 
-    Largest element of the change of the system matrix between two modes, over the larger of their
-    eigenvalues. The eigenvalues alone do not tell: on supports that differ in two directions, those
-    of an axisymmetric rotor are the same at any angle, though its equations are not.
+    Largest element of the change of the system matrix between two modes, over the largest of their
+    eigenvalues and the spin: a whirl at the speed itself has eigenvalue zero in turning axes. The
+    eigenvalues alone do not tell: on supports that differ in two directions, those of an
+    axisymmetric rotor are the same at any angle, though its equations are not.
     """
     moving = ~modes.still
     if not moving.any():
@@ -285,7 +323,7 @@ def change_when_turned(
     values = np.abs(modes.eigenvalues[moving])
     left, right = modes.left[:, moving], modes.right[:, moving]
     found = np.maximum(np.abs(left.conj().T @ change @ right), np.abs(left.T @ change @ right))
-    return float((found / np.maximum.outer(values, values)).max())
+    return float((found / np.maximum(np.maximum.outer(values, values), rate)).max())
 
 
 def _right(space: StateSpace) -> Array:

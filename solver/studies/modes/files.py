@@ -93,7 +93,7 @@ def _entries(found: Found, body_names: list[str]) -> list[dict[str, Any]]:
                 "number": k + 1,
                 "frequency_hz": w / (2.0 * np.pi),
                 "angular_frequency": w,
-                "damping_ratio": float(found.modes.damping[k]),
+                "damping_ratio": float(found.damping[k]),
                 "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
                 "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
                 "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.analysis.recovery import body_frames
-from ...dynamics.model.coordinates import Spin
+from ...dynamics.model.coordinates import Spin, spin_velocities
 from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array, IntArray
 from ...math.rotations import vector_to_matrix
@@ -29,6 +29,7 @@ from ..linearisation.modes import (
 )
 from ..linearisation.state_space import (
     StateSpace,
+    common_spin,
     frequencies_between,
     frequency_response,
     linearise,
@@ -56,6 +57,13 @@ class Found:
     whirl: Array  # (k,) angular frequencies seen from axes at rest; nan: no whirl
     notes: tuple[str, ...]
 
+    @property
+    def damping(self) -> Array:
+        """Damping ratios (k,) [-]: of a whirl in axes at rest, where its forces stand."""
+        decay, whirl = -self.modes.eigenvalues.real, np.nan_to_num(self.whirl)
+        size = np.hypot(decay, whirl)
+        return np.where(whirl != 0.0, decay / np.where(size > 0.0, size, 1.0), self.modes.damping)
+
 
 def find_modes(states: States, state: State, *, ports: bool = True, check: bool = True) -> Found:
     """Linearise about a state and solve for its modes.
@@ -76,7 +84,7 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
     built, mechanism = states.built, states.spec.mechanism
     spin = state.spin if state.spin is not None and state.spin.rate != 0.0 else None
 
-    def linearised(W: Array) -> tuple[StateSpace, Modes]:
+    def linearised(W: Array, turning: Array | None = None) -> tuple[StateSpace, Modes]:
         space = linearise(
             state.model,
             state.t,
@@ -85,9 +93,14 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
             sensors=sensors(built, mechanism.signals) if ports else None,
             sources=sources_of(mechanism, built) if ports else (),
         )
-        return space, modes_of(state.model, space, state.t)
+        return space, modes_of(state.model, space, state.t, turning)
 
-    space, modes = linearised(np.zeros(3) if spin is None else spin.W)
+    if spin is None:
+        space, modes = linearised(np.zeros(3))
+    else:
+        free = state.given_spin or _turns_freely(state, spin)
+        turning = spin_velocities(state.model, state.y, spin) / spin.rate
+        space, modes = linearised(spin.W, turning if free else None)
     if spin is not None and check and _changes(state, space, modes, spin):
         if state.given_spin:
             raise InputError(
@@ -104,13 +117,22 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
     return Found(state, space, modes, shares, whirl, tuple(_notes(states, state, space, modes)))
 
 
+def _turns_freely(state: State, spin: Spin) -> bool:
+    """Tell whether the mechanism would turn on in the same way from turned positions."""
+    for angle in _TURNS:
+        later = after_turn(state.model, state.y, spin, state.t, angle)
+        if common_spin(later.model, state.t, later.y) is None:
+            return False
+    return True
+
+
 def _changes(state: State, space: StateSpace, modes: Modes, spin: Spin) -> bool:
     """Tell whether the equations change while the mechanism turns."""
     for angle in _TURNS:
         later = after_turn(state.model, state.y, spin, state.t, angle)
         there = linearise(later.model, state.t, later.y, spin.W)
         A = vector_to_matrix(angle * spin.axis)
-        if change_when_turned(state.model, space, modes, there, A) > _CONSTANT:
+        if change_when_turned(state.model, space, modes, there, A, spin.rate) > _CONSTANT:
             return True
     return False
 
@@ -124,6 +146,9 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
         )
     off = float(np.linalg.norm(space.free.Z_left @ space.acceleration))
     loads = float(np.linalg.norm(space.forces / np.sqrt(state.model.inertia_scale)))
+    if state.spin is not None:  # a balanced rotor has no loads but round-off
+        v = spin_velocities(state.model, state.y, state.spin)
+        loads = max(loads, state.spin.rate * float(np.sqrt(v @ space.mass @ v)))
     if off > _AT_REST * max(loads, 1e-9):
         notes.append(
             "the state is no equilibrium: the modes are those of this instant, and hold for "
@@ -236,6 +261,9 @@ def _chosen(option: str, names: list[str] | None, known: list[str], what: str) -
 # Campbell diagram of a case: relative equilibria and modes over a range of speeds.
 
 RPM = 30.0 / np.pi
+# A whirl at the speed itself stands still in axes that turn, and has no direction: the modes are
+# then those of a speed so much higher, the first at which it moves.
+_BESIDE = (1e-6, 1e-5, 1e-4)
 
 
 class Spins:
@@ -254,17 +282,26 @@ class Spins:
         if near is not None:
             positions = self._known[id(near.modes)].y[: self.states.built.model.n_pos]
             start = Start(positions, start.velocities, start.given)
+        found = self._found(speed, start)
+        if near is not None and speed != 0.0:
+            for off in _BESIDE:
+                if found.modes.still.sum() <= near.modes.still.sum():
+                    break
+                found = self._found(speed * (1.0 + off), start)
+        for note in found.notes:
+            if not note.startswith("unstable"):
+                self.notes[note] = None
+        self._known[id(found.modes)] = found.state
+        fixed = found.modes.frequencies if speed == 0.0 else found.whirl
+        vectors = vectors_of(found.space, found.modes)
+        return Point(speed, found.modes, vectors, fixed, found.damping, found.shares.main)
+
+    def _found(self, speed: float, start: Start) -> Found:
         state = self.states.turning(self.line._replace(rate=speed), start)
         check = speed != 0.0 and not self._checked
         found = find_modes(self.states, state, ports=False, check=check)
         self._checked = self._checked or check
-        for note in found.notes:
-            if not note.startswith("unstable"):
-                self.notes[note] = None
-        self._known[id(found.modes)] = state
-        fixed = found.modes.frequencies if speed == 0.0 else found.whirl
-        vectors = vectors_of(found.space, found.modes)
-        return Point(speed, found.modes, vectors, fixed, found.shares.main)
+        return found
 
 
 class Diagram:

@@ -1,0 +1,257 @@
+"""Shafts in compliant bearings: modes at every speed, Campbell diagrams, critical speeds passed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from samples.beam_samples import CHORD, reduced
+from samples.case_samples import HEAD
+from samples.modes_samples import modes_at
+from scipy.integrate import solve_ivp
+
+from plymotion.preprocess.beam.line import SectionMass
+from plymotion.solver.checks.stability import SpinMonitor
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.mechanism import build
+from plymotion.solver.package import write_package
+from plymotion.solver.run.execution import execute, read_run
+
+LENGTH, DIAMETER, E, RHO = 1.0, 0.02, 2.1e11, 7800.0
+AXIS = ("--axis", "1,0,0")
+BENDING = [{"kind": f"bending-{plane}", "count": 3} for plane in ("xy", "xz")]
+AT_DISC = {"kind": "attachment", "at": "disc", "directions": ["y", "z", "ry", "rz"]}
+STIFF = [
+    {"kind": "torsion", "count": 2},
+    {"kind": "axial", "count": 1},
+    {"kind": "attachment", "at": "disc", "directions": ["x", "rx"]},
+]
+
+
+def shaft(d=DIAMETER, rho=RHO, ratio=1.0, more=(), **changes):
+    """A round shaft on its two ends with a place for a disc; `ratio` of its two frequencies."""
+    A, I2 = np.pi * d**2 / 4, np.pi * d**4 / 64
+    shear = 0.9 * E / 2.6 * A
+    K = np.diag([E * A, shear, shear, E / 1.3 * I2, E * I2 * ratio**2, E * I2])
+    mass = SectionMass(rho * A, np.zeros(3), rho * I2 * np.diag([2.0, 1.0, 1.0])).matrix()
+    places = {"root": {"at": "start"}, "disc": {"at": 0.5}, "tip": {"at": "end"}}
+    modes = [*BENDING, AT_DISC, *more]
+    return reduced(
+        CHORD, modes, elements=12, K=K, mass=mass, length=LENGTH, interfaces=places, **changes
+    ).package
+
+
+def stiffness_of(d=DIAMETER):
+    """Of the shaft at its middle, 48 E I / L^3 and shear [N/m]."""
+    A, I2 = np.pi * d**2 / 4, np.pi * d**4 / 64
+    return 1.0 / (LENGTH**3 / (48.0 * E * I2) + LENGTH / (4.0 * 0.9 * E / 2.6 * A))
+
+
+def bushing(name, place, k, c):
+    return (
+        f'[ground.{name}]\nposition = [{place}, 0.0, 0.0]\n[forces.{name}]\nkind = "bushing"\n'
+        f'between = ["ground.{name}", "shaft.{name}"]\nstiffness = {[float(v) for v in k]}\n'
+        f"damping = {[float(v) for v in c]}\n"
+    )
+
+
+def rotor(k=1e6, c=100.0, mass=2.0, inertia=(0.004, 0.0025), off=0.0, torque=0.0, spin=0.0):
+    """A shaft with a disc, whose mass is `off` the line, in two isotropic bearings."""
+    turning = f"angular_velocity = [{spin}, 0.0, 0.0]\n"
+    text = f'[bodies.shaft]\nkind = "package"\npackage = "shaft.vtkhdf"\n{turning}'
+    J = np.diag([inertia[0], inertia[1], inertia[1]]).tolist()
+    text += (
+        f'[bodies.disc]\nkind = "rigid"\nmass = {mass}\ninertia = {J}\n{turning}'
+        f"position = [{LENGTH / 2}, {off}, 0.0]\n"
+        f"interfaces = {{ c = {{ position = [0.0, {-off}, 0.0] }} }}\n"
+        '[joints.disc]\nkind = "fixed"\nbetween = ["shaft.disc", "disc.c"]\n'
+    )
+    text += bushing("root", 0.0, (k, k, k), (c, c, c)) + bushing(
+        "tip", LENGTH, (0, k, k), (0, c, c)
+    )
+    if torque:
+        text += (
+            '[forces.drive]\nkind = "torque"\nat = "shaft.root"\ndirection = [1.0, 0.0, 0.0]\n'
+            f'law = {{ expression = "{torque}" }}\n'
+        )
+    text += '[signals.y]\nkind = "position"\nat = "disc.c"\ncomponent = "y"\n'
+    text += '[signals.z]\nkind = "position"\nat = "disc.c"\ncomponent = "z"\n'
+    return text + '[signals.w]\nkind = "angular_velocity"\nat = "shaft.root"\ncomponent = "x"\n'
+
+
+def written(folder, package):
+    (folder / "sample").mkdir(exist_ok=True)
+    write_package(folder / "sample" / "shaft.vtkhdf", package)
+    return folder
+
+
+@pytest.mark.parametrize("more", ["", "geometric_stiffening = true\n"])
+@pytest.mark.parametrize("d", [0.006, DIAMETER])
+def test_every_speed_is_accepted(d, more, tmp_path, capsys):
+    """Twist and stretch are stiff: the stiffness of the free turn is their round-off."""
+    written(tmp_path, shaft(d, more=STIFF))
+    for speed in (60, 100, 231, 300, 600):
+        found = modes_at(tmp_path, rotor(), f"spin={speed}", *AXIS, capsys=capsys, more=more)
+        first, second = found["modes"][:2]
+        assert first["angular_frequency"] == 0.0
+        assert second["angular_frequency"] > 1.0
+        assert not found["notes"]
+
+
+def point_rotor(k, c, mass):
+    """A rigid disc on two springs: Jeffcott's rotor, with tilting far above."""
+    text = f'[bodies.shaft]\nkind = "rigid"\nmass = {mass}\n'
+    text += "inertia = [[0.036, 0, 0], [0, 0.02, 0], [0, 0, 0.02]]\n"
+    text += (
+        "interfaces = { root = { position = [-0.3, 0, 0] }, tip = { position = [0.3, 0, 0] } }\n"
+    )
+    half, damped = (k / 2,) * 3, (c / 2,) * 3
+    return text + bushing("root", -0.3, half, damped) + bushing("tip", 0.3, half, damped)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.5])
+def test_jeffcott_rotor_through_its_critical_speed(ratio, tmp_path, capsys):
+    """w = sqrt(k / m) (sqrt(1 - ratio^2)) at every speed, the critical one included."""
+    text = point_rotor(4e4, 2.0 * ratio * 400.0, 4.0)
+    found = modes_at(tmp_path, text, "spin=0:300:20", *AXIS, capsys=capsys)
+    damped = 100.0 * np.sqrt(1.0 - ratio**2)
+    whirls = [b for b in found["branches"] if b["main"].endswith(("y, forward", "z, backward"))]
+    whirls = [b for b in whirls if "rotation" not in b["main"]]
+    assert [np.sign(b["fixed_axes_angular_frequency"][-1]) for b in whirls] in ([-1, 1], [1, -1])
+    for branch in whirls:
+        w = np.abs(np.array(branch["fixed_axes_angular_frequency"], dtype=float))
+        assert w == pytest.approx(damped, rel=1e-9)
+        assert np.array(branch["damping_ratio"]) == pytest.approx(ratio, abs=1e-9)
+        speeds = [x["speed"] for x in found["crossings"] if x["branch"] == branch["branch"]]
+        assert any(abs(speed / damped - 1.0) < 1e-6 for speed in speeds)
+    assert not found["notes"]
+
+
+@pytest.mark.parametrize("c", [0.0, 100.0])
+def test_campbell_diagram_of_a_balanced_shaft_does_not_end(c, tmp_path, capsys):
+    more = "geometric_stiffening = true\n"
+    written(tmp_path, shaft(more=STIFF))
+    still = modes_at(tmp_path, rotor(c=c), "equilibrium", capsys=capsys, more=more)
+    critical = next(w for m in still["modes"] if (w := m["angular_frequency"]) > 1.0)
+    span = f"spin={0.5 * critical}:{1.5 * critical}:{0.25 * critical}"
+    found = modes_at(tmp_path, rotor(c=c), span, *AXIS, capsys=capsys, more=more)
+    for branch in found["branches"][:2]:
+        assert None not in branch["fixed_axes_angular_frequency"]
+        assert np.abs(branch["fixed_axes_angular_frequency"]) == pytest.approx(critical, rel=1e-3)
+    assert not found["notes"]
+
+
+@pytest.mark.parametrize("c_i", [20.0, 80.0])
+def test_internal_damping_makes_a_rotor_unstable_above_a_speed(c_i, tmp_path, capsys):
+    """W < w (1 + c_e / c_i), of a light shaft with damping in it and of the disc outside it."""
+    k, mass, c_e = stiffness_of(), 4.0, 20.0
+    package = shaft(rho=1.0)
+    written(tmp_path, replace(package, damping=c_i / k * package.stiffness))
+    text = rotor(k=1e10, c=0.0, mass=mass) + bushing("disc", LENGTH / 2, (0, 0, 0), (0, c_e, c_e))
+    limit = np.sqrt(k / mass) * (1.0 + c_e / c_i)
+    for share, unstable in ((0.99, False), (1.01, True)):
+        found = modes_at(tmp_path, text, f"spin={share * limit}", *AXIS, capsys=capsys)
+        growing = [m for m in found["modes"] if m["damping_ratio"] < -1e-9]
+        assert bool(growing) == unstable
+        assert all(m["fixed_axes_angular_frequency"] > 0.0 for m in growing)  # forward whirl
+
+
+def computed(folder, package, text, t_end, more=""):
+    """Times, signals and summary of a run."""
+    write_package(folder / "shaft.vtkhdf", package)
+    file = folder / "case.toml"
+    keys = f"t_end = {t_end}\noutput_step = {t_end / 1000}\nrtol = 1e-7\n{more}"
+    file.write_text(f"{HEAD}{text}[solver]\n{keys}[runs.base]\n")
+    write_case(load_case(file), folder / "build")
+    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    return result.t, {s.name: s.values for s in result.signals}, summary
+
+
+def codes(summary):
+    return {warning["code"] for warning in summary["warnings"]}
+
+
+def jeffcott_run_up(t, k, c, mass, J, off, torque):
+    """Deflection (n,) complex and spin (n,) of a point mass at `off` of a massless shaft.
+
+    m (z + e exp(i theta))" + c z' + k z = 0,  J theta" = torque - m e Im((z + e exp(i theta))"
+    exp(-i theta)).
+    """
+
+    def rates(_, y):
+        z, z_d, angle, w = y[0] + 1j * y[1], y[2] + 1j * y[3], y[4], y[5]
+        turn = np.exp(1j * angle)
+        force = -c * z_d - k * z  # on the mass
+        w_d = (torque - off * (force * turn.conj()).imag) / J
+        z_dd = force / mass - off * (1j * w_d - w**2) * turn
+        return [z_d.real, z_d.imag, z_dd.real, z_dd.imag, w, w_d]
+
+    y = solve_ivp(rates, (0.0, t[-1]), np.zeros(6), "DOP853", t, rtol=1e-10, atol=1e-12).y
+    return y[0] + 1j * y[1], y[5]
+
+
+@pytest.mark.parametrize("stiffened", [False, True])
+@pytest.mark.parametrize("bearing", [1e5, 1e9])
+def test_run_up_through_the_critical_speed(bearing, stiffened, tmp_path):
+    """Jeffcott's rotor, integrated by itself; the shaft is above the speed of its own frame."""
+    mass, off, c, torque = 2.0, 1e-4, 30.0, 1.0
+    k = 1.0 / (1.0 / stiffness_of() + 1.0 / (2.0 * bearing))
+    text = rotor(k=bearing, c=0.0, mass=mass, off=off, torque=torque)
+    text += bushing("disc", LENGTH / 2, (0, 0, 0), (0, c, c))
+    more = "geometric_stiffening = true\n" if stiffened else ""
+    t, found, summary = computed(tmp_path, shaft(rho=10.0), text, 1.2, more)
+    twist = 10.0 * np.pi * DIAMETER**4 / 32 * LENGTH
+    z, w = jeffcott_run_up(t, k, c, mass, 0.004 + twist, off, torque)
+    assert w[-1] > max(1.5 * np.sqrt(k / mass), np.sqrt(stiffness_of() / mass))
+    assert found["w"] == pytest.approx(w, abs=2e-3 * w[-1])
+    size = np.abs(z).max()
+    assert found["y"] + 1j * found["z"] == pytest.approx(z, abs=0.02 * size)
+    assert summary["status"] == "finished"
+    assert not codes(summary) & {
+        "buckling-by-motion",
+        "buckling-load",
+        "spin-above-clamped-frequency",
+    }
+
+
+def test_a_run_that_starts_above_the_critical_speed(tmp_path):
+    """e W^2 / (w^2 - W^2): above the critical speed the mass centre moves to the axis."""
+    bearing, off = 1e5, 1e-4
+    k = 1.0 / (1.0 / stiffness_of() + 1.0 / (2.0 * bearing))
+    W = 2.0 * np.sqrt(stiffness_of() / 2.0)
+    spin = f'start = "equilibrium"\nspin = {{ axis = [1.0, 0.0, 0.0], speed = {W} }}\n'
+    text = rotor(k=bearing, c=0.0, off=off)
+    _, found, summary = computed(tmp_path, shaft(rho=10.0), text, 0.1, spin)
+    expected = off * W**2 / abs(k / 2.0 - W**2)
+    assert np.hypot(found["y"], found["z"]) == pytest.approx(expected, rel=2e-3)
+    assert summary["status"] == "finished"
+    assert not codes(summary)
+
+
+def monitor_of(folder, package):
+    file = folder / "case.toml"
+    write_package(folder / "shaft.vtkhdf", package)
+    file.write_text(f"{HEAD}{rotor()}[solver]\nt_end = 1.0\noutput_step = 0.1\n[runs.base]\n")
+    write_case(load_case(file), folder / "build")
+    spec = read_run(folder / "build/runs/base.json")
+    built = build(spec.mechanism, spec.packages)
+    return SpinMonitor(built.model, built.body_names), built.model
+
+
+@pytest.mark.parametrize(("ratio", "held"), [(1.0, True), (1.02, True), (1.3, False)])
+def test_a_shaft_of_two_stiffnesses_grows_between_its_critical_speeds(ratio, held, tmp_path):
+    """By (w_2 - w_1) / 2; below and above both, and about other axes, nothing changes."""
+    monitor, model = monitor_of(tmp_path, shaft(ratio=ratio))
+    y = np.zeros(model.n_pos + model.n_vel)
+    axis = np.array([1.0, 0.0, 0.0])
+    first = monitor.critical_spin(0, axis)  # of the body with its disc in its frame
+
+    def margin(w):
+        y[model.n_pos + 3 : model.n_pos + 6] = w
+        return monitor.margin(0, y)
+
+    assert margin(0.99 * first * axis) > 0.0
+    assert (margin(0.5 * (1.0 + ratio) * first * axis + 1e-3 * axis) > 0.0) == held
+    assert margin(1.2 * ratio * first * axis) > 0.0
+    across = np.array([0.0, 0.0, 1.0])  # a blade has one soft direction only
+    assert margin(1.01 * monitor.critical_spin(0, across) * across) < 0.0
