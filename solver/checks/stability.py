@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from ..dynamics.analysis.recovery import stiffened
@@ -168,26 +167,29 @@ class SpinMonitor:
         whole : (m, m) stiffness of all terms
         Kg : (m, m) geometric stiffness; None: not looked at
         """
-        M, G, K = self._inertia(body, w)
+        M, *rest = self._inertia(body, w)
         try:
-            L = np.linalg.cholesky(M)
-            values, V = scipy.linalg.eigh(whole, M)
+            to_unit = np.linalg.inv(np.linalg.cholesky(M))
         except np.linalg.LinAlgError:  # modes without inertia of their own
             return False
+        # In coordinates of unit mass; V: the directions without stiffness.
+        G, K, whole = (to_unit @ each @ to_unit.T for each in (*rest, whole))
+        values, V = np.linalg.eigh(whole)
         V = V[:, values <= 0.0]
         if not V.size:
             return True
         if Kg is not None:
-            share = np.abs(np.linalg.eigvalsh(V.T @ Kg @ V)).max(initial=0.0)
-            if share <= MATTERS.limit * np.linalg.eigvalsh(V.T @ K @ V).min(initial=np.inf):
+            loads = to_unit @ Kg @ to_unit.T
+            share = np.abs(np.linalg.eigvalsh(V.T @ loads @ V)).max()
+            if share <= MATTERS.limit * np.linalg.eigvalsh(V.T @ K @ V)[0]:
                 return True
-        # These directions, and those in which gyroscopic forces of their motion push; mass one.
-        pushed = np.linalg.solve(L, G @ V) / float(np.linalg.norm(w) or 1.0)
-        B = np.linalg.solve(L.T, scipy.linalg.orth(np.hstack([L.T @ V, pushed]), _ALIKE))
+        # These directions, and those in which gyroscopic forces of their motion push.
+        spin = float(np.linalg.norm(w))
+        U, s, _ = np.linalg.svd(np.hstack([V, G @ V / (spin or 1.0)]), full_matrices=False)
+        B = U[:, s > _ALIKE * s[0]]
         n = B.shape[1]
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-B.T @ whole @ B, -B.T @ G @ B]])
-        growth = float(np.linalg.eigvals(A).real.max(initial=0.0))
-        return growth <= GROWS * float(np.linalg.norm(w))
+        return float(np.linalg.eigvals(A).real.max()) <= GROWS * spin
 
     def _inertia(self, body: int, w: Array) -> tuple[Array, Array, Array]:
         """Return modal mass, gyroscopic matrix at a spin w (3,), and stiffness, (m, m) each."""
