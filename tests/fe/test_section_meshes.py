@@ -25,6 +25,7 @@ AREAS = {
     "box": 0.03 * 0.02 - (0.03 - 0.003) * (0.02 - 0.0025),
     "two-cell": 0.05 * 0.02 - 0.048 * 0.018 + 0.001 * 0.018,
     "i": 0.1 * 0.01 + 0.08 * 0.01 + 0.18 * 0.006,
+    "polyline": 0.002 * (0.051 + 0.098 + 0.051),
     "channel": 0.0015 * (0.025 + 0.0105 + 0.0235),
 }
 
@@ -53,7 +54,8 @@ def test_scripts_stand_alone(name: str, repository_root: Path, tmp_path: Path) -
     for script in (repository_root / "meshes").glob("*.geo"):
         shutil.copy(script, tmp_path)
     mesh = section_mesh({"file": str(tmp_path / f"{SHAPES[name].script}.geo")}, name)
-    assert set(mesh.cells.regions) == {wall.region for wall in SHAPES[name].walls}
+    expected = walls(name, SHAPES[name].example)
+    assert set(mesh.cells.regions) == {wall.region for wall in expected}
     assert mesh.warnings == ()
 
 

@@ -32,6 +32,7 @@ SIZES: dict[str, dict[str, Any]] = {
     "two-cell": {"width": 0.05, "height": 0.02, "wall": 0.001},
     "i": {"height": 0.2, "top_width": 0.1, "wall": 0.01, "wall_web": 0.006},
     "channel": {"height": 0.0254, "top_width": 0.0127, "bottom_width": 0.0254, "wall": 0.0015},
+    "polyline": {"x2": [0.0, 0.05, 0.05, 0.0], "x3": [0.1, 0.1, 0.0, 0.0], "wall": 0.002},
     "airfoil": {"contour": "naca0012", "chord": 0.3, "skin": 0.001, "webs": [0.2, 0.5]},
 }
 

@@ -151,47 +151,50 @@ def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
     return sorted(f"{head}: {_joined(texts)}".removeprefix(": ") for head, texts in found.items())
 
 
-# Common words, and what they are here; with a dot the key of another table.
+# Common words, and what they are in a file; with a dot the key of another table. Words that a table
+# does not know are not proposed for it.
+WORDS = """
+angle: angle_deg ply_angle_deg rotation_deg start_deg
+angles: angles_deg
+ball: spherical
+bending: bending-xy
+bernoulli euler_bernoulli: classical
+b: width
+circle: ellipse
+density: rho
+displacement: deflection
+dt: output_step
+duration time: t_end
+force: expression
+h: height
+hinge pin: revolute
+k: stiffness
+c: damping
+d: derivative
+i: integral
+p: proportional
+lay_up: layup
+loads: forces
+moi: inertia
+newmark: generalized-alpha
+pid: controller
+pipe: tube
+poisson: nu
+second_order: solver.geometric_stiffening
+slider: prismatic
+static: equilibrium
+stress: ply_stress
+tolerance: rtol
+torque: moment
+torsional_spring: rotary_spring
+value: law
+weld: fixed
+young: E
+"""
 MEANT = {
-    "angle": ("angle_deg", "ply_angle_deg", "rotation_deg", "start_deg"),
-    "angles": ("angles_deg",),
-    "ball": ("spherical",),
-    "bending": ("bending-xy",),
-    "bernoulli": ("classical",),
-    "b": ("width",),
-    "circle": ("ellipse",),
-    "density": ("rho",),
-    "displacement": ("deflection",),
-    "dt": ("output_step",),
-    "duration": ("t_end",),
-    "euler_bernoulli": ("classical",),
-    "force": ("expression",),
-    "h": ("height",),
-    "hinge": ("revolute",),
-    "k": ("stiffness",),
-    "c": ("damping",),
-    "d": ("derivative",),
-    "i": ("integral",),
-    "p": ("proportional",),
-    "lay_up": ("layup",),
-    "loads": ("forces",),
-    "moi": ("inertia",),
-    "newmark": ("generalized-alpha",),
-    "pid": ("controller",),
-    "pin": ("revolute",),
-    "pipe": ("tube",),
-    "poisson": ("nu",),
-    "second_order": ("solver.geometric_stiffening",),
-    "slider": ("prismatic",),
-    "static": ("equilibrium",),
-    "stress": ("ply_stress",),
-    "time": ("t_end",),
-    "tolerance": ("rtol",),
-    "torque": ("moment",),
-    "torsional_spring": ("rotary_spring",),
-    "value": ("law",),
-    "weld": ("fixed",),
-    "young": ("E",),
+    word: meaning.split()
+    for words, _, meaning in (line.partition(":") for line in WORDS.splitlines())
+    for word in words.split()
 }
 
 
