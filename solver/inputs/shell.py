@@ -176,6 +176,7 @@ class Buckling(Table):
 Factor = Annotated[float, Field(gt=0)]
 Row = Annotated[list[float], Field(min_length=6, max_length=6)]
 MOST_REFINED = 6
+SHAPES = ("box-beam", "curved-beam", "cylinder", "hemisphere", "plate", "twisted-beam")
 # Sizes whose products, as E h^3 and squares of forces, are numbers; what is smaller is no rounding.
 LARGE, SMALL = 1e30, 1e-100
 REFINE = (
@@ -190,12 +191,18 @@ Offset = Literal["mid", "top", "bottom"] | float
 class Mesh(Table):
     """`[mesh]`: a surface mesh of three-node triangles and four-node quadrilaterals."""
 
-    file: str = entry(
+    file: str | None = optional(
         "path, relative to this file: gmsh's .msh, a .geo script, a .py with build(gmsh, "
         "parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
     )
+    shape: Literal[SHAPES] | None = optional(  # type: ignore[valid-type]
+        "instead: a script of meshes/shells, whose first lines name its sizes and groups: plate "
+        "(region plate; curves left, right, bottom, top) has length and width [m], n_length and "
+        "n_width cells"
+    )
     parameters: dict[str, bool | float | str | list[float]] | None = optional(
-        '.geo: values of its DefineConstant entries "Parameters/KEY"; .py: what build gets'
+        "sizes of the `shape`; .geo: values of its DefineConstant entries "
+        '"Parameters/KEY"; .py: what build gets'
     )
     scale: float | None = optional(
         "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", gt=0
@@ -205,6 +212,12 @@ class Mesh(Table):
         "triangle: a mesh with others is an error; absent: the cells of the mesh"
     )
     refine: int = entry(REFINE, default=0, ge=0, le=MOST_REFINED)
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.file is None) == (self.shape is None):
+            raise ValueError("expected either `file` or `shape`")
+        return self
 
 
 class ShellPly(Ply):

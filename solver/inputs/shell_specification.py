@@ -10,7 +10,7 @@ from ..errors import InputError, collected, few, nearest, refuse, under, unknown
 from ..math.arrays import IntArray
 from .common.materials import check_materials, plain, unknown_materials
 from .common.mesh_files import SUFFIXES as SCRIPTS
-from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source, physical_groups
+from .common.mesh_files import content_sha256, is_gmsh_mesh, library, mesh_source, physical_groups
 from .common.table import plain_table
 from .common.text_file import read_toml
 from .section.foreign import named_sets, read_mesh, region_sets, write_npz
@@ -150,7 +150,8 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
     mesh: dict[str, Any] = {}
     with collected(problems):
         mesh = _mesh(description.mesh, file.parent)
-        problems += _groups(description, file.parent / description.mesh.file)
+        if description.mesh.file is not None:
+            problems += _groups(description, file.parent / description.mesh.file)
     stiffeners: dict[str, Any] = {}
     with collected(problems):
         stiffeners = _stiffeners(description, file.parent)
@@ -202,14 +203,17 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
 
 
 def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
-    file, key = mesh_source(table.file, folder)
+    if table.file is None:
+        file, key = library("shells") / f"{table.shape}.py", f'mesh.shape = "{table.shape}"'
+    else:
+        file, key = mesh_source(table.file, folder)
     if table.parameters is not None and file.suffix not in SCRIPTS:
         raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
         raise InputError(f"{key}: not a mesh of gmsh")
     known = file.suffix in (".msh", *SCRIPTS)
     mesh, content = (file, content_sha256(file)) if known else shell_arrays(file, key)
-    options = table.model_dump(exclude={"file"}, exclude_defaults=True)
+    options = table.model_dump(exclude={"file", "shape"}, exclude_defaults=True)
     return {"file": os.path.relpath(mesh), "sha256": content, **options}
 
 

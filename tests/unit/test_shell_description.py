@@ -8,8 +8,11 @@ from typing import Any
 
 import pytest
 
+from plymotion.preprocess import mesh_input
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.common.mesh_files import scripts
 from plymotion.solver.inputs.manual import with_keys
+from plymotion.solver.inputs.shell import SHAPES
 from plymotion.solver.inputs.shell_specification import load_shell
 
 MANUAL = Path(__file__).resolve().parents[2] / "docs" / "shell-description.md"
@@ -304,3 +307,25 @@ def ready() -> list[Path]:
 def test_ready_descriptions(file: Path) -> None:
     spec: dict[str, Any] = load_shell(file)
     assert spec["title"] == tomllib.loads(file.read_text())["title"]
+
+
+def test_a_shape_of_the_library_is_its_script(plate: Path, repository: Path) -> None:
+    """From any folder, with --no-scripts too: the script is none of the user's."""
+    assert set(SHAPES) == {f.stem for f in (repository / "meshes/shells").glob("*.py")} - {"grid"}
+    change(plate, 'file = "plate.geo"', 'shape = "plate"')
+    with scripts(allowed=False):
+        mesh = load_shell(plate)["mesh"]
+    assert Path(mesh["file"]).resolve() == repository / "meshes/shells/plate.py"
+    assert mesh["parameters"] == {"n": 16}
+    assert "shape" not in mesh
+    change(plate, 'shape = "plate"', 'shape = "plates"')
+    assert "did you mean 'plate'?" in messages(plate)[0]
+    change(plate, 'shape = "plates"', 'shape = "plate"\nfile = "plate.geo"')
+    assert "mesh = {" in messages(plate)[0]
+    assert "expected either `file` or `shape`" in messages(plate)[0]
+
+
+def test_the_preprocessor_refuses_scripts_of_the_user_only(repository: Path) -> None:
+    with mesh_input.scripts(refused=True):
+        assert mesh_input.is_refused(Path("meshes/shells/own.py"))
+        assert not mesh_input.is_refused(repository / "meshes/shells/plate.py")

@@ -47,6 +47,13 @@ _PY = re.compile(r"""["']([\w./-]+\.(?:py|geo|dat|csv|txt|json|toml|msh|step|stp
 _OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the files that it reads
 
 
+def library(folder: str) -> Path:
+    """Return a folder of meshes/: at the top of a checkout, beside the package in a wheel."""
+    here = Path(__file__)
+    roots = [root.parents[3] / "meshes" / folder for root in (here, here.resolve())]
+    return next((root for root in roots if root.is_dir()), roots[0])
+
+
 def mesh_source(name: str, folder: Path) -> tuple[Path, str]:
     """Return the file of `[mesh]`, and its key for messages.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from ....errors import InputError, nearest
 from ....package.specification import LayerDirection, SectionMeshTable
+from ...common.mesh_files import library
 from .contract import DENSITY, Parameter, Plies, Shape, Values, Wall, size
 from .parts import WEB, faces, rows, united
 
@@ -45,12 +46,10 @@ def contour(source: Any) -> list[list[float]]:
 def _file(path: Path) -> Path:
     if path.is_file():
         return path
-    here = Path(__file__)
-    for root in (here, here.resolve()):
-        folder = root.parents[4] / "meshes" / "airfoils"
-        if (folder / f"{path.name}.dat").is_file():
-            return folder / f"{path.name}.dat"
-        known = [file.stem for file in folder.glob("*.dat")]
+    folder = library("airfoils")
+    if (folder / f"{path.name}.dat").is_file():
+        return folder / f"{path.name}.dat"
+    known = [file.stem for file in folder.glob("*.dat")]
     raise InputError(
         f'contour = "{path}": no such file, and none of the library{nearest(path.name, known)}'
     )

@@ -58,7 +58,7 @@ def mesh(values: Values, plies: Plies) -> SectionMeshTable:
     ends = column[:-1], column[1:]
     trim = [np.abs(np.einsum("wa,wa->w", along, end)) for end in ends]
     free = length - trim[0] - trim[1]
-    for k in np.flatnonzero(free <= 0.0):
+    for k in np.flatnonzero(free <= 0.0).tolist():
         raise InputError(
             f"wall = {wall}: wall-{numbers[k]} of length {length[k]:g} is too short for the "
             f"corners at its ends, expected more than {trim[0][k] + trim[1][k]:g} [m]"
