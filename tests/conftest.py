@@ -110,6 +110,20 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000)
 
 
+@pytest.fixture(params=["", "without forks"])
+def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """This system as it is, and with the fallbacks of systems that are not POSIX."""
+    if request.param:
+        from plymotion.solver.studies import cases
+        from plymotion.solver.system import interrupts, platform
+
+        monkeypatch.setenv("PLYMOTION_NO_FORK", "1")  # for the processes that the test starts
+        for module in (platform, interrupts, cases):
+            monkeypatch.setattr(module, "POSIX", False)
+        assert platform.context().get_start_method() == "spawn"
+    return str(request.param)
+
+
 @pytest.fixture(scope="session")
 def repository() -> Path:
     """The repository's root folder."""

@@ -13,7 +13,6 @@ later=--no-compile
 
 install() { "$folder/bin/python" -m pip --disable-pip-version-check install --quiet $later "$@"; }
 
-log=$folder/install.log
 if [ -n "${LOCKED:-}" ]; then
     if [ "$what" = runs ]; then # the one file has the wheels of the tests too
         install --require-hashes --only-binary :all: -r "$here/requirements.lock"
@@ -27,16 +26,5 @@ if [ "$what" = tests ]; then
     echo "setup: $folder: ready for tests"
     exit
 fi
-extras=plot,fatigue,blade,completion
-if install -e ".[fast,$extras]" 2>"$log"; then
-    fast="with Numba"
-elif grep -qiE 'numba|llvmlite' "$log"; then
-    # The same source runs as plain NumPy, so an environment without Numba is
-    # slower but complete.
-    fast="without Numba, which could not be installed (see $log): the solver runs as plain NumPy"
-    install -e ".[$extras]"
-else
-    cat "$log" >&2
-    exit 1
-fi
-echo "setup: $folder: ready for runs, $fast"
+install -e '.[fatigue,blade,completion]'
+echo "setup: $folder: ready for runs"

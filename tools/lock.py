@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LOCK = ROOT / "tools/requirements.lock"
-EXTRAS = ("fast", "plot", "test")  # as tools/light_environment.sh installs them
+EXTRAS = ("test",)  # as tools/light_environment.sh installs them
 BUILD = ("editables",)  # hatchling asks for it when it installs a checkout
 
 HEAD = """\

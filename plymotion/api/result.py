@@ -11,6 +11,7 @@ import numpy as np
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
+from ..solver.math.compiled import tell_if_slow
 from ..solver.package.common.files import named_by_user
 from ..solver.results import RunResult, read_result, read_summary
 from ..solver.run.inputs_digest import up_to_date
@@ -262,6 +263,7 @@ def run(
         if packages is None:
             build_packages_of(file)
         if force or not up_to_date(file, target):
+            tell_if_slow()
             run_one(file, target, progress=progress, allow_python=allow_python)
         return Result(target)
 

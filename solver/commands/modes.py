@@ -148,12 +148,11 @@ def run_modes(options: argparse.Namespace) -> int:
     response = None
     if span is not None:
         response = response_of(found, span, options.input, options.output)
-    files = write_modes(folder, states, found, options.shapes, response)
     content = modes_content(states, found)
-    if options.json:
-        print(json.dumps(content, indent=2))
-    else:
-        print(modes_text(content, options.count))
+    # First: figures can fail. JSON is alone on standard output.
+    print(json.dumps(content, indent=2) if options.json else modes_text(content, options.count))
+    files = write_modes(folder, states, found, options.shapes, response)
+    if not options.json:
         print(f"{folder}: {', '.join(files)}")
     return 0
 
@@ -164,9 +163,9 @@ def _campbell(
     """Follow the modes over speed."""
     spins = Spins(states, axis)
     diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
-    files = write_campbell(folder, diagram)
     content = diagram.content()
     print(json.dumps(content, indent=2) if options.json else campbell_text(content))
+    files = write_campbell(folder, diagram)
     if not options.json:
         print(f"{folder}: {', '.join(files)}")
     return 0

@@ -13,6 +13,7 @@ from typing import Any
 
 from ..errors import InputError, PackageError, few
 from ..inputs.case.messages import ERRORS, out_of_range
+from ..math.compiled import tell_if_slow
 from ..package.common.files import refuse_foreign
 from ..results import RunResult
 from ..results.summary import damping_lines, invalid_words
@@ -127,6 +128,8 @@ def run_files(
         own = {"progress": not quiet, "import_s": import_s}
         tasks.append(_Task(file, folder, timing, options | own))
         import_s = 0.0
+    if tasks:
+        tell_if_slow()
     jobs = min(jobs, len(tasks))
     yield from _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
 

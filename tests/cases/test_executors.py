@@ -58,6 +58,7 @@ def alone(tmp_path_factory):
     return file, folder / "alone" / "sweep.h5"
 
 
+@pytest.mark.usefixtures("system")
 def test_processes_give_the_same(tmp_path, alone):
     file, expected = alone
     assert sweep(file, "--out", str(tmp_path / "two"), "--jobs", "2") == 3

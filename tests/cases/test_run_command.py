@@ -64,6 +64,7 @@ def _runs(folder: Path, more: str) -> Path:
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.usefixtures("system")
 def test_runs_that_fail_keep_the_others(tmp_path, capsys, jobs):
     runs = _runs(tmp_path, PUSH)
     wrong = runs / "wrong.json"
@@ -143,3 +144,36 @@ def test_ctrl_c_keeps_the_parts_of_all_processes(tmp_path):
         assert f"{name}: interrupted at t = " in words
         assert (tmp_path / "build" / name / "result.vtkhdf").is_file()
     assert not (tmp_path / "build/last").exists()
+
+
+WITHOUT = """
+import sys
+sys.modules[sys.argv.pop(1)] = None
+from plymotion.solver.__main__ import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def _without(module, *words, **environment):
+    command = [sys.executable, "-c", WITHOUT, module, *map(str, words)]
+    known = {k: v for k, v in os.environ.items() if k != "PLYMOTION_COMPILED"}
+    return subprocess.run(command, capture_output=True, text=True, env=known | environment)
+
+
+def test_a_run_without_numba_says_that_it_is_slow(tmp_path):
+    file = _runs(tmp_path, "") / "base.json"
+    done = _without("numba", "run", file, "--quiet")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("warning: Numba is not installed: runs take about thirty times") == 1
+    wanted = _without("numba", "run", file, "--quiet", PLYMOTION_COMPILED="0")
+    assert (wanted.returncode, wanted.stderr) == (0, "")
+
+
+def test_modes_without_matplotlib_have_their_numbers(tmp_path):
+    _runs(tmp_path, "")
+    words = ("modes", tmp_path / "case.toml", "--out", tmp_path / "o")
+    done = _without("matplotlib", *words, PLYMOTION_COMPILED="0")
+    assert done.returncode == 2
+    assert "figures need matplotlib, which is not installed; expected `pip install" in done.stderr
+    assert "degrees of freedom" in done.stdout
+    assert (tmp_path / "o/modes.json").is_file()

@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 from samples.sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
@@ -24,6 +25,7 @@ def result(file):
     return read_sweep(file.with_suffix("") / "sweep.h5")
 
 
+@pytest.mark.usefixtures("system")
 def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
     """Ctrl-C in the third portion: the file is whole, the rest is computed later."""
     file = ball(tmp_path, f"{FORCE} = {{ from = 1, to = 8, count = 8 }}")
@@ -70,6 +72,7 @@ def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatc
     assert [row.status for row in rows] == ["finished", "pending", "pending"]
 
 
+@pytest.mark.usefixtures("system")
 def test_ctrl_c_within_a_member(tmp_path):
     """A member that never ends: after SIGINT the file has the previous member."""
     vary = 'end = { keys = ["solver.t_end"], values = [0.1, 1e4] }'

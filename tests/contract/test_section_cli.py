@@ -210,6 +210,7 @@ def test_a_missing_compiler_is_named_with_its_packages(
     assert not (folder / "build/sections/bar/bar.vtkhdf").exists()
 
 
+@pytest.mark.usefixtures("system")
 def test_installed_package_hides_nothing_of_the_other_python(
     folder: Path, repository: Path, fenicsx: str
 ) -> None:

@@ -1,17 +1,18 @@
-"""The wheel, installed in a new environment outside the checkout, runs a shipped case."""
+"""The wheel, made from the sdist, in new environments outside the checkout."""
 
 import json
 import os
 import subprocess
 import sys
 import sysconfig
-import venv
 import zipfile
 from pathlib import Path
 
 import pytest
 
 from plymotion.solver.commands.case_arguments import STARTERS
+from plymotion.solver.commands.setup import HOME
+from plymotion.solver.workers.interpreter import recorded
 
 CASE, RUN = "double-pendulum", "isotropic-soft-free-stiffened"
 
@@ -29,15 +30,41 @@ def wheel(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-@pytest.fixture(scope="module")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The program `plymotion` of a new environment, which borrows the dependencies of this one."""
+@pytest.fixture(scope="module", params=["this Python", 13])
+def installed(
+    request: pytest.FixtureRequest,
+    wheel: Path,
+    tools: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
+    """The program `plymotion` of a new environment.
+
+    That of this Python borrows the dependencies of the tests; that of another one gets what the
+    wheel asks for, and nothing else.
+    """
     home = tmp_path_factory.mktemp("outside") / "env"
-    venv.create(home, with_pip=False)
+    own = request.param == "this Python"
+    python = sys.executable
+    if not own:
+        import find_fenicsx
+
+        other = find_fenicsx.first((request.param,), ("venv",))
+        if other is None or sys.version_info[1] == request.param:
+            pytest.skip(f"no other Python 3.{request.param} here")
+        python = other
+    subprocess.run([python, "-m", "venv", "--without-pip", str(home)], check=True)
     (site,) = home.glob("lib/python*/site-packages")
-    words = ["-m", "pip", "--python", str(home / "bin/python"), "install", "--quiet", "--no-deps"]
-    subprocess.run([sys.executable, *words, str(wheel)], check=True)
-    (site / "borrowed.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    words = ["-m", "pip", "--python", str(home / "bin/python"), "install", "--quiet"]
+    done = subprocess.run(
+        [sys.executable, *words, *(["--no-deps"] if own else []), str(wheel)],
+        capture_output=True,
+        text=True,
+    )
+    if not own and "No matching distribution found" in done.stderr:
+        pytest.skip(f"not installed for Python 3.{request.param}: {done.stderr}")
+    assert done.returncode == 0, done.stderr
+    if own:
+        (site / "borrowed.pth").write_text(sysconfig.get_path("purelib") + "\n")
     return home / "bin/plymotion"
 
 
@@ -72,6 +99,27 @@ def test_a_shipped_case_runs_outside_the_checkout(installed: Path, repository: P
     assert "Report: build/case/report.html" in done.stdout
     summary = home / "build/case" / RUN / "summary.json"
     assert json.loads(summary.read_text("utf-8"))["completed"]
+    assert "Numba" not in done.stderr, "it comes with the wheel"
+    drawn = _run(installed, "report", "build/case", "--figures")
+    assert drawn.returncode == 0, drawn.stderr
+    assert (home / "build/case" / RUN / "motion.png").is_file()
+
+
+def test_a_section_is_analysed_by_the_python_of_fenicsx(installed: Path, repository: Path) -> None:
+    """With a mesh script of the wheel, `tube`."""
+    python = os.environ.get("FENICSX_PYTHON") or recorded(repository)
+    if python is None:
+        pytest.skip("no FEniCSx here")
+    home = installed.parents[2]
+    text = (HOME / "robot-arm/tube.toml").read_text("utf-8")
+    (home / "tube.toml").write_text(text, "utf-8")
+    own = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"} | {"FENICSX_PYTHON": python}
+    done = subprocess.run(
+        [str(installed), "section", "tube.toml"], cwd=home, env=own, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert (home / "build/sections/tube/tube.vtkhdf").is_file()
+    assert list((home / "build/sections/tube").glob("*.png"))
 
 
 @pytest.mark.parametrize("name", STARTERS)

@@ -146,6 +146,7 @@ def test_without_figures_the_page_needs_no_matplotlib(
         make_report(tmp_path, list(RUNS), CASE, figures=True)
 
 
+@pytest.mark.usefixtures("system")
 def test_only_figures_of_other_data_are_drawn_again(case_dir: Path, tmp_path: Path) -> None:
     folder = tmp_path / "case"
     shutil.copytree(case_dir, folder)

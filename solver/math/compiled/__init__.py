@@ -9,8 +9,10 @@ tuples marked as `structure`, make no arrays, and use no negative index. What is
 under the digest of its content. README.md says what this gains and what it depends on.
 """
 
+import logging
 import os
 from collections.abc import Callable
+from functools import cache
 from importlib.util import find_spec
 from types import FunctionType
 from typing import Any, TypeVar
@@ -31,11 +33,25 @@ __all__ = [
     "rebound",
     "statistics",
     "structure",
+    "tell_if_slow",
 ]
 
+LOGGER = logging.getLogger(__name__)
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-COMPILED: bool = os.environ.get("PLYMOTION_COMPILED", "1") != "0" and find_spec("numba") is not None
+_WANTED = os.environ.get("PLYMOTION_COMPILED", "1") != "0"
+COMPILED: bool = _WANTED and find_spec("numba") is not None
+SLOW = (
+    "Numba is not installed: runs take about thirty times as long; expected pip install numba, or "
+    "PLYMOTION_COMPILED=0 to compute without it"
+)
+
+
+@cache
+def tell_if_slow() -> None:
+    """Log once that Numba is missing, unless the user has chosen to compute without it."""
+    if _WANTED and not COMPILED:
+        LOGGER.warning("warning: %s", SLOW)
 
 
 def lean(function: Function) -> Function:

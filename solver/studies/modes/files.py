@@ -28,22 +28,21 @@ def write_modes(
     refuse_foreign(folder / "modes.json")
     folder.mkdir(parents=True, exist_ok=True)
     _write_linear(folder, states, found)
+    write_text(folder / "modes.json", dump(modes_content(states, found)))
     files = ["modes.json", "linear.npz", "linear.mat"]
     if response is not None:
         _write_response(folder, response)
         files += ["response.csv", "response.png"]
-    files += draw_shapes(folder, states, found, shapes)
-    write_text(folder / "modes.json", dump(modes_content(states, found)))
-    return files
+    return [*files, *draw_shapes(folder, states, found, shapes)]
 
 
 def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
     """Write campbell.png, campbell.csv and campbell.json; return the names of the files."""
     refuse_foreign(folder / "campbell.json")
     folder.mkdir(parents=True, exist_ok=True)
-    draw(folder / "campbell.png", diagram)
     write_text(folder / "campbell.csv", diagram.csv())
     write_text(folder / "campbell.json", dump(diagram.content()))
+    draw(folder / "campbell.png", diagram)  # after the numbers: it needs matplotlib
     return ["campbell.png", "campbell.csv", "campbell.json"]
 
 

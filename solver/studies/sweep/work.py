@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from ...errors import InputError
 from ...inputs.case.record import solver_sha256
-from ...math.compiled import COMPILED
+from ...math.compiled import COMPILED, tell_if_slow
 from ...math.disk_cache import state_of
 from ...package.common.plain_data import data_sha256
 from ...results import ResultError
@@ -229,6 +229,7 @@ class Work:
 
 
 def _compute(executor: Executor, portions: Portions) -> None:
+    tell_if_slow()
     if isinstance(executor, Local) and COMPILED:  # before all workers do
         from ..compiling import compile_once
 
