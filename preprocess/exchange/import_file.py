@@ -82,7 +82,7 @@ def imported(
     folder : where its paths start
     where : name of the file, for messages
     source : instead of the key `from`
-    tables : folder for the tables of a source that has modes only; `plymotion experimental` makes
+    tables : folder for the tables of a source that has modes only; `plymotion import` makes
         the package from the file that is returned then
 
     Raises

@@ -19,6 +19,12 @@ FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "so
 T = TypeVar("T")
 COMMAND = "COMMAND"  # what --help and messages call a command
 EXECUTORS = ("local", "dask", "mpi")
+# Commands of earlier versions, and what does the same now.
+MOVED = {
+    "merge": "plymotion sweep SWEEP --merge",
+    "chart": "plymotion plan CASE --chart",
+    "experimental": "plymotion import FILE --from measured --out PACKAGE",
+}
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
 
 
@@ -49,7 +55,9 @@ class CommandParser(argparse.ArgumentParser):
         if known and (found or message.endswith(COMMAND)):
             if not found:
                 message = "expected CASE.toml or a command"
-            elif os.path.exists(word := word.split("'")[1]):
+            elif (word := word.split("'")[1]) in MOVED:
+                self.exit(2, f"error: {word}: now {MOVED[word]}\n")
+            elif os.path.exists(word):
                 message = (
                     f"{word}: no case; expected CASE.toml, a folder with case.toml, or a command"
                 )

@@ -223,17 +223,18 @@ def add_blade(parser: Any) -> None:
 
 @command("import", "bodies.packages:run_import")
 def add_import(parser: Any) -> None:
-    """Make a modal package from a body of another code.
+    """Make a modal package from a body of another code, or from measured modes.
 
     Make a modal package from a body of another code. FILE (TOML, docs/exchange.md) names the files,
-    their units, the interfaces and the modes.
+    their units, the interfaces and the modes. With --from measured, FILE has nodes, modes and
+    places of a test (docs/modes.md).
 
     ---
     """
     parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML")
-    text = "the other code (default: its key `from`)"
+    text = "the other code, or measured (default: the key `from` of FILE)"
     parser.add_argument("--from", dest="source", metavar="CODE", help=text)
-    _add_new_package(parser, "--out", "-o")
+    parser.add_argument("--out", "-o", type=Path, required=True, metavar="PACKAGE", help=PACKAGE)
     flag(parser, "quiet", "no progress")
 
 
@@ -263,14 +264,6 @@ def add_export(parser: Any) -> None:
     add_no_scripts(fmu)
 
 
-@command("experimental", "bodies.packages:run_experimental")
-def add_experimental(parser: Any) -> None:
-    """Make a modal package from measured modes (docs/modes.md)."""
-    text = "nodes, modes and places of a test, TOML"
-    parser.add_argument("file", type=Path, metavar="FILE", help=text)
-    _add_new_package(parser, "--out")
-
-
 @command("info", "bodies.packages:run_info")
 def add_info(parser: Any) -> None:
     """Show the content of a modal package."""
@@ -281,10 +274,6 @@ def add_info(parser: Any) -> None:
 def add_validate(parser: Any) -> None:
     """Check modal packages against docs/format.md."""
     parser.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help=PACKAGE)
-
-
-def _add_new_package(parser: Any, *names: str) -> None:
-    parser.add_argument(*names, type=Path, required=True, metavar="PACKAGE", help=PACKAGE)
 
 
 _DESCRIBED = {

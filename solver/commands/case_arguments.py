@@ -172,19 +172,21 @@ def add_plan(parser: Any) -> None:
     """Choose the model of a run by its accuracy.
 
     The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan
-    is written to DIR/plans/RUN.toml, where `plymotion run` finds it.
+    is written to DIR/plans/RUN.toml, where `plymotion run` finds it. --chart takes a plan that is
+    there, and prints and draws error against CPU time of the models between rigid bodies and all
+    modes.
 
     exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.
     """
-    _add_run_of_case(parser)
+    parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
+    parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
+    text = "folder of the case (default: build/CASE)"
+    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add_packages(parser)
+    add_no_scripts(parser)
     flag(parser, "no-check", "indicators only: no run of model and check")
     flag(parser, "json", "print the answer as JSON")
-
-
-@command("chart", "plan:run_chart")
-def add_chart(parser: Any) -> None:
-    """Draw error against CPU time of the models of a run with [fidelity]."""
-    _add_run_of_case(parser)
+    flag(parser, "chart", "draw error against CPU time of the models")
     text = "the chart (default: DIR/plans/RUN.png)"
     parser.add_argument("--figure", type=Path, metavar="PNG", help=text)
 
@@ -214,54 +216,26 @@ def add_sweep(parser: Any) -> None:
     Members that the same solver has computed before, with the same values and packages, are not
     computed again: an interrupted sweep, or one with additional values, continues.
 
+    --merge computes nothing: it joins DIR/sweep-k-of-N.h5, the files of --shard k/N, which stay,
+    and an earlier DIR/sweep.h5.
+
     exit code: 0 all members finished; 2 something is wrong with the input; 3 some members stopped
-    or failed, the table has their messages and the others are complete; 130 interrupted, finished
-    members are kept.
+    or failed, the table has their messages and the others are complete, or members are missing in
+    the files that are merged; 130 interrupted, finished members are kept.
     """
-    _add_place(parser)
+    text = "build/CASE/sweeps/SWEEP.json, written by check"
+    parser.add_argument("sweep", type=Path, metavar="SWEEP", help=text)
+    text = "folder (default build/CASE/sweeps/SWEEP)"
+    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
     add_doubtful(parser)
-    text = "only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see `merge`"
+    text = "only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see --merge"
     parser.add_argument("--shard", type=shard, metavar="k/N", help=text)
     add_executor(parser, "members")
     again = parser.add_mutually_exclusive_group()
     flag(again, "fresh", "compute all members again")
     flag(again, "restart", "compute missing members only (the default)")
-    _add_shown(parser)
-    flag(parser, "quiet", "no progress bar")
-
-
-@command("merge", "sweep:run_merge")
-def add_merge(parser: Any) -> None:
-    """Merge the shards of a sweep into one file.
-
-    Writes DIR/sweep.h5, the table and the figures from DIR/sweep-k-of-N.h5, the files of
-    `plymotion sweep --shard k/N`, and from an earlier DIR/sweep.h5. The files of the shards stay.
-
-    exit code: 0 all members finished; 2 something is wrong with the input; 3 members are missing,
-    or some stopped or failed.
-    """
-    _add_place(parser)
-    _add_shown(parser)
-
-
-def _add_run_of_case(parser: Any) -> None:
-    """Add the arguments that name a run of a case."""
-    parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
-    parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
-    text = "folder of the case (default: build/CASE)"
-    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
-    add_packages(parser)
-    add_no_scripts(parser)
-
-
-def _add_place(parser: Any) -> None:
-    text = "build/CASE/sweeps/SWEEP.json, written by check"
-    parser.add_argument("sweep", type=Path, metavar="SWEEP", help=text)
-    text = "folder (default build/CASE/sweeps/SWEEP)"
-    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
-
-
-def _add_shown(parser: Any) -> None:
+    flag(parser, "merge", "join the files of all shares")
     flag(parser, "csv", "print the table")
     text, action = "draw a figure for each signal (default: yes)", argparse.BooleanOptionalAction
     parser.add_argument("--figures", action=action, default=True, help=text)
+    flag(parser, "quiet", "no progress bar")

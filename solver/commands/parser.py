@@ -52,11 +52,11 @@ def add_completion(parser: Any) -> None:
 # A case, its parts, packages, many runs, the rest.
 COMMANDS = (
     *(cases.add_new, cases.add_check, cases.add_run, cases.add_report),
-    *(cases.add_modes, cases.add_plan, cases.add_chart),
+    *(cases.add_modes, cases.add_plan),
     *(bodies.add_section, bodies.add_shell, bodies.add_solid, bodies.add_blade),
     *(bodies.add_import, bodies.add_export),
-    *(bodies.add_experimental, bodies.add_info, bodies.add_validate),
-    *(cases.add_packages_command, cases.add_sweep, cases.add_merge),
+    *(bodies.add_info, bodies.add_validate),
+    *(cases.add_packages_command, cases.add_sweep),
     *(add_materials, add_compile, add_schema, add_completion),
 )
 

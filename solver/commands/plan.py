@@ -1,4 +1,4 @@
-"""The commands `plymotion plan` and `chart`: the model of a run, chosen by its accuracy."""
+"""The command `plymotion plan`: the model of a run, chosen by its accuracy, and its chart."""
 
 import argparse
 import json
@@ -44,7 +44,12 @@ def run_file_of(options: argparse.Namespace) -> Path:
 
 
 def run_plan(options: argparse.Namespace) -> int:
-    """Print the plan of a run; return the exit code."""
+    """Print the plan of a run, or its chart; return the exit code."""
+    if options.chart or options.figure:
+        if options.json or options.no_check:
+            given = "--json" if options.json else "--no-check"
+            raise InputError(f"{given}: expected without --chart")
+        return run_chart(options)
     answer = answered(run_file_of(options), again=True, check=not options.no_check)
     if options.json:
         print(json.dumps(entry(answer), indent=2))
@@ -53,7 +58,7 @@ def run_plan(options: argparse.Namespace) -> int:
     return INCOMPLETE if answer.verdict == "not met" else 0
 
 
-# The command `plymotion chart`: error against CPU time of the models of one run.
+# `plymotion plan --chart`: error against CPU time of the models of one run.
 
 NAMES = 6.5  # size of the names of models [pt]
 

@@ -1,4 +1,4 @@
-"""The commands `plymotion sweep` and `plymotion merge`."""
+"""The command `plymotion sweep`: compute members, or merge the files of shards."""
 
 import argparse
 import os
@@ -23,6 +23,11 @@ SHARDS = "sweep-*-of-*.h5"
 
 def run_sweep(options: argparse.Namespace) -> int:
     """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
+    if options.merge:
+        for name in ("shard", "fresh", "jobs", "executor", "scheduler"):
+            if getattr(options, name):
+                raise InputError(f"--{name}: expected without --merge, which computes nothing")
+        return merged(options)
     plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
     folder = _folder(options)
     for name in (FILE, CSV):
@@ -60,7 +65,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     return INTERRUPTED
 
 
-def run_merge(options: argparse.Namespace) -> int:
+def merged(options: argparse.Namespace) -> int:
     """Merge the files of shards into one; return 0, or 3 if members are missing or incomplete."""
     plan = read_plan(options.sweep, allow_doubtful=True)
     folder = _folder(options)

@@ -15,6 +15,7 @@ from ..system.interrupts import INTERRUPTED
 from ..workers.launch import environment, importable
 from .measured_modes import experimental_package, load_measurement, write_measured
 
+MEASURED = "measured"
 TABLES = 4  # exit code of the exchange: the source has modes only, and their tables are written
 ENDED = 70  # exit code of a process that a signal has ended
 
@@ -27,8 +28,11 @@ def import_body(
     Parameters
     ----------
     file : names the files of the other code (docs/exchange.md)
-    source : the other code; None: its key `from`
+    source : the other code; None: its key `from`; "measured": `file` has measured modes
+        (docs/modes.md), which this process reads
     """
+    if source == MEASURED:
+        return 0, write_measured(out, experimental_package(load_measurement(file)), file)
     words = ["import", str(file), "--out", str(out)]
     words += ["--from", source] if source else []
     words += ["--quiet"] if quiet else []

@@ -122,12 +122,12 @@ CHECKED = {
 
 
 def ladder_file(case_dir: Path, run: str) -> Path:
-    """Return where `plymotion chart` writes the models of a run."""
+    """Return where `plymotion plan --chart` writes the models of a run."""
     return case_dir / "plans" / f"{run}.ladder.json"
 
 
 def with_ladder(case_dir: Path, story: Story) -> Story:
-    """Return the run with the models of `plymotion chart`, if they are those of its plan.
+    """Return the run with the models of `plymotion plan --chart`, if they are those of its plan.
 
     Otherwise, and if the file is damaged, the chart has the models that planning has tried.
     """
@@ -199,7 +199,7 @@ def _details(story: Story) -> str:
             "square: the check. Errors are differences from the richest model."
             if drawn
             else "errors are differences from the check, which is not drawn itself. "
-            "<code>plymotion chart</code> compares it with a richer model."
+            "<code>plymotion plan --chart</code> compares it with a richer model."
         )
         parts.append(
             "<p>Circles: models that were tried; line: their front; diamond: the chosen model, "

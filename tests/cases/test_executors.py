@@ -75,13 +75,13 @@ def test_shards_are_merged(tmp_path, alone, capsys):
         assert not (out / "sweep.csv").exists()
         if k == 3:
             capsys.readouterr()
-            assert main(["merge", str(file), "--out", str(out), "--no-figures"]) == 3
+            assert main(["sweep", "--merge", str(file), "--out", str(out), "--no-figures"]) == 3
             told = capsys.readouterr()
             assert "s: 7 of 20 members are in none of 2 shards" in told.err
             assert "7 pending" in told.out
             assert "  0 computed in" in told.out
             assert not (out / "sweep.csv").exists()
-    assert main(["merge", str(file), "--out", str(out), "--no-figures"]) == 3
+    assert main(["sweep", "--merge", str(file), "--out", str(out), "--no-figures"]) == 3
     assert (out / "sweep.csv").is_file()
     assert_same_bits(out / "sweep.h5", expected)
     (out / "sweep.h5").unlink()
@@ -96,7 +96,7 @@ def test_wrong_shards(tmp_path, capsys):
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0]")
     assert sweep(file, "--shard", "1/3") == 2
     assert "--shard 1/3: expected at most 2 shares" in capsys.readouterr().err
-    assert main(["merge", str(file)]) == 2
+    assert main(["sweep", "--merge", str(file)]) == 2
     assert "no files sweep-*-of-*.h5" in capsys.readouterr().err
 
 

@@ -187,7 +187,9 @@ def test_the_plan_as_json(folder, capsys):
 
 def test_a_chart_is_drawn(folder, capsys):
     case, out = str(folder / "case.toml"), str(folder / "build")
-    assert main(["chart", case, "--out", out, "--packages", str(folder / "packages")]) == 0
+    assert (
+        main(["plan", "--chart", case, "--out", out, "--packages", str(folder / "packages")]) == 0
+    )
     assert "chosen" in capsys.readouterr().out
     assert (folder / "build/plans/base.png").read_bytes().startswith(b"\x89PNG")
     assert run(folder) == 0

@@ -164,7 +164,17 @@ def test_a_chart(tmp_path, monkeypatch, capsys):
     assert main(["check", "case.toml", "--out", "out"]) == 0
     Path("ready").mkdir()
     fidelity_packages.build_bodies(Path("out/bodies"), Path("ready"))
-    words = ["chart", "case.toml", "--out", "out", "--packages", "ready", "--figure", "chart.png"]
+    words = [
+        "plan",
+        "--chart",
+        "case.toml",
+        "--out",
+        "out",
+        "--packages",
+        "ready",
+        "--figure",
+        "chart.png",
+    ]
     files = [Path(name) for name in ("chart.png", "out/plans/base.ladder.json")]
     refused(words, files, capsys)
     linked(words, files[0], capsys)
@@ -180,7 +190,7 @@ def test_merged_shards(tmp_path, monkeypatch, capsys):
         words = ["sweep", file, "--shard", shard, "--quiet", "--no-figures", "--out", "s"]
         refused(words, [Path(f"s/sweep-{shard[0]}-of-2.h5")], capsys)
         assert main([str(word) for word in words]) == 0
-    words = ["merge", file, "--no-figures", "--out", "s"]
+    words = ["sweep", "--merge", file, "--no-figures", "--out", "s"]
     for name in ("sweep.h5", "sweep.csv"):
         refused(words, [Path("s") / name], capsys)
         linked(words, Path("s") / name, capsys)

@@ -36,7 +36,7 @@ def test_shapes_of_the_library_are_no_scripts_of_the_user(repository, tmp_path):
     assert main(["section", str(file), "--check", "--out", str(tmp_path), "--no-scripts"]) == 0
 
 
-BUILDING = ["check", "run", "plan", "chart", "modes", "packages", "section", "shell", "export"]
+BUILDING = ["check", "run", "plan", "modes", "packages", "section", "shell", "export"]
 
 
 @pytest.mark.parametrize("command", BUILDING)
@@ -45,7 +45,7 @@ def test_every_command_that_builds_can_refuse_scripts(command):
     assert "--no-scripts" in known._option_string_actions
 
 
-@pytest.mark.parametrize("command", [["run"], ["plan"], ["chart"], ["modes"], ["check"]])
+@pytest.mark.parametrize("command", [["run"], ["plan"], ["plan", "--chart"], ["modes"], ["check"]])
 def test_the_script_of_a_shell_of_a_case_is_refused(repository, tmp_path, capsys, command):
     assert main(["new", "panel", str(tmp_path / "panel")]) == 0
     script = tmp_path / "panel/panel.geo"

@@ -9,6 +9,7 @@ import pytest
 
 import plymotion
 from plymotion.solver.__main__ import main, parser
+from plymotion.solver.commands.arguments import MOVED
 from plymotion.solver.commands.setup import completion
 
 
@@ -93,3 +94,25 @@ def test_smoke_finds_another_motion(repository: Path, tools: Path) -> None:
     summary["signals"]["slider_x"]["final"] += 1e-4
     summary["warnings"] = [{"code": "energy-drift", "message": "-"}]
     assert [found.split()[0] for found in smoke.problems(summary)] == ["energy-drift:", "slider_x"]
+
+
+@pytest.mark.parametrize("old", MOVED)
+def test_commands_of_earlier_versions_name_what_does_the_same(old, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([old, "anything"])
+    assert ended.value.code == 2
+    assert capsys.readouterr().err == f"error: {old}: now {MOVED[old]}\n"
+    assert parser().parse_args(MOVED[old].split()[1:]).command
+
+
+@pytest.mark.parametrize("option", [["--fresh"], ["--jobs", "2"]])
+def test_merging_computes_nothing(option, capsys):
+    assert main(["sweep", "s.json", "--merge", *option]) == 2
+    message = f"{option[0]}: expected without --merge, which computes nothing"
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--json", "--no-check"])
+def test_a_chart_is_no_answer(option, capsys):
+    assert main(["plan", "case.toml", "--chart", option]) == 2
+    assert f"{option}: expected without --chart" in capsys.readouterr().err

@@ -18,6 +18,7 @@ from plymotion.solver.extras.measured_modes.measurement import (
 )
 from plymotion.solver.package import ModalPackage, read_package, validate
 
+IMPORT = ("import", "--from", "measured")
 MODES = [{"kind": "bending-xy", "count": 3}, {"kind": "torsion", "count": 1}]
 SCALES = (1.0, 0.3, -7.0, 40.0)
 
@@ -87,7 +88,7 @@ def write_test(
 
 def imported(file: Path) -> ModalPackage:
     out = file.parent / "out.vtkhdf"
-    assert main(["experimental", str(file), "--out", str(out)]) == 0
+    assert main([*IMPORT, str(file), "--out", str(out)]) == 0
     assert [f for f in validate(out) if f.level != "note"] == []
     return read_package(out)
 
@@ -218,7 +219,7 @@ def test_message_says_where_and_what(name: str, tmp_path: Path, capsys) -> None:
     text = (tmp_path / where).read_text()
     assert old in text
     (tmp_path / where).write_text(text.replace(old, new, 1))
-    assert main(["experimental", str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
+    assert main([*IMPORT, str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
     error = capsys.readouterr().err
     assert re.search(message, error), error
     assert not (tmp_path / "out.vtkhdf").exists()
@@ -227,14 +228,14 @@ def test_message_says_where_and_what(name: str, tmp_path: Path, capsys) -> None:
 def test_held_interface_must_be_at_rest(tmp_path: Path, capsys) -> None:
     file = write_test(tmp_path, beam_of("mean-axis"))
     file.write_text(file.read_text().replace('kind = "mean-axis"', 'kind = "clamped"\nat = "root"'))
-    assert main(["experimental", str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
+    assert main([*IMPORT, str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
     assert 'use reference.kind = "mean-axis"' in capsys.readouterr().err
 
 
 def test_same_shape_twice(tmp_path: Path, capsys) -> None:
     file = write_test(tmp_path, beam_of("clamped"))
     file.write_text(file.read_text().replace("mode-2.csv", "mode-1.csv"))
-    assert main(["experimental", str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
+    assert main([*IMPORT, str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
     assert "are not independent (cosine 1.000" in capsys.readouterr().err
 
 
@@ -260,7 +261,7 @@ def test_a_file_of_others_is_not_replaced(tmp_path, capsys) -> None:
     other = tmp_path / "thesis.txt"
     for path in (out, other):
         path.write_text("the only copy of a thesis\n")
-        assert main(["experimental", str(file), "--out", str(out)]) == 2
+        assert main([*IMPORT, str(file), "--out", str(out)]) == 2
         assert f"{out}: is there already and was not written by" in capsys.readouterr().err
         assert path.read_text() == "the only copy of a thesis\n"
         out.unlink()
@@ -268,4 +269,4 @@ def test_a_file_of_others_is_not_replaced(tmp_path, capsys) -> None:
     assert out.is_symlink()
     out.unlink()
     for _ in range(2):
-        assert main(["experimental", str(file), "--out", str(out)]) == 0
+        assert main([*IMPORT, str(file), "--out", str(out)]) == 0

@@ -1,4 +1,4 @@
-"""Bodies of which a source has modes only: tables for `plymotion experimental` (docs/modes.md).
+"""Bodies of which a source has modes only: tables for measured modes (docs/modes.md).
 
 Computed modes without matrices, and measured ones, take the same way: shapes at nodes, masses of
 the nodes, and corrections that make the shapes orthonormal in these masses.

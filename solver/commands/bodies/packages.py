@@ -1,4 +1,4 @@
-"""The commands on modal packages: packages, info, validate, experimental, import, export."""
+"""The commands on modal packages: packages, info, validate, import, export."""
 
 import argparse
 import math
@@ -7,7 +7,6 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...extras.exchange import export_body, import_body
-from ...extras.measured_modes import experimental_package, load_measurement, write_measured
 from ...package import validate
 from ...package.body.io import read_package
 from ...studies.cases import build_folder, chosen_run
@@ -60,13 +59,6 @@ def run_validate(options: argparse.Namespace) -> int:
         else:
             print(f"{path}: valid")
     return failed
-
-
-def run_experimental(options: argparse.Namespace) -> int:
-    """Make a package from measured modes."""
-    package = experimental_package(load_measurement(options.file))
-    print(write_measured(options.out, package, options.file))
-    return 0
 
 
 def run_import(options: argparse.Namespace) -> int:

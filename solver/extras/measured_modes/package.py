@@ -192,7 +192,7 @@ def experimental_package(measured: Measurement) -> ModalPackage:
         mode_labels=measured.labels,
         provenance={
             "plymotion": __version__,
-            "command": "plymotion experimental",
+            "command": "plymotion import",
             "title": measured.table.title,
             "files_sha256": measured.sha256,
             "warnings": out.warnings,
