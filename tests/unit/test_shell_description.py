@@ -327,5 +327,5 @@ def test_a_shape_of_the_library_is_its_script(plate: Path, repository: Path) -> 
 
 def test_the_preprocessor_refuses_scripts_of_the_user_only(repository: Path) -> None:
     with mesh_input.scripts(refused=True):
-        assert mesh_input.is_refused(Path("meshes/shells/own.py"))
+        assert mesh_input.is_refused(Path("own/meshes/shells/plate.py"))
         assert not mesh_input.is_refused(repository / "meshes/shells/plate.py")
