@@ -10,6 +10,7 @@ from .compiled.alpha import advance_alpha
 from .compiled.alpha_stages import (
     FORMULATIONS,
     SPECTRAL_RADIUS,
+    first_scheme,
     new_alpha_workspace,
     restart_alpha,
     scheme,
@@ -37,6 +38,10 @@ class GeneralizedAlpha(StepLoop):
       ggl     q_1 = q_0 exp(z + p) with p = -J^-1 Phi_q' eta, J being Newton's matrix (the position
               multiplier of Gear, Leimkuhler and Gupta); Phi(q_1) = 0 and Phidot(q_1, v_1) = 0.
               Default.
+
+    Steps grow and shrink: the lag of a behind vdot that a smooth motion has, (alpha_m - alpha_f) h
+    vddot, does so with them. A step without one before (at the start, behind a kink) takes the lag
+    from its own change of vdot, which is the trapezoidal rule; fixed steps begin with a = vdot.
 
     Newton's unknowns are z and h^2 lambda: scaled so, the matrix stays well conditioned as h
     tends to zero. rho = 1 keeps the energy of what it does not resolve, rho = 0 destroys it in
@@ -86,6 +91,7 @@ class GeneralizedAlpha(StepLoop):
         **options: Any,
     ) -> None:
         self._scheme = scheme(formulation, spectral_radius)
+        self._first = first_scheme(formulation, spectral_radius)
         super().__init__(model, t0, y0, t_end, **options)
         self.hints += of_choice(formulation, spectral_radius)
 
@@ -105,7 +111,7 @@ class GeneralizedAlpha(StepLoop):
     ) -> tuple[int, int]:
         model, options, workspace = self._model, self._options, self._workspace
         return advance_alpha(
-            model, options, self._scheme, workspace, most, times, rows, filled, ends
+            model, options, self._scheme, self._first, workspace, most, times, rows, filled, ends
         )
 
     def _dense(self) -> Dense:

@@ -90,6 +90,16 @@ def test_short_pulses(tmp_path, name, integrator):
     assert checks["energy_drift_relative"] < 1e-3
 
 
+@pytest.mark.parametrize("width", [1e-4, 1e-2])
+def test_the_first_step_of_a_pulse_by_generalized_alpha(tmp_path, width):
+    """Behind a kink there is no step before, with which its rates could be compared."""
+    law = pulse(5.0, width, 1.4 / width, 10.0).replace("}", ', interpolation = "pchip" }')
+    solver = 'integrator = "generalized-alpha"\nconstraints = "ggl"'
+    final, checks = speed(tmp_path, law, 10.0, solver, 3.0)
+    assert final == pytest.approx(1.4 / MASS, rel=1e-5)
+    assert checks["energy_drift_relative"] < 1e-4
+
+
 def test_a_pulse_in_a_long_run(tmp_path):
     final, _ = speed(tmp_path, pulse(30.0, 0.01, 1400.0, 60.0), 60.0, 'integrator = "radau"', 7.0)
     assert final == pytest.approx(7.0, rel=1e-5)

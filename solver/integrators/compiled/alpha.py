@@ -27,6 +27,7 @@ from .alpha_stages import (
     correction_size,
     interpolate,
     local_error,
+    middle_rates,
     place,
     predict,
 )
@@ -67,7 +68,8 @@ from .tension import judge, update_tension
 def advance_alpha(
     model: Model,
     options: Options,
-    scheme: Scheme,
+    usual: Scheme,
+    first: Scheme,
     workspace: AlphaWorkspace,
     most_steps: int,
     times: Array,
@@ -75,7 +77,10 @@ def advance_alpha(
     filled: int,
     ends: Ends,
 ) -> tuple[int, int]:
-    """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
+    """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py).
+
+    `first` is the scheme of steps without one before, under error control.
+    """
     clock, counts = workspace.clock, workspace.counts
     tightest = np.inf
     for i in range(options.atol.shape[0]):
@@ -92,6 +97,7 @@ def advance_alpha(
 
         if at_kink(options, clock):
             _forget_rates(model, workspace)
+        scheme = usual if clock[TAKEN] > 0.0 or options.fixed_step > 0.0 else first
         predict(model, scheme, workspace, h)
         _solve_end(model, options, scheme, workspace, t_new, h, refused, opening)
         factor = _estimate_error(model, options, scheme, workspace, h)
@@ -106,7 +112,7 @@ def advance_alpha(
                 return code, filled
             continue
 
-        accept(model, workspace, h, _power(model, workspace, t_new))
+        accept(model, scheme, workspace, h, _power(model, workspace, t_new))
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
         clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
         count_step(clock, counts, h, t_new)
@@ -294,6 +300,8 @@ def _estimate_error(
         return factor
     place(model, workspace)
     if not options.fixed_step > 0.0:
+        if not workspace.clock[TAKEN] > 0.0:
+            middle_rates(model, workspace, workspace.clock[TIME], h)
         error = local_error(model, options, scheme, workspace, h)
         if not error < 1e300:
             counts[TROUBLE] = ILL

@@ -5,16 +5,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.elements.floating_frame import flatten, inflate, row_products
+from ...dynamics.evaluation.accelerations import accelerate
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.coordinates import move, rates_into
 from ...dynamics.model.model import Model, Work, new_work
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
-from ...math.compiled import inlined, structure
+from ...math.compiled import inlined, lean, structure
 from .pencil import Frozen, Pencil, fed_back, new_frozen, new_pencil
 from .residual import inertia_residual, start_forces
 from .step_control import (
+    EVALUATIONS,
     N_CLOCK,
     N_COUNT,
     NEXT,
@@ -51,6 +53,7 @@ class Scheme(NamedTuple):
     error_q: float  # local error of positions [h^3 vddot]
     error_v: float  # and velocities [h^3 vdddot]
     stabilised: bool  # ggl: positions and velocities both satisfy their constraints
+    lag: float  # of the algorithm's acceleration behind the step, over the change in the step
 
 
 def scheme(formulation: str, rho: float) -> Scheme:
@@ -69,9 +72,25 @@ def scheme(formulation: str, rho: float) -> Scheme:
         raise ValueError(f"spectral_radius: expected a number from 0 to 1, got {rho!r}")
     rho = float(rho)
     alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-    lag = alpha_m - alpha_f
-    gamma = 0.5 - lag
-    beta = 0.25 * (gamma + 0.5) ** 2
+    gamma = 0.5 - (alpha_m - alpha_f)
+    return _scheme(alpha_m, alpha_f, gamma, 0.25 * (gamma + 0.5) ** 2, 0.0, formulation)
+
+
+def first_scheme(formulation: str, rho: float) -> Scheme:
+    """Return the scheme of a step without one before, whose algorithm's acceleration is not known.
+
+    The one that a smooth motion has, in both ends of the step by the change of the acceleration in
+    it: the trapezoidal rule. Without it, the velocity would be off by h^2 / 2 (gamma - 1/2) vddot.
+    """
+    usual = scheme(formulation, rho)
+    lag = usual.alpha_m - usual.alpha_f
+    return _scheme(0.0, 0.0, 0.5, usual.beta + 0.5 * lag, lag, formulation)
+
+
+def _scheme(
+    alpha_m: float, alpha_f: float, gamma: float, beta: float, lag: float, formulation: str
+) -> Scheme:
+    apart = alpha_m - alpha_f
     return Scheme(
         alpha_m,
         alpha_f,
@@ -79,9 +98,10 @@ def scheme(formulation: str, rho: float) -> Scheme:
         beta,
         gamma / beta,
         (1 - alpha_m) / (beta * (1 - alpha_f)),
-        abs(beta + 0.5 * lag - 1 / 6),
-        abs(1 / 12 - 0.5 * lag * lag),
+        abs(beta + 0.5 * apart - 1 / 6),
+        abs(1 / 12 - 0.5 * apart * apart),
         formulation == "ggl",
+        lag,
     )
 
 
@@ -222,13 +242,35 @@ def correction_size(model: Model, options: Options, workspace: AlphaWorkspace) -
     return norm(options, both, workspace.weight)
 
 
+@lean
+def middle_rates(model: Model, workspace: AlphaWorkspace, t: float, h: float) -> None:
+    """Fill `change` with the second rates of velocities in a step of h from t, by its middle.
+
+    Of a step without one before, with which its rates could be compared. Leaves the last evaluation
+    at the end of the step.
+    """
+    work, middle, n_pos = workspace.work, workspace.both, model.n_pos
+    rates_into(model, workspace.stage, workspace.stage_rate)
+    for i in range(workspace.y.shape[0]):
+        swing = 0.125 * h * (workspace.rate[i] - workspace.stage_rate[i])
+        middle[i] = 0.5 * (workspace.y[i] + workspace.stage[i]) + swing
+    evaluate(model, work, t + 0.5 * h, middle)
+    accelerate(model, work, t + 0.5 * h, middle)
+    flatten(model, work.acceleration, workspace.change, 0)
+    for i in range(model.n_vel):
+        ends = workspace.rate[n_pos + i] + workspace.stage_rate[n_pos + i]
+        workspace.change[i] = 4.0 * (ends - 2.0 * workspace.change[i]) / h**2
+    evaluate(model, work, t + h, workspace.stage)
+    workspace.counts[EVALUATIONS] += 2
+
+
 @inlined
 def local_error(
     model: Model, options: Options, scheme: Scheme, workspace: AlphaWorkspace, h: float
 ) -> float:
     """Local error of positions and velocities.
 
-    h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and, from the second step on,
+    h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and
     h^3 (1/12 - (alpha_m - alpha_f)^2 / 2) vdddot; both pass the step's own matrix, which
     takes out what is stiff or against the constraints and damped there anyway. What the
     constraints prescribe is exact at the end of the step, but a cubic within it, off by
@@ -240,7 +282,8 @@ def local_error(
     for i in range(n_vel):
         v_dd = (workspace.stage_rate[n_pos + i] - workspace.rate[n_pos + i]) / h
         both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_q * v_dd
-        workspace.change[i] = 2.0 * (v_dd - workspace.v_dd[i]) / (h + last)
+        if last > 0.0:  # else by `middle_rates`
+            workspace.change[i] = 2.0 * (v_dd - workspace.v_dd[i]) / (h + last)
     real.gamma[:] = 0.0
     inertia_residual(
         model, frozen.M, frozen.J, both, workspace.no_load, workspace.zero, real.load, real.gamma
@@ -250,43 +293,40 @@ def local_error(
     if feeds:
         fed_back(model, frozen, real, s, real.x, workspace.zero)
     flatten(model, real.x, workspace.step, 0)
-    if last > 0.0:
-        for i in range(n_vel):
-            both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_v * workspace.change[i]
-        inertia_residual(
-            model,
-            frozen.M,
-            frozen.J,
-            both,
-            workspace.no_load,
-            workspace.zero,
-            real.load,
-            real.gamma,
-        )
-        # what the constraints prescribe is exact at the end, but a cubic within the step
-        inflate(model, workspace.change, 0, real.x)
-        real.gamma[:] = 0.0
-        solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
-        if feeds:
-            fed_back(model, frozen, real, s, real.rho, workspace.zero)
-        row_products(model, frozen.J, real.x, real.gamma)
-        flatten(model, real.rho, workspace.change, 0)
-        solve(plan, plan.newton, factors, workspace.zero, real.gamma, real.x, real.mu)
-        if feeds:
-            fed_back(model, frozen, real, s, real.x, workspace.zero)
-        for i in range(model.n_body):
-            j = model.vel_start[i]
-            for k in range(plan.size[i]):
-                prescribed = abs(real.x[i, k]) * h**4 / 384.0
-                workspace.step[j + k] = abs(workspace.step[j + k]) + prescribed
-    else:
-        workspace.change[:] = 0.0
+    for i in range(n_vel):
+        both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_v * workspace.change[i]
+    inertia_residual(
+        model,
+        frozen.M,
+        frozen.J,
+        both,
+        workspace.no_load,
+        workspace.zero,
+        real.load,
+        real.gamma,
+    )
+    # what the constraints prescribe is exact at the end, but a cubic within the step
+    inflate(model, workspace.change, 0, real.x)
+    real.gamma[:] = 0.0
+    solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
+    if feeds:
+        fed_back(model, frozen, real, s, real.rho, workspace.zero)
+    row_products(model, frozen.J, real.x, real.gamma)
+    flatten(model, real.rho, workspace.change, 0)
+    solve(plan, plan.newton, factors, workspace.zero, real.gamma, real.x, real.mu)
+    if feeds:
+        fed_back(model, frozen, real, s, real.x, workspace.zero)
+    for i in range(model.n_body):
+        j = model.vel_start[i]
+        for k in range(plan.size[i]):
+            prescribed = abs(real.x[i, k]) * h**4 / 384.0
+            workspace.step[j + k] = abs(workspace.step[j + k]) + prescribed
     set_weights(options, workspace.y, workspace.stage, workspace.weight)
     return correction_size(model, options, workspace)
 
 
 @inlined
-def accept(model: Model, workspace: AlphaWorkspace, h: float, power: float) -> None:
+def accept(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float, power: float) -> None:
     """Make the end of the step the state."""
     clock, n_pos, last = workspace.clock, model.n_pos, workspace.clock[TAKEN]
     n = workspace.y.shape[0] - 1
@@ -300,8 +340,9 @@ def accept(model: Model, workspace: AlphaWorkspace, h: float, power: float) -> N
     workspace.stage_rate[n] = power
     for i in range(model.n_vel):
         j = n_pos + i
-        workspace.v_dd[i] = (workspace.stage_rate[j] - workspace.rate[j]) / h
-        workspace.a[i] = workspace.stage_a[i]
+        change = workspace.stage_rate[j] - workspace.rate[j]
+        workspace.v_dd[i] = change / h
+        workspace.a[i] = workspace.stage_a[i] + scheme.lag * change
     for i in range(n + 1):
         workspace.y_old[i], workspace.y[i] = workspace.y[i], workspace.stage[i]
         workspace.rate_old[i], workspace.rate[i] = workspace.rate[i], workspace.stage_rate[i]
