@@ -71,6 +71,7 @@ def test_cases_of_the_pages_are_accepted(repository, tmp_path):
     cases = [(name, text) for name, text in blocks(repository, "toml") if "\n[runs.base]" in text]
     cases = [(name, text) for name, text in cases if text.startswith("format = 1\ntitle")]
     assert {name for name, _ in cases} >= {"first-steps.md"}
+    (tmp_path / "cases").symlink_to(repository / "cases")  # pages are followed in the repository
     for number, (_, text) in enumerate(cases):
         file = tmp_path / f"case-{number}.toml"
         file.write_text(text, encoding="utf-8")
