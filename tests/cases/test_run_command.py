@@ -14,6 +14,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.timing import PHASES
+from plymotion.solver.system.platform import context
 
 BALL = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
 # grows beyond all numbers: the run stops early
@@ -118,7 +119,9 @@ def test_out_is_for_one_run(tmp_path, capsys):
     assert not (tmp_path / "o").exists()
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers are no copies")
+@pytest.mark.skipif(
+    context().get_start_method() != "fork", reason="elsewhere workers are no copies"
+)
 def test_ctrl_c_keeps_the_parts_of_all_processes(tmp_path):
     """Two runs are under way, the third never begins."""
     runs = _runs(tmp_path, LONG)

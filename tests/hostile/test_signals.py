@@ -195,7 +195,7 @@ def test_handlers_are_given_back():
 # Where a signal may come: within code that was given to `exec` as text, such as a dataclass's.
 WITHIN_TEXT = """
 import os, signal, sys
-from plymotion.solver import interrupts
+from plymotion.solver.system import interrupts
 with interrupts.heard():
     try:
         exec("os.kill(os.getpid(), signal.SIGINT)")
