@@ -21,19 +21,21 @@ iteration diverges. The force between the body and the virtual body is an unknow
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import compress
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, nearest
+from ..inputs.case.expressions import joint_starts
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import Interface, ModalPackage
 from ..package.body.selection import rigid, selected
 from .assembly import assemble_model
 from .case_tables import BuiltJoint, Reader, coupling_rows, force_tables, joint_tables
-from .consistent import Start
+from .consistent import Start, assembled
 from .places import Places
 from .tables import Body, JointTable, MarkerTable, flexible_body, rigid_body
 
@@ -203,11 +205,13 @@ def build(
     *,
     stiffening: bool = False,
     heaviest: float = np.inf,
+    share: float = 0.0,
 ) -> BuiltMechanism:
     """Build the model of a checked mechanism (inputs/case/tables/schema.py).
 
     `stiffening` gives every body its second-order terms whatever the mechanism says; `heaviest` is
-    the largest ratio of a mass point to its body, heavier ones are taken as so heavy.
+    the largest ratio of a mass point to its body, heavier ones are taken as so heavy. With a
+    `share` joints are held at this share of their coordinates at the start.
 
     Raises
     ------
@@ -217,7 +221,7 @@ def build(
     places = Places(mechanism, packages)
     stiffening = stiffening or mechanism.solver.geometric_stiffening
     bodies = _bodies(mechanism, packages, stiffening=stiffening)
-    joints, built_joints = joint_tables(mechanism, places)
+    joints, built_joints = joint_tables(mechanism, places, share)
     reader = Reader(mechanism, places, built_joints, joints)
     forces = force_tables(mechanism, places, reader)
     reader.found.couplings += coupling_rows(mechanism, reader)
@@ -264,9 +268,10 @@ def build(
         measured=reader.found,
     )
     model = model._replace(quantities=model.quantities._replace(end=mechanism.solver.t_end))
+    start = _start(mechanism, places, virtual, model, packages)
     return BuiltMechanism(
         model=virtual.scaled(model),
-        start=_start(mechanism, places, virtual, model, packages),
+        start=start if share else _joints_started(mechanism, packages, start),
         body_names=list(mechanism.bodies),
         joint_names=[joint.name for joint in virtual.joints] + list(mechanism.couplings),
         packages=packages,
@@ -279,6 +284,21 @@ def build(
         callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
         point_masses=tuple(masses),
     )
+
+
+TURN = 0.5  # [rad] of a step to the start of a joint: Newton's method stays at its root
+
+
+def _joints_started(
+    mechanism: "Mechanism", packages: dict[str, ModalPackage], start: Start
+) -> Start:
+    """Return the start with bodies moved to the given coordinates of joints."""
+    values = [v for joint in mechanism.joints.values() for v in joint_starts(joint).values()]
+    steps = ceil(max(map(abs, values)) / TURN) if any(values) else 0
+    for step in range(1, steps + 1):
+        held = build(mechanism, packages, share=step / steps)
+        start = replace(start, positions=assembled(held.model, start, held.joint_names))
+    return start
 
 
 def frame_marker(signal: str, number: int) -> str:

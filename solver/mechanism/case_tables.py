@@ -24,6 +24,7 @@ from ..inputs.case.expressions import (
     force_terms,
     is_along,
     is_load,
+    joint_starts,
     law,
     of_time_alone,
 )
@@ -104,10 +105,13 @@ class BuiltJoint:
 
 
 def joint_tables(
-    mechanism: "Mechanism", places: Places
+    mechanism: "Mechanism", places: Places, share: float = 0.0
 ) -> tuple[list[JointTable], dict[str, BuiltJoint]]:
     """Return the joints and drives, each drive after its joint, and their positions in the
-    model."""
+    model.
+
+    With a `share`, joints are held at this share of their coordinates at the start.
+    """
     tables: list[JointTable] = []
     built = {}
     for name, joint in mechanism.joints.items():
@@ -127,6 +131,12 @@ def joint_tables(
             law = shifted(given, float(start))
             label = f"{name} ({drive_key.replace('_', ' ')})"
             tables.append(JointTable(label, driven.kind, one, two, law))
+        for drive_key, at in joint_starts(joint).items() if share else ():
+            driven = driven_by[drive_key].drive
+            coordinate = driven.coordinate
+            start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
+            law = laws.polynomial([float(start) + share * at])
+            tables.append(JointTable(f"{name} (start)", driven.kind, one, two, law))
         built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)
     return tables, built
 

@@ -280,6 +280,12 @@ def consistent_state(
     return started(model, t, y)
 
 
+def assembled(model: Model, start: Start, joint_names: list[str]) -> Array:
+    """Return positions (n_pos,) that close the joints. Raises InputError if there are none."""
+    y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
+    return _assembled(model, y, joint_names, 0.0, deforming=False)[: model.n_pos]
+
+
 def closed_by_frames(model: Model, y: Array, rows: NDArray[np.bool_], t: float = 0.0) -> Array:
     """Return y (n,) after the least change of frames that closes some rows (n_c,) of the joints."""
     return _closed(model, y, t, rows=rows)

@@ -29,6 +29,7 @@ from .expressions import (
     expression,
     force_terms,
     is_along,
+    joint_starts,
     law,
     of_time_alone,
 )
@@ -318,6 +319,8 @@ def _joints(mechanism: Mechanism) -> list[str]:
             found += _right_angle(f"{key}.axis_2", axis, axis_2)
         for drive_key, drive in drives(joint).items():
             found += check_drive(f"{key}.{drive_key}", drive, mechanism)
+            if drive_key in joint_starts(joint):
+                found.append(f"{key}.{drive_key}: expected no drive of a coordinate with a start")
     return found
 
 

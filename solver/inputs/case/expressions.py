@@ -1,5 +1,6 @@
 """Expressions of a case: what they may read, laws of time, forces along a coordinate."""
 
+import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -265,6 +266,15 @@ def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]
     names = [key.name for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)]
     found = {name: getattr(joint, name) for name in names}
     return {name: drive for name, drive in found.items() if drive is not None}
+
+
+def joint_starts(joint: "JointTable") -> dict[str, float]:
+    """Return given coordinates of a joint at the start by the keys of drives [rad or m]."""
+    found = {}
+    for key in JOINTS[joint.kind].keys:
+        if isinstance(key, DrivenBy) and (value := getattr(joint, key.start, None)) is not None:
+            found[key.name] = math.radians(value) if key.start == "start_deg" else value
+    return found
 
 
 def is_load(force: "ForceTable") -> "TypeIs[LoadTable]":

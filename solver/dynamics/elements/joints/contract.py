@@ -128,6 +128,11 @@ class DrivenBy:
     drive: Drive
     meaning: str  # one line
 
+    @property
+    def start(self) -> str:
+        """Key of the coordinate at the start."""
+        return "start_deg" if isinstance(self.drive.coordinate, Angle) else "start"
+
 
 Key = Direction | Number | DrivenBy
 Complete = Callable[[Mapping[str, Any], Array], Numbers]

@@ -35,6 +35,10 @@ def _not_zero(value: float | None) -> float | None:
     return value
 
 
+START = (
+    "coordinate at the start, from the given positions: bodies are moved so that the joints close "
+    "with it; without a drive of it. With solver.start = equilibrium the search begins there"
+)
 Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
 
 
@@ -83,7 +87,11 @@ def table_of(base: type[Kind], group: str, kind: Joint | Coupling | ForceElement
     text = f'`[{group}.NAME]` with kind = "{kind.kind}": {kind.meaning}.'
     name = f"{kind.kind.title().replace('_', '')}{group.removesuffix('s').title()}"
     own: dict[str, Any] = {"kind": (Literal[kind.kind], ...)}
-    own |= {key.name: field_of(key) for key in getattr(kind, "keys", ())}
+    for key in getattr(kind, "keys", ()):
+        own[key.name] = field_of(key)
+        if isinstance(key, DrivenBy):
+            unit = "deg" if key.start == "start_deg" else "m"
+            own[key.start] = (float | None, optional(START, unit))
     return create_model(
         name, __base__=base, __doc__=f"{text}\n\n{remark}" if remark else text, **own
     )
