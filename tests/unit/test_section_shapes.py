@@ -5,6 +5,7 @@ from math import dist
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
@@ -15,6 +16,7 @@ from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, shape
 from plymotion.solver.inputs.section.shapes.parts import (
     along,
     arc,
+    both_ends,
     cosine,
     faces,
     graded_ends,
@@ -210,6 +212,16 @@ def test_elements_along_a_wall_fill_it(length: float, wall: float) -> None:
     assert first <= wall / 12 * (1 + 1e-9)
     assert rest <= length / 4 * (1 + 1e-9)
     assert 0.3 * last < rest < 2.0 * 1.7 * last or n == 1 or even == 1
+
+
+@pytest.mark.parametrize("density", [0.1, 0.25, 0.4, 0.5, 1.0, 3.0])
+def test_elements_along_a_wall_rise_to_its_middle_at_any_density(density: float) -> None:
+    """In coarse meshes of thin walls, elements that grow by 8 went beyond the middle."""
+    for thickness in np.geomspace(1e-6, 1.0, 80):
+        line = along(1.0, thickness, density)
+        assert line["graded"] <= 0.75 * (1.0 + 1e-12)
+        ends = np.array([0.0, *both_ends(1.0, thickness, density)])
+        assert np.diff(ends).min() >= 0.9 * min(ends[1], 0.125, 0.0625 / density)
 
 
 def test_spacings() -> None:

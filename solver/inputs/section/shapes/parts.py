@@ -100,9 +100,12 @@ def along(length: float, thickness: float, density: float = 1.0) -> dict[str, fl
     """
     growth = GROWTH ** (1.0 / density)
     longest = length / (EVEN * density)
-    sizes = [min(FIRST * thickness / density, longest)]
-    while sizes[-1] * growth < longest and math.fsum(sizes) < 0.5 * length:
-        sizes.append(sizes[-1] * growth)
+    room = (0.5 + 1.0 / EVEN) * length  # of the first part: what it takes at most at density 1
+    sizes = [min(FIRST * thickness / density, longest, room)]
+    while (larger := sizes[-1] * growth) < longest and math.fsum(sizes) < 0.5 * length:
+        if math.fsum(sizes) + larger > room:  # only in coarse meshes
+            break
+        sizes.append(larger)
     graded = math.fsum(sizes)
     return {
         "elements": len(sizes),
