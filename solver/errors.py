@@ -87,6 +87,11 @@ def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Excep
             )
 
 
+def coded(code: str, message: str) -> list[dict[str, str]]:
+    """Return a list of one warning, as files of sections, shells and bodies have them."""
+    return [{"code": code, "message": message}]
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return `did_you_mean`, or some known names if none is close."""
     names = sorted(known)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...solver.errors import few
+from ...solver.errors import coded, few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.specification import DIRECTIONS
@@ -59,7 +59,7 @@ def coarse_mesh_warnings(
         f"{elements} elements are too few for the modes {few(coarse)}: estimated frequency "
         f"error above {LIMIT:.0%}; increase `elements`"
     )
-    return [{"code": "mesh-coarse-for-modes", "message": message}]
+    return coded("mesh-coarse-for-modes", message)
 
 
 # Transverse displacement, and the rotation that equals its slope, with its sign.

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...solver.errors import coded
 from ...solver.math.arrays import Array
 from .stiffness import Lamina, Laminate, laminate_stiffness, shear_factors
 
@@ -44,28 +45,22 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
     factors = shear_factors(laminate, "energy-1d")
     findings = []
     if not symmetric and coupling > COUPLED:
-        findings.append(
-            {
-                "code": "laminate-unsymmetric",
-                "message": f"{name}: not symmetric, extension and bending are coupled "
-                f"(B is {coupling:.2g} of sqrt(A D)): it warps when it is cured or heated",
-            }
+        findings += coded(
+            "laminate-unsymmetric",
+            f"{name}: not symmetric, extension and bending are coupled "
+            f"(B is {coupling:.2g} of sqrt(A D)): it warps when it is cured or heated",
         )
     if not balanced and extension > COUPLED:
-        findings.append(
-            {
-                "code": "laminate-unbalanced",
-                "message": f"{name}: not balanced, extension causes shear "
-                f"(A16, A26 are {extension:.2g} of sqrt(A11 A66))",
-            }
+        findings += coded(
+            "laminate-unbalanced",
+            f"{name}: not balanced, extension causes shear "
+            f"(A16, A26 are {extension:.2g} of sqrt(A11 A66))",
         )
     if factors.min() < SOFT:
-        findings.append(
-            {
-                "code": "laminate-soft-core",
-                "message": f"{name}: shear correction {factors.min():.2g}: a soft core carries "
-                'the shear; use "energy-1d" or "energy-2x2"; "5/6" would be too stiff',
-            }
+        findings += coded(
+            "laminate-soft-core",
+            f"{name}: shear correction {factors.min():.2g}: a soft core carries "
+            'the shear; use "energy-1d" or "energy-2x2"; "5/6" would be too stiff',
         )
     return LaminateReport(
         symmetric,

@@ -21,7 +21,7 @@ import numpy as np
 import scipy.linalg
 import scipy.optimize
 
-from ...solver.errors import few
+from ...solver.errors import coded, few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import DIRECTIONS
 from .eigenmodes import (
@@ -214,7 +214,7 @@ def _warnings(dropped: list[str]) -> tuple[dict[str, str], ...]:
         f"no mode for {few(dropped)}: the reference condition carries such a load, or its "
         "shape is a combination of earlier modes, or it moves no mass"
     )
-    return ({"code": "static-modes-dependent", "message": message},)
+    return tuple(coded("static-modes-dependent", message))
 
 
 LOADS = ("force_B", "acceleration_B")  # of StaticLoad

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...solver.errors import coded
 from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
@@ -141,25 +142,21 @@ def analyse(
         if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
             break
         if edges > accuracy:
-            warnings.append(
-                {
-                    "code": "accuracy-not-met",
-                    "message": f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
-                    f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use "
-                    f"{finer_mesh(spec['mesh'])}",
-                }
+            warnings += coded(
+                "accuracy-not-met",
+                f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
+                f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use "
+                f"{finer_mesh(spec['mesh'])}",
             )
             break
         assert solved.indicator is not None
         cells = refined(problem.mesh.cells, worst_cells(solved.indicator))
         cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
         if cost > MOST_DOFS or len(steps) > MOST_STEPS:
-            warnings.append(
-                {
-                    "code": "accuracy-not-met",
-                    "message": f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
-                    f"{accuracy:.1e} requested; the next refinement would have {cost:.0f}",
-                }
+            warnings += coded(
+                "accuracy-not-met",
+                f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
+                f"{accuracy:.1e} requested; the next refinement would have {cost:.0f}",
             )
             break
         degree, mesh = problem.space.degree, replace(problem.mesh, cells=cells)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.errors import few
+from ...solver.errors import coded, few
 from ...solver.math.arrays import Array
 from ...solver.package.common.materials import Anisotropic, Orthotropic
 from .helical import CentralSolutions
@@ -27,14 +27,12 @@ def curvature_warnings(result: Result) -> list[dict[str, str]]:
         return []
     size = float(np.ptp(np.stack([result.space.x2, result.space.x3]), axis=1).max())
     turn = float(np.linalg.norm(result.strains.k)) * size
-    return [
-        {
-            "code": "strongly-curved",
-            "message": f"the innermost fibre has {result.strains.least_g:.2g} of the length of the "
-            f"reference line (|k| h = {turn:.2g}): end effects reach far, so that a beam is a poor "
-            "model",
-        }
-    ]
+    return coded(
+        "strongly-curved",
+        f"the innermost fibre has {result.strains.least_g:.2g} of the length of the "
+        f"reference line (|k| h = {turn:.2g}): end effects reach far, so that a beam is a poor "
+        "model",
+    )
 
 
 def taper_error(
@@ -54,14 +52,12 @@ def taper_error(
     size = np.sqrt(np.abs(np.diag(K)))
     if error <= TAPER:
         return error * np.outer(size, size), []
-    return error * np.outer(size, size), [
-        {
-            "code": "taper-neglected",
-            "message": f"the faces are inclined by {np.degrees(angle):.2g} deg to the axis: the "
-            f"stiffness of a prismatic beam is wrong by about {error:.1e}, and shear stresses lack "
-            f"{angle:.2g} of the axial ones at the faces",
-        }
-    ]
+    return error * np.outer(size, size), coded(
+        "taper-neglected",
+        f"the faces are inclined by {np.degrees(angle):.2g} deg to the axis: the "
+        f"stiffness of a prismatic beam is wrong by about {error:.1e}, and shear stresses lack "
+        f"{angle:.2g} of the axial ones at the faces",
+    )
 
 
 # Bulk over shear modulus above which linear elements lock (Poisson's ratio 0.446), and above which
@@ -93,12 +89,10 @@ def check_degree(
     linear = space.degree == 1
     warnings = []
     if linear:
-        warnings.append(
-            {
-                "code": "degree-1-locks",
-                "message": "linear elements are a few per cent too stiff in bending and torsion; "
-                "use mesh.degree = 2",
-            }
+        warnings += coded(
+            "degree-1-locks",
+            "linear elements are a few per cent too stiff in bending and torsion; "
+            "use mesh.degree = 2",
         )
     for name, material in {
         p.material: m for p, m in zip(lay.plies, lay.materials, strict=True)
@@ -113,7 +107,7 @@ def check_degree(
                 f'allow = ["{ALLOWED[0]}"] computes it anyway'
             )
         effect = "linear elements lock" if linear else "stresses lose digits"
-        warnings.append({"code": "nearly-incompressible", "message": f"{what}: {effect}"})
+        warnings += coded("nearly-incompressible", f"{what}: {effect}")
     return warnings
 
 
@@ -121,13 +115,10 @@ def not_computed_warnings(models: Sequence[str]) -> list[dict[str, str]]:
     """Warning about models that a file of another code asks for."""
     if not models:
         return []
-    return [
-        {
-            "code": "model-not-computed",
-            "message": f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass "
-            "are computed",
-        }
-    ]
+    return coded(
+        "model-not-computed",
+        f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass are computed",
+    )
 
 
 def density_warnings(lay: Layup) -> list[dict[str, str]]:
@@ -136,40 +127,33 @@ def density_warnings(lay: Layup) -> list[dict[str, str]]:
     names = sorted({ply.material for ply, material in pairs if material.rho == 0.0})
     if not names:
         return []
-    return [
-        {
-            "code": "no-density",
-            "message": f"{few(names)}: the density is 0, so the mass does not contain all of the "
-            "section",
-        }
-    ]
+    return coded(
+        "no-density",
+        f"{few(names)}: the density is 0, so the mass does not contain all of the section",
+    )
 
 
 def solvability_warnings(result: Result) -> list[dict[str, str]]:
     """Warning if the loads of the warping do work on rigid motions beyond round-off."""
     if result.solvability <= SOLVABILITY:
         return []
-    return [
-        {
-            "code": "few-digits",
-            "message": f"the loads of the warping do work of {result.solvability:.1e} (relative) "
-            f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
-            "section; its shear stiffness has fewer correct digits",
-        }
-    ]
+    return coded(
+        "few-digits",
+        f"the loads of the warping do work of {result.solvability:.1e} (relative) "
+        f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
+        "section; its shear stiffness has fewer correct digits",
+    )
 
 
 def condition_warnings(result: Result) -> list[dict[str, str]]:
     """Warning about equations that were solved although their condition would be refused."""
     if not result.doubtful:
         return []
-    return [
-        {
-            "code": "ill-conditioned",
-            "message": "the equations of the warping are nearly singular; the estimate contains "
-            "their round-off as far as a second solution shows it",
-        }
-    ]
+    return coded(
+        "ill-conditioned",
+        "the equations of the warping are nearly singular; the estimate contains "
+        "their round-off as far as a second solution shows it",
+    )
 
 
 def coarse_warnings(
@@ -183,14 +167,15 @@ def coarse_warnings(
     if share.max() <= COARSE:
         return []
     i, j = np.unravel_index(int(np.argmax(share)), share.shape)
+    # an error as large as K itself: a coarse field is too stiff, by any factor
+    lost = ", so that no digit is right and K may be too large by any factor"
+    lost = lost if share.max() >= 1.0 else ""
     higher = "" if spec_mesh.get("degree") == OF_MESH else " or a higher mesh.degree"
-    return [
-        {
-            "code": "coarse-mesh",
-            "message": f"the estimated error of K{i + 1}{j + 1} is {share[i, j]:.2g} of "
-            f"sqrt(K_ii K_jj): use --accuracy, {finer_mesh(spec_mesh)}{higher}",
-        }
-    ]
+    return coded(
+        "coarse-mesh",
+        f"the estimated error of K{i + 1}{j + 1} is {share[i, j]:.2g} of "
+        f"sqrt(K_ii K_jj){lost}: use --accuracy, {finer_mesh(spec_mesh)}{higher}",
+    )
 
 
 def finer_mesh(spec_mesh: Mapping[str, Any]) -> str:
@@ -206,11 +191,9 @@ def reversal_warnings(
         return []
     cells = np.flatnonzero(lay.reversing)
     place = mesh.middles[cells[0]]
-    return [
-        {
-            "code": "direction-reverses",
-            "message": f'with convention = "cartesian" the layer direction reverses inside '
-            f"{len(cells)} cells, one at ({place[0]:.4g}, {place[1]:.4g}): where exactly changes K "
-            f"by {change:.1e}; put a mesh line there, or use contour angles",
-        }
-    ]
+    return coded(
+        "direction-reverses",
+        f'with convention = "cartesian" the layer direction reverses inside '
+        f"{len(cells)} cells, one at ({place[0]:.4g}, {place[1]:.4g}): where exactly changes K "
+        f"by {change:.1e}; put a mesh line there, or use contour angles",
+    )

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
+from ...solver.errors import coded
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from .space.cells import KINDS
@@ -72,7 +73,7 @@ def verified(space: SectionSpace, C: Array, K: Array, *, prismatic: bool, own: b
             f"K differs by {difference:.1e} of sqrt(K_ii K_jj) from K by a second method: "
             "please report the section"
         )
-        warnings.append({"code": "verification-differs", "message": message})
+        warnings += coded("verification-differs", message)
     return Verified(difference, f"largest difference {difference:.1e}", warnings)
 
 

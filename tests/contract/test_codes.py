@@ -50,7 +50,7 @@ LIMITS = {
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
     "verification-differs": ("preprocess/section/verification.py", "LARGEST"),
 }
-MAKERS = {"_warning", "add_warning"}  # functions that take a code first
+MAKERS = {"_warning", "add_warning", "coded"}  # functions that take a code first
 
 
 @dataclass

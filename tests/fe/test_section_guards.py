@@ -456,3 +456,11 @@ def test_words_of_a_coarse_mesh(mesh: dict[str, Any], advice: str) -> None:
     assert ("mesh.degree" in warning["message"]) == ("degree" not in mesh)
     assert coarse_warnings(error / 3.0, np.eye(6), mesh) == []
     assert coarse_warnings(None, np.eye(6), mesh) == []
+
+
+def test_an_error_as_large_as_the_stiffness_leaves_no_digit() -> None:
+    """A twisted strip of t/b = 1e-4 with a field of degree 2: K44 is 3 to 98 times too large."""
+    words = "no digit is right and K may be too large by any factor"
+    for error, lost in ((0.98, False), (1.0, True)):
+        (warning,) = coarse_warnings(error * np.eye(6), np.eye(6), {})
+        assert (words in warning["message"]) == lost

@@ -16,7 +16,7 @@ from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.space.cells import cells_of_plain
 from plymotion.preprocess.section.space.mesh import SectionMesh
 from plymotion.preprocess.section.space.numbering import Pattern
-from plymotion.preprocess.section.space.space import SectionSpace, is_curved
+from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.preprocess.section.verification import matrices
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
@@ -150,12 +150,12 @@ def test_points_and_weights_hold_the_area() -> None:
 
 def test_curved_cells_are_told_from_straight_ones() -> None:
     for make in (ellipse, lambda: triangles(2)):
-        assert is_curved(cells_of_plain(make()))
+        assert cells_of_plain(make()).is_curved
     straight = fenicsx.run_script(
         MESHES / "rectangle.geo",
         {"width": 1.0, "height": 0.5, "columns": [0.2, 0.8, 1.0], "rows": [0.3, 1.0]},
     )
-    assert not is_curved(cells_of_plain(straight))
+    assert not cells_of_plain(straight).is_curved
 
 
 def test_pattern_without_pins_is_the_submatrix() -> None:

@@ -84,6 +84,18 @@ class CellMesh:
         return shapes
 
     @cached_property
+    def is_curved(self) -> bool:
+        """True unless the middle nodes lie half way between corners."""
+        for (kind, _), shape in zip(self.of_kinds, self.shapes, strict=True):
+            size = np.abs(shape.max(axis=1) - shape.min(axis=1)).max(axis=1)
+            corners = CORNERS[kind]
+            for side, (a, b) in enumerate(EDGES[KINDS[kind]]):
+                off = shape[:, corners + side] - 0.5 * (shape[:, a] + shape[:, b])
+                if np.any(np.abs(off).max(axis=1) > 1e-9 * size):
+                    return True
+        return False
+
+    @cached_property
     def edge_table(self) -> tuple[IntArray, IntArray, IntArray]:
         """Edges of all cells: cell, first and second corner in counter-clockwise order, (e,)."""
         cells, ends = [], []

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....solver.errors import did_you_mean, few
+from ....solver.errors import coded, did_you_mean, few
 from ....solver.math.arrays import Array
 from ....solver.package.common.materials import Anisotropic, Orthotropic, elastic_from_dict, rotated
 from ....solver.package.section.schema import Ply
@@ -188,13 +188,11 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         y2 = np.where(flip[..., None], -y2, y2)
     warnings = []
     if mixed:
-        warnings.append(
-            {
-                "code": "plies-not-resolved",
-                "message": f"{mixed} of {space.n_cell} cells contain more than one ply: the "
-                "integration of their stiffness across the ply interface is inaccurate; let mesh "
-                "lines follow the plies",
-            }
+        warnings += coded(
+            "plies-not-resolved",
+            f"{mixed} of {space.n_cell} cells contain more than one ply: the "
+            "integration of their stiffness across the ply interface is inaccurate; let mesh "
+            "lines follow the plies",
         )
     uniform = not turning and not mixed
     return Layup(ply, y2, tuple(plies), tuple(materials), uniform, reversing, tuple(warnings))

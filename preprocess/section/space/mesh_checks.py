@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from ....solver.errors import few
+from ....solver.errors import coded, few
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...mesh_input import coincident
@@ -225,14 +225,12 @@ def _unmerged(mesh: CellMesh) -> Warnings:
     pairs = _coincident(mesh, _boundary_nodes(mesh))
     if not pairs.size:
         return []
-    return [
-        {
-            "code": "unmerged-nodes",
-            "message": f"{len(pairs)} pairs of nodes have the same position, as at "
-            f"{_at(mesh.points[pairs[0, 0]])}, but are not merged: the section has a slit there; "
-            "merge them if it is not intended (gmsh: Coherence; or Coherence Mesh;)",
-        }
-    ]
+    return coded(
+        "unmerged-nodes",
+        f"{len(pairs)} pairs of nodes have the same position, as at "
+        f"{_at(mesh.points[pairs[0, 0]])}, but are not merged: the section has a slit there; "
+        "merge them if it is not intended (gmsh: Coherence; or Coherence Mesh;)",
+    )
 
 
 def _slivers(mesh: CellMesh) -> Warnings:
@@ -245,15 +243,13 @@ def _slivers(mesh: CellMesh) -> Warnings:
     if not bad.any():
         return []
     worst = int(np.argmin(np.where(bad, np.minimum(sine, ratio), np.inf)))
-    return [
-        {
-            "code": "sliver-elements",
-            "message": f"{np.count_nonzero(bad)} of {len(bad)} cells are slivers, the worst at "
-            f"{_at(mesh.middles[worst])} in region {_region(mesh, worst)!r}: sine of the "
-            f"smallest angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to "
-            f"largest area scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
-        }
-    ]
+    return coded(
+        "sliver-elements",
+        f"{np.count_nonzero(bad)} of {len(bad)} cells are slivers, the worst at "
+        f"{_at(mesh.middles[worst])} in region {_region(mesh, worst)!r}: sine of the "
+        f"smallest angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to "
+        f"largest area scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
+    )
 
 
 def _quality(kind: int, shape: Array) -> tuple[Array, Array, Array, Array]:

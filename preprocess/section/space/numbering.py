@@ -254,21 +254,32 @@ class Pattern:
         k = dofs.shape[1]
         self.n_dof = 3 * n_node
         self._k = k
-        rows = np.repeat(dofs, k, axis=1).ravel().astype(np.int64)
-        columns = np.tile(dofs, (1, k)).ravel()
-        pair, entry = np.unique(rows * n_node + columns, return_inverse=True)
-        self._n_pair = pair.size
+        count = dofs.size * k
+        # SciPy's conversions between rows and columns sort the entries of all cells by pairs, in a
+        # quarter of the time of np.unique
+        entry, ends = np.arange(count, dtype=np.int32), np.arange(0, count + 1, k, dtype=np.int32)
+        by_column = sp.csr_matrix(
+            (entry, np.tile(dofs, (1, k)).ravel(), ends), shape=(dofs.size, n_node)
+        ).tocsc()
+        pairs = sp.csc_matrix(
+            (by_column.data, dofs.ravel()[by_column.indices], by_column.indptr),
+            shape=(n_node, n_node),
+        ).tocsr()
+        row = np.repeat(np.arange(n_node), np.diff(pairs.indptr))
+        first = np.flatnonzero(
+            np.diff(row, prepend=-1).astype(bool) | np.diff(pairs.indices, prepend=-1).astype(bool)
+        )
+        self._n_pair = first.size
         # (n_pair, n_cell k^2): sums the entries of the cells for the same pair
         self._sum = sp.csr_matrix(
-            (np.ones(entry.size), (entry.ravel(), np.arange(entry.size))),
-            shape=(pair.size, entry.size),
+            (np.ones(count), pairs.data, np.append(first, count).astype(np.int32)),
+            shape=(first.size, count),
         )
         # SciPy's conversion from blocks to rows gives the position of each entry
-        row, column = np.divmod(pair, n_node)
-        start = np.searchsorted(row, np.arange(n_node + 1)).astype(np.int32)
-        number = np.arange(9 * pair.size, dtype=np.int32).reshape(-1, 3, 3)
+        start = np.searchsorted(row[first], np.arange(n_node + 1)).astype(np.int32)
+        number = np.arange(9 * first.size, dtype=np.int32).reshape(-1, 3, 3)
         blocks = sp.bsr_matrix(
-            (number, column.astype(np.int32), start), shape=(self.n_dof, self.n_dof)
+            (number, pairs.indices[first], start), shape=(self.n_dof, self.n_dof)
         )
         whole = blocks.tocsr()
         self._order = whole.data.astype(np.intp)

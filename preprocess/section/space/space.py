@@ -9,8 +9,8 @@ import scipy.sparse as sp
 
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from ...fenicsx import EDGES, NODES
-from .cells import CORNERS, KINDS, CellMesh, IntArray, full_basis, within
+from ...fenicsx import NODES
+from .cells import KINDS, CellMesh, IntArray, full_basis, within
 from .numbering import Pattern, lagrange_parts, own_parts
 from .strains import fixed, strain_along_beam, strain_in_section
 from .unknowns import Unknowns, hanging_unknowns
@@ -58,7 +58,7 @@ class SectionSpace:
         self._given, self.degree = degree, mesh.degree if degree is None else degree
         # curved cells need two degrees more than straight ones; with the functions of the nodes,
         # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
-        curved = degree is not None and mesh.degree > 1 and is_curved(mesh)
+        curved = degree is not None and mesh.degree > 1 and mesh.is_curved
         self.quadrature_degree = quadrature_degree or 2 * self.degree + (2 if curved else 0)
         P = None
         if degree is None:
@@ -335,15 +335,3 @@ def _product(S: Array, fields: Array) -> Array:
     for row, column in np.argwhere(left):
         out[:, :, row] += left[row, column] * fields[:, :, column]
     return out
-
-
-def is_curved(mesh: CellMesh) -> bool:
-    """True unless the middle nodes lie half way between corners."""
-    for (kind, _), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
-        size = np.abs(shape.max(axis=1) - shape.min(axis=1)).max(axis=1)
-        corners = CORNERS[kind]
-        for side, (a, b) in enumerate(EDGES[KINDS[kind]]):
-            off = shape[:, corners + side] - 0.5 * (shape[:, a] + shape[:, b])
-            if np.any(np.abs(off).max(axis=1) > 1e-9 * size):
-                return True
-    return False
