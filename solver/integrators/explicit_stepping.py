@@ -50,7 +50,6 @@ class ExplicitLoop(ClosingLoop):
             "order",
             "limited_above",
             "local_share",
-            "stable_below",
             "points",
             "tableau",
         ):
@@ -74,7 +73,7 @@ class ExplicitLoop(ClosingLoop):
         super()._advance()
 
     def _keep_stable(self) -> None:
-        if keep_stable(self):
+        if keep_stable(self, self.tableau):
             self._evaluated += RATE_EVALUATIONS
             self._options = self._options._replace(max_step=float(self.max_step))
 

@@ -6,8 +6,9 @@ from samples.constraint_runs import new_run, prepared
 from samples.stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.integrators.generic.advice import fastest_motion
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8
+from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8, stability_limit
 from plymotion.solver.integrators.generic.gear import Gear
 
 INDEX_1 = Treatment("index1")
@@ -19,6 +20,27 @@ def stability_function(kind, z):
     A, B = kind.tableau.A, kind.tableau.B
     s = B.size
     return 1.0 + z * B @ np.linalg.solve(np.eye(s) - z * A, np.ones(s))
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("damping", [0.0, 0.01, 0.1, 0.7, 1.0])
+def test_limit_of_stability(name, damping):
+    """The growth passes one there; directions near the imaginary axis count as less damped."""
+    kind, doubt = METHODS[name], 0.01
+    limit = stability_limit(kind.tableau, complex(-damping, (1 - damping**2) ** 0.5))
+    damped = max(damping - doubt, 0.0)
+    direction = complex(-damped, (1 - damped**2) ** 0.5)
+    assert abs(stability_function(kind, 0.99 * limit * direction)) <= 1.0
+    assert abs(stability_function(kind, 1.01 * limit * direction)) > 1.0
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.02, 0.3, 0.9])
+def test_direction_of_the_fastest_motion(damping):
+    w = np.array([1.0, 300.0])
+    J = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(w**2), -2 * damping * np.diag(w)]])
+    found = fastest_motion(lambda t, y: J @ y, 0.0, np.ones(4), np.full(4, 1e6))
+    assert found.direction.real == pytest.approx(-damping, abs=1e-3)
+    assert found.rate == pytest.approx(300.0, rel=1e-2 if damping == 0.0 else 3.0)
 
 
 def _highest_mode(name, w_h, n_step):
@@ -71,7 +93,9 @@ def test_a_stiff_mode_costs_explicit_methods_their_step_and_implicit_ones_nothin
     h_w = t_end / explicit.counters.steps * 2000.0
     assert 2.0 < h_w < 6.2
     fifth = integrate(RungeKutta5(_stiff(zeta), 0.0, start, t_end, rtol=1e-5, atol=1e-7), [t_end])
-    assert fifth.counters.rejected > 0.1 * fifth.counters.steps, "many refusals"
+    assert fifth.counters.rejected < 0.01 * fifth.counters.steps, "below the limit"
+    limit = stability_limit(RungeKutta5.tableau, complex(-zeta, (1 - zeta**2) ** 0.5))
+    assert 0.9 * limit < t_end / fifth.counters.steps * 2000.0 < limit
     (hint,) = explicit.hints
     assert "stability" in hint
     assert "gear" in hint

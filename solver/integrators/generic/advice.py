@@ -125,25 +125,21 @@ ITERATIONS = 12
 RATE_EVALUATIONS = 2 * ITERATIONS + 1
 
 
-def fastest_rate(
-    f: Callable[[float, Array], Array],
-    t: float,
-    y: Array,
-    weight: Array,
-    iterations: int = ITERATIONS,
-) -> float:
-    """Largest modulus of the eigenvalues of df/dy [1/s]; see `fastest_motion`."""
-    return fastest_motion(f, t, y, weight, iterations)[0]
+@dataclass(frozen=True)
+class Motion:
+    """The fastest motion about a state."""
+
+    rate: float  # largest modulus of the eigenvalues of df/dy [1/s]
+    component: int  # of the state, which moves most; -1: none moves
+    direction: complex  # of the eigenvalue, of modulus one; imaginary part >= 0
 
 
-def fastest_motion(
-    f: Callable[[float, Array], Array], t: float, y: Array, weight: Array, iterations: int = 12
-) -> tuple[float, int]:
-    """Largest modulus of the eigenvalues of df/dy [1/s], by power iteration on differences.
+def fastest_motion(f: Callable[[float, Array], Array], t: float, y: Array, weight: Array) -> Motion:
+    """Return the fastest motion, by power iteration on differences of f.
 
-    Returned with the component of y that moves most. Two applications at a time: a pair of
-    imaginary eigenvalues +-iw gives -w^2.
-    `weight` (n,) scales the components, 0 leaves one out; 2 `iterations` + 1 evaluations.
+    Two applications at a time: a pair of imaginary eigenvalues +-iw gives -w^2. The direction is
+    that of the largest of two eigenvalues, by least squares.
+    `weight` (n,) scales the components, 0 leaves one out; RATE_EVALUATIONS evaluations.
     """
     known = np.isfinite(weight) & (weight > 0)
     scale = np.where(known, weight, 0.0)
@@ -157,12 +153,17 @@ def fastest_motion(
 
     z = np.cos(np.arange(y.size, dtype=float)) * known
     square = 0.0
-    for _ in range(iterations):
-        once = applied(z / np.linalg.norm(z))
+    for _ in range(ITERATIONS):
+        before = z / np.linalg.norm(z)
+        once = applied(before)
         if not np.any(once):
-            return 0.0, -1
+            return Motion(0.0, -1, 1j)
         z = applied(once)
         square = float(np.linalg.norm(z))
         if not (isfinite(square) and square > 0):
-            return 0.0, -1
-    return square**0.5, int(np.argmax(np.abs(z)))
+            return Motion(0.0, -1, 1j)
+    # the two eigenvalues in whose plane J z lies: J^2 z - p J z + q z = 0
+    (p, q), *_ = np.linalg.lstsq(np.column_stack((once, -before)), z, rcond=None)
+    largest = max(np.roots([1.0, -p, q]), key=abs)
+    direction = complex(largest.real, abs(largest.imag)) / abs(largest)
+    return Motion(square**0.5, int(np.argmax(np.abs(z))), direction)

@@ -15,7 +15,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.catalogue import Number
 from . import advice
-from .advice import OWN, Pace, Refusals, Stall
+from .advice import OWN, Motion, Pace, Refusals, Stall
 from .norm import ErrorNorm, first_step_size
 
 Derivative = Callable[[float, Array], Array]
@@ -108,7 +108,6 @@ class Integrator(ABC):
     hidden: Hidden | None = None  # instant in steps (t, y) at which f varies unseen: hidden.py
     most_hidden = 1000  # such instants of a run
     unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
-    stable_below: ClassVar[float] = np.inf  # |h w| of steps that let no vibration grow
     bounded_to = 0  # steps after which a bound by the fastest vibration is found anew
     vibrates = True  # whether anything in the system stores energy and could vibrate
 
@@ -374,10 +373,11 @@ class Integrator(ABC):
             return
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is not None:
-            rate, component = self._fastest_motion()
-            if not self.vibrates and rate * found.step > OWN:
+            fastest = self.fastest_motion()
+            if not self.vibrates and fastest.rate * found.step > OWN:
                 return
-            self.stalls.append(replace(found, component=component, rate=rate, remedy=self.on_stall))
+            found = replace(found, component=fastest.component, rate=fastest.rate)
+            self.stalls.append(replace(found, remedy=self.on_stall))
 
     @property
     def damped_energy(self) -> float:
@@ -406,15 +406,11 @@ class Integrator(ABC):
         """Remarks on a finished run of mean step `h_mean` [s]."""
         if self.limited_above is None:
             return []
-        rate = self.fastest_rate()
+        rate = self.fastest_motion().rate
         return [] if h_mean * rate < self.limited_above else [advice.of_stability(h_mean, rate)]
 
-    def fastest_rate(self) -> float:
-        """Highest rate of the motion at the end of the run [1/s]; some evaluations of f."""
-        return self._fastest_motion()[0]
-
-    def _fastest_motion(self) -> tuple[float, int]:
-        """Highest rate of the motion [1/s], and the component of the state that moves most."""
+    def fastest_motion(self) -> Motion:
+        """Return the fastest motion about the present state; RATE_EVALUATIONS evaluations of f."""
         weight = self.norm.weight(self.y, self.y)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return advice.fastest_motion(self.derivative, self.t, self.y, weight)

@@ -21,6 +21,10 @@ SAFETY = 0.9
 CAUTION, RELAX, RELAX_FAR, FAR_BELOW = 0.9, 1.02, 2.0, 1e-3
 STIFF_TESTS = 15  # in a row, before the hint is given
 RATE_EVERY = 200  # steps: one per cent of the evaluations of rk8
+# Of the limit of stability; and radians by which the direction of an eigenvalue may be wrong, as
+# differences over ten tolerances see it.
+STABLE, DOUBT = 0.97, 0.01
+LIMITS = np.arange(0.05, 10.0, 0.01)  # |h lambda| that are tried
 TEST_EVERY = 25  # steps, while nothing looks stiff
 
 
@@ -60,7 +64,7 @@ class ExplicitRungeKutta(Integrator):
         self._f_now = np.array(self.derivative(self.t, self.y))
 
     def _advance(self) -> None:
-        keep_stable(self)
+        keep_stable(self, self.tableau)
         super()._advance()
 
     def _attempt(self, h: float, t_new: float) -> Array | None:
@@ -158,20 +162,34 @@ class ExplicitRungeKutta(Integrator):
         return Nested(self.t_old, h, y_old, F)
 
 
-def keep_stable(run: Integrator) -> bool:
-    """Bound the steps of a run by its fastest vibration, every RATE_EVERY steps; True if it did.
+def keep_stable(run: Integrator, tableau: Tableau) -> bool:
+    """Bound the steps of a run by its fastest motion, every RATE_EVERY steps; True if it did.
 
     The error of a body at rest is none whatever the step: longer steps let rounding grow to the
     tolerance, which is relative to the mechanism and may be much of a small deflection.
     """
     steps = run.counters.steps
-    free = run.fixed_step is None and run.stable_below < np.inf and run.vibrates
-    if not free or steps < run.bounded_to:
+    if run.fixed_step is not None or not run.vibrates or steps < run.bounded_to:
         return False
     run.bounded_to = steps + RATE_EVERY
-    rate = run.fastest_rate()
-    run.max_step = min(run.longest_step, run.stable_below / rate if rate > 0.0 else np.inf)
+    fastest = run.fastest_motion()
+    limit = STABLE * stability_limit(tableau, fastest.direction)
+    run.max_step = min(run.longest_step, limit / fastest.rate if fastest.rate > 0.0 else np.inf)
     return True
+
+
+def stability_limit(tableau: Tableau, direction: complex) -> float:
+    """Return the first |h lambda| at which a step lets grow what has this direction of lambda.
+
+    A direction near the imaginary axis is taken for less damped by DOUBT than it was found.
+    """
+    damped = min(direction.real + DOUBT, 0.0)
+    z = LIMITS * (damped + 1j * (1.0 - damped**2) ** 0.5)
+    power, growth = np.ones(tableau.B.size), np.ones(z.size, dtype=complex)
+    for k in range(1, tableau.B.size + 1):  # B A^(k-1) 1 z^k
+        growth += (tableau.B @ power) * z**k
+        power = tableau.A @ power
+    return float(LIMITS[np.argmax(np.abs(growth) > 1.0 + 1e-12)])
 
 
 def stiffness_hint(t: float, h: float) -> str:
@@ -197,7 +215,6 @@ class RungeKutta8(ExplicitRungeKutta):
     order = 8
     tableau = ORDER_8
     points = tuple(sorted({*ORDER_8.C.tolist(), 1.0}))
-    stable_below = 5.8  # of 5.95 on the imaginary axis, 6.4 on the real one
     limited_above = 2.0
 
 

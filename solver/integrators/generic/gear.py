@@ -292,7 +292,7 @@ class Gear(Integrator):
     def _look_back(self, h_mean: float) -> list[str]:
         if self.max_order < 3:
             return []
-        w = self.fastest_rate()
+        w = self.fastest_motion().rate
         if not GROWTH_LIMITED[0] < h_mean * w < GROWTH_LIMITED[1]:
             return []
         return [
