@@ -8,10 +8,7 @@ import pytest
 from peers.vabs_peer import orthotropic, stiffness, turned
 
 from plymotion.preprocess.section.analysis import analyse
-from plymotion.solver.inputs.section.specification import (
-    is_of_another_code,
-    spec_of_another_code,
-)
+from plymotion.solver.inputs.section.vabs import is_of_another_code, spec_of_another_code
 from plymotion.solver.report.section.codes import write_vabs
 
 ORDER = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.section.analysis import analyse
-from plymotion.solver.inputs.section.specification import spec_of_another_code
+from plymotion.solver.inputs.section.vabs import spec_of_another_code
 from plymotion.solver.report.section.codes import transform
 
 FOLDER = Path(__file__).resolve().parents[1] / "reference/sections/vabs"

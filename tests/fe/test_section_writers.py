@@ -9,7 +9,7 @@ from samples.section_cases import section
 
 from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.specification import spec_of_another_code
+from plymotion.solver.inputs.section.vabs import spec_of_another_code
 from plymotion.solver.report.section.codes import (
     convert,
     transform,

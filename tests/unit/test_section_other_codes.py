@@ -7,8 +7,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.becas import ABSENT, QUADRILATERAL, TRIANGLE, read_becas
-from plymotion.solver.inputs.section.specification import is_of_another_code, spec_of_another_code
-from plymotion.solver.inputs.section.vabs import read_vabs
+from plymotion.solver.inputs.section.vabs import is_of_another_code, read_vabs, spec_of_another_code
 
 SOUND = """0 0           ! old format
 1 0 0

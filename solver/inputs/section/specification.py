@@ -24,33 +24,12 @@ from ..common.materials import check_materials, plain, unknown_materials
 from ..common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source, physical_names
 from ..common.table import plain_table
 from ..common.text_file import read_toml
-from .becas import cell_section_spec, is_becas, read_becas
 from .description import FileMesh, Region, SectionDescription, ShapeMesh, checked
 from .foreign import assign_regions, read_foreign, write_arrays
 from .shapes.contract import Values
 from .shapes.library import Wall, expand, shape, walls
 from .shapes.parts import few_across
-from .vabs import read_vabs
-
-VABS = (".dat", ".sg", ".vab", ".vabs")  # suffixes of VABS input
-
-
-def is_of_another_code(file: Path) -> bool:
-    """Return True for a VABS input file and for a folder of BECAS input."""
-    return is_becas(file) or (file.suffix.lower() in VABS and file.is_file())
-
-
-def spec_of_another_code(file: Path, folder: Path) -> dict[str, Any]:
-    """Return the specification of a section of another code; arrays are written to a folder.
-
-    Raises
-    ------
-    InputError
-        The file is not what it should be.
-    """
-    section = read_becas(file) if is_becas(file) else read_vabs(file)
-    return cell_section_spec(section, folder)
-
+from .vabs import is_of_another_code, spec_of_another_code
 
 ALL = "all"  # every wall or region without its own table
 ADD_UP = 1e-6  # relative difference of plies and wall due to rounding

@@ -15,7 +15,8 @@ from pydantic import Field, model_validator
 from ...errors import InputError, nearest
 from ..common.table import Table, entry, optional, validated
 from ..common.text_file import read_toml
-from .specification import is_of_another_code, section_spec, spec_of_another_code
+from .specification import section_spec
+from .vabs import is_of_another_code, spec_of_another_code
 
 # Change of keys of a section description.
 

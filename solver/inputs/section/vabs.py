@@ -24,13 +24,25 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...errors import InputError, few
 from ...math.arrays import Array, IntArray
 from ...package.common.materials import UPPER, of_upper
-from .becas import ABSENT, MOST_NODES, ORTHOTROPIC, QUADRILATERAL, TRIANGLE, CellSection, Constants
+from .becas import (
+    ABSENT,
+    MOST_NODES,
+    ORTHOTROPIC,
+    QUADRILATERAL,
+    TRIANGLE,
+    CellSection,
+    Constants,
+    cell_section_spec,
+    is_becas,
+    read_becas,
+)
 
 # Rows of numbers in a text file, read as Fortran's list-directed READ does.
 #
@@ -369,3 +381,23 @@ def _constants(kind: int, constants: list[float]) -> Constants:
         return {"kind": "orthotropic", **dict(zip(ORTHOTROPIC, constants, strict=True))}
     C = of_upper(constants)[np.ix_(OF_VABS, OF_VABS)]
     return {"kind": "anisotropic", "C": C[UPPER].tolist()}
+
+
+VABS = (".dat", ".sg", ".vab", ".vabs")  # suffixes of VABS input
+
+
+def is_of_another_code(file: Path) -> bool:
+    """Return True for a VABS input file and for a folder of BECAS input."""
+    return is_becas(file) or (file.suffix.lower() in VABS and file.is_file())
+
+
+def spec_of_another_code(file: Path, folder: Path) -> dict[str, Any]:
+    """Return the specification of a section of another code; arrays are written to a folder.
+
+    Raises
+    ------
+    InputError
+        The file is not what it should be.
+    """
+    section = read_becas(file) if is_becas(file) else read_vabs(file)
+    return cell_section_spec(section, folder)
