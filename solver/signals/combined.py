@@ -8,9 +8,8 @@ import numpy as np
 from ..dynamics.analysis.recovery import Recording
 from ..errors import InputError
 from ..math.arrays import Array
+from .sections import Look, Values
 
-Values = Callable[[Recording], Array]
-Look = Callable[[Recording], None]
 Measuring = Callable[[str], tuple[str, Values, Look | None]]  # by name: unit, values, look
 # Of each other run: its times (n,) and its signals by name (n,).
 Histories = Mapping[str, tuple[Array, Mapping[str, Array]]]

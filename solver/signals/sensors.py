@@ -15,19 +15,16 @@ from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
 from .combined import Histories, combined
-from .fatigue import stress_life
-from .forces import force_values
-from .joints import joint_coordinate, reaction
+from .joints import force_values, joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
-from .sections import Look, ply_stress_values, resultant_values
+from .sections import Look, Values, ply_stress_values, resultant_values, stress_life
 from .strength import strength_values
 from .turns import Turns
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import Signal
-    from .fatigue import Materials
+    from .sections import Materials
 
-Values = Callable[[Recording], Array]
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
