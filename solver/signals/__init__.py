@@ -1,8 +1,7 @@
 """Signals: the requested quantities, computed from states at the output times."""
 
 from ..dynamics.analysis.recovery import Recording
-from .combined import Histories
-from .sensors import Sensor, fatigue_entry, recorded, sensors
+from .sensors import Histories, Sensor, fatigue_entry, recorded, sensors
 from .turns import Turns
 
 __all__ = ["Histories", "Recording", "Sensor", "Turns", "fatigue_entry", "recorded", "sensors"]

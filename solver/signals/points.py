@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dynamics.analysis.motions.table import MOTIONS
 from ..dynamics.analysis.recovery import Recording, stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
@@ -16,15 +17,8 @@ from ..package.body.schema import Interface
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PointSignal
 
-POINT_UNITS = {
-    "position": "m",
-    "velocity": "m/s",
-    "acceleration": "m/s2",
-    "angular_velocity": "rad/s",
-    "orientation": "rad",
-    "deflection": "m",
-    "rotation": "rad",
-}
+POINT_UNITS = {kind: motion.unit for kind, motion in MOTIONS.items()}
+POINT_UNITS |= {"orientation": "rad", "deflection": "m", "rotation": "rad"}
 
 
 def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Array, Array]:
@@ -47,14 +41,8 @@ def point_values(
     if kind in ("deflection", "rotation"):
         return _of_segments(built, name, signal) if signal.frame else _elastic(built, signal)
     marker = built.signal_marker[name]
-    if kind == "position":
-        return lambda recording: recording.position(marker)
-    if kind == "velocity":
-        return lambda recording: recording.velocity(marker)
-    if kind == "angular_velocity":
-        return lambda recording: recording.spin(marker)
-    if kind == "acceleration":
-        return lambda recording: recording.acceleration(marker)
+    if kind in MOTIONS:
+        return lambda recording: MOTIONS[kind].vectors(recording, marker)
     key = object()
 
     def vectors(recording: Recording) -> Array:

@@ -37,7 +37,7 @@ PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 @pytest.fixture(scope="module")
 def copy(repository, tmp_path_factory) -> Path:
     """The sources with all examples of CONTRIBUTING.md."""
-    assert len(recipe_files(repository)) == 6
+    assert len(recipe_files(repository)) == 7
     assert len(recipe_lines(repository)) == 1
     return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
@@ -82,6 +82,11 @@ def test_a_section_shape(copy, repository, tmp_path):
 
 def test_a_criterion(copy, repository):
     run_python(copy, repository, str(PROGRAMS / "criterion.py"))
+
+
+def test_a_signal(copy, page, repository, tmp_path):
+    run_python(copy, repository, str(PROGRAMS / "signal_of_a_place.py"), str(tmp_path))
+    assert "specific_force [m/s2]: acceleration less gravity, interface axes" in page
 
 
 def test_a_shell_element(copy, repository):

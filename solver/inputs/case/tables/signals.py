@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ....dynamics.analysis.motions.table import MOTIONS
 from ....dynamics.elements.joints.table import COORDINATES
 from ....strength import CRITERIA
 from ...common.table import Name, Pair, Table, Vector, entry, optional
@@ -48,10 +49,12 @@ Component = Literal["x", "y", "z", "magnitude"]
 COORDINATE_NAMES = tuple(sorted(COORDINATES))
 if TYPE_CHECKING:
     JointCoordinate = str
+    PointKind = Literal["position", "orientation", "deflection", "rotation"]  # and MOTIONS
     OneCoordinate = str
     CriterionName = str
 else:
     JointCoordinate = Literal[COORDINATE_NAMES]
+    PointKind = Literal[(*MOTIONS, "orientation", "deflection", "rotation")]
     OneCoordinate = JointCoordinate | None
     CriterionName = Literal[tuple(CRITERIA)]
 
@@ -68,16 +71,9 @@ class SegmentFrame(Table):
 class PointSignal(Measured):
     """`[signals.NAME]` of a place: how it moves."""
 
-    kind: Literal[
-        "position",
-        "velocity",
-        "acceleration",
-        "angular_velocity",
-        "orientation",
-        "deflection",
-        "rotation",
-    ] = entry(
-        "position [m], velocity, acceleration, angular_velocity are global; orientation [rad] is "
+    kind: PointKind = entry(
+        "; ".join(f"{m.kind} [{m.unit}]: {m.meaning}" for m in MOTIONS.values()) + "; orientation "
+        "[rad] is "
         "the rotation vector of the interface since the given starting position, global, without "
         "jumps; deflection [m] and elastic rotation [rad] are relative to the body frame, in its "
         "axes"
