@@ -1,7 +1,6 @@
 """The command `plymotion modes`."""
 
 import argparse
-import json
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..report.table import aligned
+from ..report.table import aligned, json_text
 from ..studies.modes.files import modes_content, write_campbell, write_modes
 from ..studies.modes.found import Diagram, Spins, find_modes, response_of, span_of
 from ..studies.modes.place import at_of
@@ -150,7 +149,7 @@ def run_modes(options: argparse.Namespace) -> int:
         response = response_of(found, span, options.input, options.output)
     content = modes_content(states, found)
     # First: figures can fail. JSON is alone on standard output.
-    print(json.dumps(content, indent=2) if options.json else modes_text(content, options.count))
+    print(json_text(content) if options.json else modes_text(content, options.count))
     files = write_modes(folder, states, found, options.shapes, response)
     if not options.json:
         print(f"{folder}: {', '.join(files)}")
@@ -164,7 +163,7 @@ def _campbell(
     spins = Spins(states, axis)
     diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
     content = diagram.content()
-    print(json.dumps(content, indent=2) if options.json else campbell_text(content))
+    print(json_text(content) if options.json else campbell_text(content))
     files = write_campbell(folder, diagram)
     if not options.json:
         print(f"{folder}: {', '.join(files)}")

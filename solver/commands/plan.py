@@ -11,6 +11,7 @@ from ..inputs.case.record import case_file
 from ..package.common.files import refuse_foreign, write_text
 from ..report.fidelity import ladder_file
 from ..report.style import GREY, INK, WARNING, Canvas, colour, house_style
+from ..report.table import aligned, json_text
 from ..run.inputs_digest import plan_file
 from ..studies.cases import build_folder, chosen_run
 from ..studies.exit_codes import INCOMPLETE
@@ -52,7 +53,7 @@ def run_plan(options: argparse.Namespace) -> int:
         return run_chart(options)
     answer = answered(run_file_of(options), again=True, check=not options.no_check)
     if options.json:
-        print(json.dumps(entry(answer), indent=2))
+        print(json_text(entry(answer)))
     else:
         print(answer_text(answer))
     return INCOMPLETE if answer.verdict == "not met" else 0
@@ -79,9 +80,10 @@ def run_chart(options: argparse.Namespace) -> int:
     if answer.trial is None or answer.check is None or answer.estimate is None:
         raise InputError(f"{file}: no chart without a check: {answer.reason}")
     found = ladder(answer)
-    print(f"{'CPU time':>11}  {'error':>8}  model")
+    rows = [["CPU time", "error", "model"]]
     for rung in (*found.front(), found.chosen, found.check):
-        print(f"{rung.cpu:9.3f} s  {rung.error:8.1e}  {rung.name}")
+        rows.append([f"{rung.cpu:.3f} s", f"{rung.error:.1e}", rung.name])
+    print(aligned(rows, (2,), head=1, rule=False))
     data = {**found.entry(), "plan": answer.plan.table()}
     write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
     path = draw_ladder(

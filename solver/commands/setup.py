@@ -60,8 +60,9 @@ def run_compile(options: argparse.Namespace) -> int:
 def run_schema(options: argparse.Namespace) -> int:
     """Print the JSON schema of a kind of file."""
     from ..inputs.json_schema import json_schema
+    from ..report.table import json_text
 
-    print(json.dumps(json_schema(options.kind), indent=1))
+    print(json_text(json_schema(options.kind)))
     return 0
 
 

@@ -12,6 +12,7 @@ from ..package.common.cells import cell_table, centres
 from ..package.section.stress import strengths
 from ..strength.criteria.von_mises import equivalent_stress
 from .shell.findings import ply_extremes
+from .table import in_rows, warning_lines
 
 # Results of a solid on the screen.
 
@@ -40,9 +41,7 @@ def solid_text(found: dict[str, Any]) -> str:
     for name, case in found.get("cases", {}).items():
         lines += ["", f"Load case {name}", *_case(case)]
     lines += ["", f"{'Effort':16}{found['seconds']:.2f} s"]
-    return "\n".join(
-        [*lines, *(f"warning [{w['code']}] {w['message']}" for w in found["warnings"])]
-    )
+    return "\n".join([*lines, *warning_lines(found["warnings"])])
 
 
 def _row(values: list[float]) -> str:
@@ -77,10 +76,7 @@ def _exact(found: dict[str, Any]) -> list[str]:
 
 
 def _hertz(label: str, values: list[float], error: list[float] | None) -> list[str]:
-    lines = []
-    for first in range(0, len(values), 6):
-        some = "".join(f"{value:12.6g}" for value in values[first : first + 6])
-        lines.append(f"{label if first == 0 else '':16}{some.lstrip() if not first else some} Hz")
+    lines = in_rows(label, values, "Hz")
     if error is not None:
         shown = ", ".join(f"{100.0 * e:+.2g}" for e in error)
         lines.append(f"{'Mesh error':16}{shown} %, estimated")

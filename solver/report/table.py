@@ -1,10 +1,15 @@
-"""Summaries as aligned text for the screen."""
+"""Tables, matrices, labelled lines and JSON as text for the screen; the table of a case's runs."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from ..results.summary import verdict
+import numpy as np
 
+from ..math.arrays import Array
+from ..results.summary import plain, verdict
+
+ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries of a matrix are shown as 0
 WIDTH = 100  # columns of the screen that tables of signals take
 VALUES = {"final": 5, "min": 4, "max": 4}  # of a signal, and their digits
 Signal = tuple[str, list[list[str]]]  # title, and values of each run
@@ -84,13 +89,21 @@ def _outcome(summary: dict[str, Any]) -> list[str]:
     ]
 
 
-def aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
-    """Return rows of cells as lines of equal columns; `left`: columns aligned to the left.
+def aligned(
+    rows: Sequence[Sequence[str]], left: Collection[int] = (0,), *, head: int = 2, rule: bool = True
+) -> str:
+    """Return rows of cells as lines of equal columns.
 
-    A cell of the first row extends over the empty cells after it. The second row ends the head.
+    A cell of the first row extends over the empty cells after it.
+
+    Parameters
+    ----------
+    left : columns aligned to the left
+    head : rows that are headings
+    rule : draw a line below them
     """
-    widths = [max(len(row[i]) for row in rows[1:]) for i in range(len(rows[0]))]
-    heads = [i for i, text in enumerate(rows[0]) if text]
+    widths = [max((len(row[i]) for row in rows[1:]), default=0) for i in range(len(rows[0]))]
+    heads = [0, *(i for i, text in enumerate(rows[0]) if text and i)]
     top = []
     for first, end in zip(heads, [*heads[1:], len(widths)], strict=True):
         text, room = rows[0][first], sum(widths[first:end]) + 2 * (end - first - 1)
@@ -104,5 +117,46 @@ def aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
             for i, (text, width) in enumerate(zip(row, widths, strict=True))
         ]
         lines.append("  ".join(cells).rstrip())
-    lines.insert(2, "-" * (sum(widths) + 2 * (len(widths) - 1)))
+    if rule:
+        lines.insert(head, "-" * (sum(widths) + 2 * (len(widths) - 1)))
     return "\n".join(lines)
+
+
+def matrix(K: Array, names: Sequence[str], *heads: Sequence[str]) -> str:
+    """Return a symmetric matrix with names of rows and heads of columns; round-off shown as 0."""
+    size = np.sqrt(np.abs(np.diag(K)))
+    shown = np.where(np.abs(K) < ROUND_OFF * np.outer(size, size), 0.0, K)
+    rows = [["", *head] for head in heads]
+    for name, row in zip(names, shown, strict=True):
+        rows.append([name, *(f"{value:.5e}" if value else "0" for value in row)])
+    return aligned(rows, head=len(heads), rule=False)
+
+
+def rounded(value: float, size: float, digits: int = 5) -> str:
+    """Write a number; 0 if it is round-off beside `size`."""
+    return "0" if abs(value) < ROUND_OFF * size else number(value, digits)
+
+
+def labelled(label: str, text: str) -> str:
+    """Return a line of a label and what is told of it."""
+    return f"{label:16}{text}"
+
+
+def in_rows(label: str, values: Iterable[float], unit: str, each: int = 6) -> list[str]:
+    """Return lines of numbers, at most `each` of them in a line."""
+    texts = [f"{value:12.6g}" for value in values]
+    rows = ["".join(texts[first : first + each]) for first in range(0, len(texts), each)]
+    return [
+        labelled("" if k else label, f"{row if k else row.lstrip()} {unit}")
+        for k, row in enumerate(rows)
+    ]
+
+
+def warning_lines(warnings: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each warning of a file."""
+    return [f"warning [{each['code']}] {each['message']}" for each in warnings]
+
+
+def json_text(value: Any) -> str:
+    """Return a value as JSON for programs and readers; NaN and infinity become null."""
+    return json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)

@@ -1,7 +1,6 @@
 """What `section`, `shell` and `solid` share: a results file for each description."""
 
 import argparse
-import json
 import sys
 import tempfile
 import threading
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ...report.table import json_text
 from ...system.interrupts import INTERRUPTED
 from ...workers.described import Entry, Made, Request, SpecOf, make_files, write_specs
 from ...workers.executors import Local, executor_of
@@ -73,7 +73,7 @@ def show_each(
         else:
             print(text_of(one), end="\n" if one is made[-1] else "\n\n")
     if as_json and not (code and len(made) == 1):
-        print(json.dumps(next(iter(tables.values())) if len(made) == 1 else tables))
+        print(json_text(next(iter(tables.values())) if len(made) == 1 else tables))
     return code
 
 

@@ -2,7 +2,6 @@
 
 import argparse
 import glob
-import json
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -27,6 +26,7 @@ from ...report.section.show import (
     summary_text,
     write_summary,
 )
+from ...report.table import json_text
 from ...workers.described import Entry, Made, Request, entries_of
 from ..arguments import FOLDERS
 from .described import USER_ERROR, drawn, file_lines, run_described, show_each, tell_failure
@@ -178,7 +178,7 @@ def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:
     options.out.mkdir(parents=True, exist_ok=True)
     files = write_summary(options.out, _summary(options), rows)
     if options.json:
-        print(json.dumps(summary_json(rows)))
+        print(json_text(summary_json(rows)))
     else:
         print(summary_text(rows))
         counts = Counter(row.status for row in rows)

@@ -31,6 +31,7 @@ from ...report.section.codes import (
     write_beamdyn,
     write_hawc2,
 )
+from ...report.table import aligned
 from ...workers.packages import build_packages, specs_of
 from .layers import StationMesh
 from .windio import Blade
@@ -96,21 +97,19 @@ def station_csv(blade: Blade, stations: list[Station]) -> str:
 
 def station_text(blade: Blade, stations: list[Station]) -> str:
     """Return what the screen shows of the stations."""
-    lines = [
-        f"{'r':>7}  {'z':>7}  {'chord':>6}  {'mass':>7}  {'EA':>10}  {'EI flap':>10}  "
-        f"{'EI edge':>10}  {'GJ':>10}",
-        f"{'[-]':>7}  {'[m]':>7}  {'[m]':>6}  {'[kg/m]':>7}  {'[N]':>10}  {'[N m2]':>10}  "
-        f"{'[N m2]':>10}  {'[N m2]':>10}",
+    rows = [
+        ["r", "z", "chord", "mass", "EA", "EI flap", "EI edge", "GJ"],
+        ["[-]", "[m]", "[m]", "[kg/m]", "[N]", "[N m2]", "[N m2]", "[N m2]"],
     ]
     for station in stations:
+        r = station.r
         if station.results is None:
-            lines.append(f"{station.r:7.4f}  failed")
+            rows.append([f"{r:.4f}", "failed", *[""] * 6])
             continue
         K, M = station.results.K, station.results.M
-        values = "  ".join(f"{K[i, i]:10.3e}" for i in (0, 4, 5, 3))
-        z, chord = blade.length.at(station.r), blade.chord.at(station.r)
-        lines.append(f"{station.r:7.4f}  {z:7.3f}  {chord:6.3f}  {M[0, 0]:7.2f}  {values}")
-    return "\n".join(lines)
+        place = [f"{r:.4f}", f"{blade.length.at(r):.3f}", f"{blade.chord.at(r):.3f}"]
+        rows.append([*place, f"{M[0, 0]:.2f}", *(f"{K[i, i]:.3e}" for i in (0, 4, 5, 3))])
+    return aligned(rows, (), rule=False)
 
 
 # Estimated errors of the frequencies of a blade: of its sections, stations and elements.

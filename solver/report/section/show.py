@@ -25,6 +25,7 @@ from ...package.section.schema import (
 from ...package.section.stress import near_corner, reentrant_corners, strengths
 from ...strength import criteria_of
 from ...strength.beam_bodies import unit_stress_M
+from ..table import aligned, json_text, labelled, matrix, rounded, warning_lines
 from .codes import SectionResults, convert
 
 # The highest stresses and the strength ratios of every ply under given resultants.
@@ -154,41 +155,41 @@ def load_text(
         f"{name} = {value:g} {'N' if name[0] == 'F' else 'N m'}"
         for name, value in zip(RESULTANTS, F, strict=True)
     )
-    columns = [f"s{name}" for name in STRESSES]
-    width = max([len("region"), *(len(_ply(peak)) for peak in peaks)])
-    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>11}" for name in columns)
+    rows = [["ply", "angle", *(f"s{name}" for name in STRESSES)]]
+    rows += [
+        [
+            _ply(peak),
+            f"{peak.ply.angle_deg:.4g}",
+            *(f"{value:.4g}" for value in peak.stress_M / 1e6),
+        ]
+        for peak in peaks
+    ]
     lines = [
         "Stresses of largest magnitude in each ply [MPa], in its axes, under",
         loads,
-        head,
-        *(
-            f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}"
-            + "".join(f"{value:11.4g}" for value in peak.stress_M / 1e6)
-            for peak in peaks
-        ),
+        aligned(rows, head=1, rule=False),
     ]
-    doubts = [f"warning [{w['code']}] {w['message']}" for w in warnings]
-    return "\n".join([*lines, "", *_margins(peaks, width), *doubts])
+    return "\n".join([*lines, "", *_margins(peaks), *warning_lines(warnings)])
 
 
 def _ply(peak: PlyPeak) -> str:
     return f"{peak.ply.region} {peak.ply.index + 1} {peak.ply.material}"
 
 
-def _margins(peaks: Sequence[PlyPeak], width: int) -> list[str]:
+def _margins(peaks: Sequence[PlyPeak]) -> list[str]:
     without = sorted({peak.ply.material for peak in peaks if not peak.reserves})
     lines = [f"No margins for {', '.join(without)}: no strengths are given"] if without else []
     least = weakest(peaks)
     if not least:
         return lines
-    lines += [
-        "Margins of safety: load factor at failure minus 1",
-        f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>14}" for name in least),
+    rows = [["ply", "angle", *least]]
+    rows += [
+        [_ply(p), f"{p.ply.angle_deg:.4g}", *(_margin(p.reserves.get(name)) for name in least)]
+        for p in peaks
+        if p.reserves
     ]
-    for peak in peaks:
-        if peak.reserves:
-            cells = "".join(f"{_margin(peak.reserves.get(name)):>14}" for name in least)
-            lines.append(f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}{cells}")
+    lines += ["Margins of safety: load factor at failure minus 1"]
+    lines.append(aligned(rows, head=1, rule=False))
     for name, worst in least.items():
         reserve = worst.reserves[name]
         x2, x3 = reserve.point
@@ -204,9 +205,6 @@ def _margin(reserve: Reserve | None) -> str:
 
 
 # The numbers of a section as text for the screen and as plain data for programs.
-
-# Entries below this share of sqrt(K_ii K_jj) are round-off: shown as 0.
-ROUND_OFF = 1e-10
 
 
 @dataclass(frozen=True)
@@ -270,30 +268,20 @@ def section_text(results: SectionResults, title: str = "", code: str = "plymotio
         f"{results.name}: {title}" if title else results.name,
         "",
         f"Stiffness K about the origin, {signs}",
-        *matrix_lines(convert(results.K, code), order),
+        stiffness_text(convert(results.K, code), order),
         "",
         *_places(results),
         *_curvature(results),
         *_effort(results),
     ]
-    lines += [f"warning [{w['code']}] {w['message']}" for w in results.warnings]
-    return "\n".join(lines)
+    return "\n".join([*lines, *warning_lines(results.warnings)])
 
 
-def matrix_lines(K: Array, order: Order) -> list[str]:
+def stiffness_text(K: Array, order: Order) -> str:
     """Return a stiffness with units and names of rows and columns."""
-    size = np.sqrt(np.abs(np.diag(K)))
-    shown = np.where(np.abs(K) < ROUND_OFF * np.outer(size, size), 0.0, K)
-    units = ["1/m" if name[0] in "tb" else "-" for name in order.strains]  # twist, bending
-    lines = [
-        " " * 9 + "".join(f"{name:>13}" for name in order.strains),
-        " " * 9 + "".join(f"{f'[{unit}]':>13}" for unit in units),
-    ]
-    for name, row in zip(order.resultants, shown, strict=True):
-        unit = "N" if name[0] == "F" else "N m"
-        numbers = "".join(f"{value:13.5e}" if value else f"{0:>13}" for value in row)
-        lines.append(f"{f'{name} [{unit}]':9}{numbers}")
-    return lines
+    names = [f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in order.resultants]
+    units = ["[1/m]" if name[0] in "tb" else "[-]" for name in order.strains]  # twist, bending
+    return matrix(K, names, order.strains, units)
 
 
 def _curvature(results: SectionResults) -> list[str]:
@@ -308,11 +296,11 @@ def _places(results: SectionResults) -> list[str]:
     radius = np.sqrt(M[3, 3] / M[0, 0])  # of gyration: the size of the section
 
     def place(label: str, centre: Array) -> str:
-        x2, x3 = (_number(value, radius) for value in centre)
-        return f"{label:16}x2 = {x2} m, x3 = {x3} m"
+        x2, x3 = (rounded(value, radius, 6) for value in centre)
+        return labelled(label, f"x2 = {x2} m, x3 = {x3} m")
 
     rotary = (
-        f"M{i + 1}{j + 1} = {_number(M[i, j], np.sqrt(M[i, i] * M[j, j]))}"
+        f"M{i + 1}{j + 1} = {rounded(M[i, j], np.sqrt(M[i, i] * M[j, j]), 6)}"
         for i, j in ((3, 3), (4, 4), (5, 5), (4, 5))
     )
     return [
@@ -322,10 +310,6 @@ def _places(results: SectionResults) -> list[str]:
         f"{'Mass':16}{M[0, 0]:.6g} kg/m",
         f"{'Rotary inertia':16}{', '.join(rotary)} kg m",
     ]
-
-
-def _number(value: float, size: float) -> str:
-    return "0" if abs(value) < ROUND_OFF * size else f"{value:.6g}"
 
 
 def _effort(results: SectionResults) -> list[str]:
@@ -374,7 +358,7 @@ class Row:
 
 def write_summary(folder: Path, stem: str, rows: Sequence[Row]) -> list[Path]:
     """Write the table as folder/stem.csv and folder/stem.json; returns the two files."""
-    texts = {".csv": _csv(rows), ".json": json.dumps(summary_json(rows), indent=1) + "\n"}
+    texts = {".csv": _csv(rows), ".json": json_text(summary_json(rows)) + "\n"}
     files = []
     for suffix, text in texts.items():
         files.append(folder / f"{stem}{suffix}")
@@ -425,17 +409,14 @@ def _numbers(results: SectionResults) -> list[Any]:
 
 def summary_text(rows: Sequence[Row]) -> str:
     """Return the first rows as a table of at most 100 columns."""
-    width = min(30, max([len("name"), *(len(row.name) for row in rows)]))
-    lines = [
-        f"{'name':{width}}{'K11':>11}{'K44':>11}{'K55':>11}{'K66':>11}{'mass':>9}{'error':>9}"
-        f"{'time':>7}",
-        f"{'':{width}}{'[N]':>11}{'[N m2]':>11}{'[N m2]':>11}{'[N m2]':>11}{'[kg/m]':>9}{'[-]':>9}"
-        f"{'[s]':>7}",
+    table = [
+        ["name", "K11", "K44", "K55", "K66", "mass", "error", "time", ""],
+        ["", "[N]", "[N m2]", "[N m2]", "[N m2]", "[kg/m]", "[-]", "[s]", ""],
     ]
     for row in rows[:SHOWN]:
         values = " ".join(json.dumps(value) for value in row.changes.values())
-        line = f"{_cut(row.name, width):{width}}{_cells(row)}  {values}"
-        lines.append(_cut(line.rstrip(), 100))
+        table.append([_cut(row.name, 30), *_cells(row), values])
+    lines = [_cut(line, 100) for line in aligned(table, (0, 8), rule=False).splitlines()]
     if len(rows) > SHOWN:
         lines.append(f"... and {len(rows) - SHOWN} more in the table")
     if any(row.results and row.results.warnings for row in rows):
@@ -447,11 +428,11 @@ def _cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
-def _cells(row: Row) -> str:
+def _cells(row: Row) -> list[str]:
     results = row.results
     if results is None:
-        return f"{'failed':>11}{'':58}"
-    numbers = "".join(f"{results.K[i, i]:11.4g}" for i in (0, 3, 4, 5))
+        return ["failed", *[""] * 6]
+    numbers = [f"{results.K[i, i]:.4g}" for i in (0, 3, 4, 5)]
     worst = "-" if results.worst_error is None else f"{results.worst_error:.1e}"
-    star = "*" if results.warnings else " "
-    return f"{numbers}{results.M[0, 0]:9.4g}{worst:>9}{results.seconds:7.2f}{star}"
+    star = "*" if results.warnings else ""
+    return [*numbers, f"{results.M[0, 0]:.4g}", worst, f"{results.seconds:.2f}{star}"]

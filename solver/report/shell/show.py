@@ -7,6 +7,7 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 from ...package.common.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate, ShellMeshData
+from ..table import aligned, in_rows, matrix, number, rounded, warning_lines
 from .findings import (
     CaseFindings,
     PlyExtreme,
@@ -52,7 +53,6 @@ def _direction(places: Array, e3: Array, area: Array) -> str:
 
 # A shell file as text for the screen.
 
-ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries are shown as 0
 LINEAR_DEG = 10.0  # rotations above it give a note on linear statics
 SHOWN_STRESSES = (0, 1, 5, 4, 3)  # 33 is 0
 UNITS = {"u": "m", "r": "rad", "N": "N/m", "M": "N", "T": "N/m"}  # by first letter
@@ -68,8 +68,7 @@ def shell_text(shell: ShellFile) -> str:
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
     lines += ["", *_modes(shell), *_buckling(shell), *_verification(shell), *_effort(shell)]
-    lines += [f"warning [{w['code']}] {w['message']}" for w in shell.warnings]
-    return "\n".join(lines)
+    return "\n".join([*lines, *warning_lines(shell.warnings)])
 
 
 def laminate_lines(laminate: ShellLaminate) -> list[str]:
@@ -82,13 +81,13 @@ def laminate_lines(laminate: ShellLaminate) -> list[str]:
         f"{', '.join(materials)}",
         f"{'Thickness':16}{laminate.thickness:.6g} m, from z = {bottom:.6g} to {top:.6g} m",
         f"{'Mass':16}{laminate.mass[0]:.6g} kg/m2, first moment "
-        f"{_number(laminate.mass[1], laminate.mass[0] * laminate.thickness)} kg/m, second "
+        f"{rounded(laminate.mass[1], laminate.mass[0] * laminate.thickness)} kg/m, second "
         f"{laminate.mass[2]:.6g} kg",
         *_character(laminate.report),
         "Stiffness A, B, D: N, M per unit strain and curvature",
-        *_matrix(laminate.ABD, SHELL_RESULTANTS[:6], ("e11", "e22", "g12", "k11", "k22", "k12")),
+        _matrix(laminate.ABD, SHELL_RESULTANTS[:6], ("e11", "e22", "g12", "k11", "k22", "k12")),
         "Transverse shear Ds: T per unit shear strain",
-        *_matrix(laminate.Ds, SHELL_RESULTANTS[6:], ("g13", "g23")),
+        _matrix(laminate.Ds, SHELL_RESULTANTS[6:], ("g13", "g23")),
     ]
     return lines
 
@@ -113,14 +112,8 @@ def _character(report: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _matrix(K: Array, rows: tuple[str, ...], columns: tuple[str, ...]) -> list[str]:
-    size = np.sqrt(np.abs(np.diag(K)))
-    shown = np.where(np.abs(K) < ROUND_OFF * np.outer(size, size), 0.0, K)
-    lines = [" " * 11 + "".join(f"{name:>13}" for name in columns)]
-    for name, row in zip(rows, shown, strict=True):
-        numbers = "".join(f"{value:13.5e}" if value else f"{0:>13}" for value in row)
-        lines.append(f"{f'{name} [{UNITS[name[0]]}]':11}{numbers}")
-    return lines
+def _matrix(K: Array, rows: tuple[str, ...], columns: tuple[str, ...]) -> str:
+    return matrix(K, [f"{name} [{UNITS[name[0]]}]" for name in rows], columns)
 
 
 def _mesh(shell: ShellFile) -> list[str]:
@@ -184,33 +177,24 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
 
 def _six(values: Array) -> str:
     size = max(float(np.abs(values).max()), np.finfo(float).tiny)
-    cells = "".join(f"{_number(value, size):>12}" for value in values)
+    cells = "".join(f"{rounded(value, size):>12}" for value in values)
     return f"{cells[:36]} N {cells[36:]} N m"
-
-
-def _number(value: float, size: float) -> str:
-    return "0" if abs(value) < ROUND_OFF * size else f"{value:.5g}"
 
 
 def _plies(laminate: str, plies: list[PlyExtreme]) -> list[str]:
     """Return the highest stress of every ply, with its least strength ratio."""
     names = ("s11", "s22", "s12", "s13", "s23")
-    width = max(8, *(len(ply.material) for ply in plies))
-    lines = [
-        f"Plies of {laminate}: largest stress [MPa] in ply axes, lowest strength ratio R",
-        f"{'ply':>5} {'material':{width}}{'angle':>8}"
-        + "".join(f"{name:>12}" for name in names)
-        + f"{'R':>12}",
-    ]
     size = max(float(np.abs(ply.stress_M).max()) for ply in plies)
+    rows = [["ply", "material", "angle", *names, "R"]]
     for ply in plies:
         least = min((reserve.ratio for reserve in ply.reserves), default=None)
-        shown = np.where(np.abs(ply.stress_M) < ROUND_OFF * size, 0.0, ply.stress_M) / 1e6
-        numbers = "".join(f"{shown[i]:12.4g}" for i in SHOWN_STRESSES)
-        ratio = f"{least:12.4g}" if least is not None else f"{'-':>12}"
-        angle = f"{ply.angle_deg:8.4g}"
-        lines.append(f"{ply.ply + 1:>5} {ply.material:{width}}{angle}{numbers}{ratio}")
-    return lines
+        shown = [rounded(ply.stress_M[i] / 1e6, size / 1e6, 4) for i in SHOWN_STRESSES]
+        own = [str(ply.ply + 1), ply.material, f"{ply.angle_deg:.4g}"]
+        rows.append([*own, *shown, number(least, 4)])
+    return [
+        f"Plies of {laminate}: largest stress [MPa] in ply axes, lowest strength ratio R",
+        aligned(rows, (1,), head=1, rule=False),
+    ]
 
 
 def _modes(shell: ShellFile) -> list[str]:
@@ -221,10 +205,7 @@ def _modes(shell: ShellFile) -> list[str]:
     if modes.n_zero:
         lines.append(f"{'Modes':16}{modes.n_zero} without strain energy, 0 Hz")
     elastic = modes.frequencies_hz[modes.n_zero :]
-    for first in range(0, len(elastic), 6):
-        label = "Frequencies" if first == 0 else ""
-        some = "".join(f"{value:12.6g}" for value in elastic[first : first + 6])
-        lines.append(f"{label:16}{some.lstrip() if first == 0 else some[2:]} Hz")
+    lines += in_rows("Frequencies", elastic, "Hz")
     if modes.error is not None:
         error = modes.error[modes.n_zero :]
         lines += _mesh_error(elastic, error, "frequencies", " Hz")
