@@ -31,9 +31,8 @@ from ..results.codes import (
     SIZE_UNITS,
     Finding,
 )
-from ..strength.beam_bodies import beam_search
 from ..strength.found import BodyStrength, failure_text
-from ..strength.shell_bodies import shell_search
+from ..strength.shell_bodies import body_search
 from .finished import FinishedRun
 
 
@@ -174,7 +173,7 @@ def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
         package = run.packages.get(name)
         if package is None:
             continue
-        search = beam_search(package) or shell_search(package)
+        search = body_search(package)
         if search is None:
             continue
         for t, q in run.modes(i, run.look.strength):

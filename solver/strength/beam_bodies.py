@@ -18,7 +18,7 @@ from ..package.common.materials import PlyStrength, YieldStrength
 from ..package.section.schema import Ply, SectionRecovery
 from ..package.section.stress import strengths
 from . import Criterion, criteria_of
-from .found import BodyStrength, Failure, ranked
+from .found import BodyStrength, CriticalPoint, ranked
 from .search import PeakSearch
 
 
@@ -33,20 +33,6 @@ def resultants(package: ModalPackage, q: Array) -> Array:
 def unit_stress_M(recovery: SectionRecovery) -> Array:
     """Stress of each point in its ply axes per unit resultant, (p, 6, 6) [Pa/N, Pa/(N m)]."""
     return np.asarray(recovery.C_M[recovery.ply] @ recovery.strain_M)
-
-
-def body_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:
-    """Find the lowest strength ratio of a body; None without recovery or without strengths.
-
-    Parameters
-    ----------
-    t, q : (t,) times [s] and (t, m) modal coordinates at these
-    """
-    search = beam_search(package)
-    if search is None:
-        return None
-    search.take(t, q)
-    return search.found()
 
 
 def beam_search(package: ModalPackage) -> "BeamSearch | None":
@@ -94,18 +80,6 @@ def material_searches(
                 yield MaterialSearch(criterion, strength, recovery, own, plies, group, peaks)
 
 
-@dataclass(frozen=True)
-class _Peak:
-    """The highest exposure so far of a ply under a criterion."""
-
-    exposure: float
-    search: MaterialSearch
-    station: int
-    point: int
-    F: Array  # (6,)
-    time: float
-
-
 class BeamSearch:
     """The lowest strength ratio of every ply of a beam, over blocks of times."""
 
@@ -123,7 +97,7 @@ class BeamSearch:
         # Exposure of a unit resultant, to compare stations with each other.
         units = [s.peaks.bounds.max(axis=0).reshape(2, 6).max(axis=0) for s in every]
         self._severity = np.max(units, axis=0) if units else np.zeros(6)
-        self._peaks: dict[tuple[Ply, str], _Peak] = {}
+        self._peaks: dict[tuple[Ply, str], CriticalPoint] = {}
 
     def take(self, t: Array, q: Array) -> None:
         """Look at times t (k,) with modal coordinates q (k, m)."""
@@ -144,38 +118,23 @@ class BeamSearch:
         for g, peak in enumerate(known):
             if peak is None or found.exposure[g] > peak.exposure:
                 instant, point = int(found.instant[g]), int(found.point[g])
-                self._peaks[keys[g]] = _Peak(
+                row = int(search.points[point])
+                x2, x3 = at = search.recovery.points[row]
+                self._peaks[keys[g]] = CriticalPoint(
                     float(found.exposure[g]),
-                    search,
-                    station,
+                    search.peaks,
                     point,
                     F[:, instant].copy(),
                     float(t[instant]),
+                    float(self._stations.station_x[station]),
+                    at,
+                    f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
+                    search.recovery.plies[int(search.recovery.ply[row])],
                 )
 
     def found(self) -> BodyStrength | None:
         """Return what was found so far."""
-        found = {key: self._failure(peak) for key, peak in self._peaks.items()}
-        return ranked(self._stations.station_x, self.exposure, found)
-
-    def _failure(self, peak: _Peak) -> Failure:
-        search = peak.search
-        stress_M = search.peaks.stress_M[peak.point] @ peak.F
-        verdict = search.criterion.assess(stress_M, search.strength)
-        row = int(search.points[peak.point])
-        x2, x3 = point = search.recovery.points[row]
-        return Failure(
-            criterion=search.criterion.name,
-            mode=verdict.modes[int(verdict.mode)],
-            ratio=float(verdict.ratio),
-            index=float(verdict.index),
-            x=float(self._stations.station_x[peak.station]),
-            point=point,
-            ply=search.recovery.plies[int(search.recovery.ply[row])],
-            time=peak.time,
-            stress_M=stress_M,
-            place=f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
-        )
+        return ranked(self._stations.station_x, self.exposure, self._peaks)
 
 
 def _recovery(package: ModalPackage) -> BodyRecovery:

@@ -6,6 +6,7 @@ from typing import Any
 
 from ..math.arrays import Array
 from ..package.section.schema import STRESSES, Ply
+from .search import PeakSearch
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,38 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class CriticalPoint:
+    """The highest exposure so far of a ply under a criterion."""
+
+    exposure: float
+    search: PeakSearch
+    point: int  # of the search
+    F: Array  # (6,) or (8,) resultants, of a solid stresses
+    time: float  # [s]
+    x: float  # station along the body [m]
+    at: Array  # Failure.point
+    place: str
+    ply: Ply
+
+    def failure(self) -> Failure:
+        """Return the verdict of the criterion there."""
+        stress_M = self.search.stress_M[self.point] @ self.F
+        verdict = self.search.criterion.assess(stress_M, self.search.strength)
+        return Failure(
+            criterion=self.search.criterion.name,
+            mode=verdict.modes[int(verdict.mode)],
+            ratio=float(verdict.ratio),
+            index=float(verdict.index),
+            x=self.x,
+            point=self.at,
+            ply=self.ply,
+            time=self.time,
+            stress_M=stress_M,
+            place=self.place,
+        )
+
+
+@dataclass(frozen=True)
 class BodyStrength:
     """Exposures of a body over a run; `s` counts stations of a beam, strips of a shell."""
 
@@ -40,18 +73,19 @@ class BodyStrength:
 
 
 def ranked(
-    station_x: Array, exposure: dict[str, Array], found: Mapping[tuple[Ply, str], Failure]
+    station_x: Array, exposure: dict[str, Array], peaks: Mapping[tuple[Ply, str], CriticalPoint]
 ) -> BodyStrength | None:
     """Put together what was found of each ply by each criterion; None without any.
 
     Parameters
     ----------
     station_x, exposure : see BodyStrength
-    found : lowest ratio by ply and name of the criterion
+    peaks : by ply and name of the criterion
     """
     worst: dict[str, Failure] = {}
     weakest: dict[Ply, Failure] = {}
-    for (ply, name), failure in found.items():
+    for (ply, name), peak in peaks.items():
+        failure = peak.failure()
         if name not in worst or failure.ratio < worst[name].ratio:
             worst[name] = failure
         if ply not in weakest or failure.ratio < weakest[ply].ratio:

@@ -24,7 +24,8 @@ from ..package.section.schema import Ply
 from ..package.section.stress import strengths
 from ..package.shell.schema import LEVELS, ShellPly
 from . import criteria_of
-from .found import BodyStrength, Failure, ranked
+from .beam_bodies import BeamSearch, beam_search
+from .found import BodyStrength, CriticalPoint, ranked
 from .search import BLOCK, ROUND_OFF, PeakSearch
 
 STRIPS = 20  # strips across the body's x, each with its highest exposure
@@ -32,22 +33,24 @@ AT_ONCE = 2_000_000  # numbers in memory at a time
 FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together
 
 
-def shell_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:
-    """Find the lowest strength ratio of a shell; None without resultants or without strengths.
+def body_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:
+    """Find the lowest strength ratio of a body; None without stresses or without strengths.
 
     Parameters
     ----------
     t, q : (t,) times [s] and (t, m) modal coordinates at these
     """
-    search = shell_search(package)
+    search = body_search(package)
     if search is None:
         return None
     search.take(t, q)
     return search.found()
 
 
-def shell_search(package: ModalPackage) -> "ShellSearch | None":
-    """Return the search of a shell or solid; None without stresses or without strengths."""
+def body_search(package: ModalPackage) -> "BeamSearch | ShellSearch | None":
+    """Return the search of a body; None without stresses or without strengths."""
+    if package.recovery is not None:
+        return beam_search(package)
     cells, laminates = stressed_cells(package)
     if cells is None or not package.n_mode or not len(cells.cell):
         return None
@@ -97,7 +100,7 @@ class ShellSearch:
         self._strip, self._middle = _strips(self._centre_B[:, 0])
         names = sorted({s.peaks.criterion for s in self._searches}, key=lambda c: (c.order, c.name))
         self.exposure = {criterion.name: np.zeros(len(self._middle)) for criterion in names}
-        self._peaks: dict[tuple[Ply, str], _Peak] = {}
+        self._peaks: dict[tuple[Ply, str], CriticalPoint] = {}
 
     def take(self, t: Array, q: Array) -> None:
         """Look at times t (k,) with modal coordinates q (k, m)."""
@@ -117,34 +120,24 @@ class ShellSearch:
                 along[number] = max(along[number], highest)
                 if best is None or (place is not None and highest > best.exposure):
                     cell, point, instant = place or (0, 0, 0)
-                    F, then = R[cell] @ q[instant], float(t[instant])
-                    self._peaks[key] = _Peak(
-                        highest, search, int(own[inside[cell]]), point, F, then
+                    at, level = self._centre_B[own[inside[cell]]], ""
+                    if len(search.points) > 1:
+                        level = f", at its {LEVELS[search.points[point, 1]]}"
+                    self._peaks[key] = CriticalPoint(
+                        highest,
+                        search.peaks,
+                        point,
+                        R[cell] @ q[instant],
+                        float(t[instant]),
+                        float(at[0]),
+                        at,
+                        f"y = {at[1]:.4g} m, z = {at[2]:.4g} m{level}",
+                        search.ply,
                     )
 
     def found(self) -> BodyStrength | None:
         """Return what was found so far."""
-        found = {key: self._failure(peak) for key, peak in self._peaks.items()}
-        return ranked(self._middle, self.exposure, found)
-
-    def _failure(self, peak: "_Peak") -> Failure:
-        search = peak.search
-        stress_M = search.peaks.stress_M[peak.point] @ peak.F
-        verdict = search.peaks.criterion.assess(stress_M, search.peaks.strength)
-        level = f", at its {LEVELS[search.points[peak.point, 1]]}" if len(search.points) > 1 else ""
-        place = self._centre_B[peak.row]
-        return Failure(
-            criterion=search.peaks.criterion.name,
-            mode=verdict.modes[int(verdict.mode)],
-            ratio=float(verdict.ratio),
-            index=float(verdict.index),
-            x=float(place[0]),
-            point=place,
-            ply=search.ply,
-            time=peak.time,
-            stress_M=stress_M,
-            place=f"y = {place[1]:.4g} m, z = {place[2]:.4g} m{level}",
-        )
+        return ranked(self._middle, self.exposure, self._peaks)
 
 
 class _Place(NamedTuple):
@@ -153,18 +146,6 @@ class _Place(NamedTuple):
     cell: int
     point: int
     instant: int
-
-
-@dataclass(frozen=True)
-class _Peak:
-    """The highest exposure so far of a ply under a criterion."""
-
-    exposure: float
-    search: "_Search"
-    row: int  # of the package's cells with resultants
-    point: int
-    F: Array  # (8,) or (6,)
-    time: float
 
 
 @dataclass(frozen=True)

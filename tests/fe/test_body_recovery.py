@@ -21,7 +21,7 @@ from plymotion.solver.package import ModalPackage, read_package, validate, write
 from plymotion.solver.package.common.materials import bond
 from plymotion.solver.package.section.schema import SectionFile
 from plymotion.solver.package.section.stress import resultants
-from plymotion.solver.strength.beam_bodies import body_strength
+from plymotion.solver.strength.shell_bodies import body_strength
 
 LENGTH = 0.5
 STEEL = {

@@ -18,7 +18,7 @@ from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.package import validate, write_package
 from plymotion.solver.package.common.cells import corner_counts
 from plymotion.solver.package.shell.io import read_shell, write_shell
-from plymotion.solver.strength.shell_bodies import cell_centres, shell_strength
+from plymotion.solver.strength.shell_bodies import body_strength, cell_centres
 
 Record = Callable[[str, Any], None]
 QUADS = {"element": "quadrilateral"}
@@ -218,7 +218,7 @@ def test_body_of_quadrilaterals(tmp_path: Path) -> None:
     write_package(tmp_path / "wing.vtkhdf", package)
     assert [f for f in validate(tmp_path / "wing.vtkhdf") if f.level != "note"] == []
     assert set(package.cell_types) == {9}
-    found = shell_strength(package, np.zeros(1), np.array([[1e-3, 0.0, 0.0]]))
+    found = body_strength(package, np.zeros(1), np.array([[1e-3, 0.0, 0.0]]))
     assert found is not None
     bending = np.abs(package.cell_resultants.resultants_E[:, 3, 0])
     assert bending.argmax() in np.flatnonzero(

@@ -25,7 +25,7 @@ from plymotion.preprocess.solid.analysis import HeldSolid, accurate_model, findi
 from plymotion.preprocess.solid.mesh import SolidError
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.validation import validate
-from plymotion.solver.strength.shell_bodies import shell_strength
+from plymotion.solver.strength.shell_bodies import body_strength
 
 LENGTH, WIDTH, HEIGHT = 0.2, 0.012, 0.008
 STRONG = {**ALUMINIUM, "strength": {"yield_stress": 250e6}}
@@ -127,7 +127,7 @@ def test_strength_of_a_bar_pulled_at_an_angle_to_its_fibres(bar_file: Path) -> N
         faces,
         **{name: getattr(faces, name)[middle] for name in ("cell", "material", "A_BM", "stress_M")},
     )
-    found = shell_strength(replace(package, face_stresses=some), np.zeros(1), q[None])
+    found = body_strength(replace(package, face_stresses=some), np.zeros(1), q[None])
     assert found is not None
     assert set(found.worst) == {"max-stress", "tsai-hill", "tsai-wu", "hashin"}
     assert found.worst["max-stress"].ratio == pytest.approx(40e6 / (100e6 * s * s), rel=5e-3)

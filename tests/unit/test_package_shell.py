@@ -17,7 +17,7 @@ from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.schema import CellResultants, LaminateData
 from plymotion.solver.strength.found import failure_text, summary
-from plymotion.solver.strength.shell_bodies import shell_strength
+from plymotion.solver.strength.shell_bodies import body_strength
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_an_older_reader_finds_a_body_without_stresses(file: Path) -> None:
         del h5.attrs["content_sha256"]
     found = read_package(file)
     assert (found.laminates, found.cell_resultants) == ((), None)
-    assert shell_strength(found, np.zeros(2), np.zeros((2, 3))) is None
+    assert body_strength(found, np.zeros(2), np.zeros((2, 3))) is None
 
 
 def _cells(**changes: Any) -> CellResultants:
@@ -135,7 +135,7 @@ def test_strength_is_the_worst_of_all_cells_plies_and_instants() -> None:
     package = panel()
     t = np.linspace(0.0, 1.0, 60)
     q = 0.02 * np.sin(np.outer(t, [7.0, 31.0, 45.0]) + np.array([0.1, 0.7, 2.0]))
-    found = shell_strength(package, t, q)
+    found = body_strength(package, t, q)
     assert found is not None
     assert package.cell_resultants is not None
     rows = range(len(package.cell_resultants.cell))
@@ -160,7 +160,7 @@ def test_faces_of_a_solid_are_judged_by_their_stresses() -> None:
     package = with_face_stresses()
     t = np.linspace(0.0, 1.0, 60)
     q = 0.02 * np.sin(np.outer(t, [7.0, 31.0, 45.0]) + np.array([0.1, 0.7, 2.0]))
-    found = shell_strength(package, t, q)
+    found = body_strength(package, t, q)
     assert found is not None
     assert package.face_stresses is not None
     worst = np.abs(np.einsum("fm,tm->ft", package.face_stresses.stress_M[:, 0], q)).max()

@@ -27,7 +27,8 @@ from plymotion.solver.package import ModalPackage, SectionData, validate, write_
 from plymotion.solver.package.section.schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.strength import criteria_of
-from plymotion.solver.strength.beam_bodies import body_strength, resultants
+from plymotion.solver.strength.beam_bodies import resultants
+from plymotion.solver.strength.shell_bodies import body_strength
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05
 E, NU, RHO = STEEL["E"], STEEL["nu"], STEEL["rho"]

@@ -29,9 +29,8 @@ from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
 from plymotion.solver.strength import criteria_of
-from plymotion.solver.strength.beam_bodies import body_strength
 from plymotion.solver.strength.found import summary
-from plymotion.solver.strength.shell_bodies import shell_strength
+from plymotion.solver.strength.shell_bodies import body_strength
 
 WIDTH, HEIGHT = 0.04, 0.012
 MATERIALS = {
@@ -205,7 +204,7 @@ def test_lowest_of_a_shell_at_every_instant(arm: tuple[BuiltMechanism, ModalPack
     near = [float(x) for x in corners.mean(axis=0) + 1e-6]
     found = values(built, package, q, kind="exposure", point=near, region="wall", ply=0)
     assert found == pytest.approx(expected[7], rel=1e-12)
-    strength = shell_strength(package, np.arange(60.0), q)
+    strength = body_strength(package, np.arange(60.0), q)
     assert strength is not None
     assert strength.plies == (strength.governing,)
 
