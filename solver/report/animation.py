@@ -18,7 +18,7 @@ from ..package.common.container import new_file, set_text
 from ..package.common.files import temporary_sibling
 from ..package.common.object_file import write_file_checksum
 from ..results import BodyGeometry, RunResult, read_result
-from ..results.file import frames
+from ..results.file import frames, write_grid
 from ..results.schema import BodyView
 from ..results.summary import plain
 from .scene import frame_rows, one_sign, site_energy, site_exposure
@@ -253,27 +253,11 @@ def _write_grid(
         [each.triangles + start for each, start in zip(surfaces, starts[:-1], strict=True)]
     )
     n, c, k = sum(points), sum(cells), len(t)
-    grid.attrs["Version"] = np.array([2, 2], dtype=np.int64)
-    grid.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
-    grid["Connectivity"] = triangles.ravel().astype(np.int64)
-    grid["Offsets"] = 3 * np.arange(c + 1, dtype=np.int64)
-    grid["Types"] = np.full(c, TRIANGLE, dtype=np.uint8)
+    counts = {body.name: count for (body, _), count in zip(bodies, cells, strict=True)}
     # One part: of each time, its points are further down, its cells are those of the first.
-    for name, count in (("Points", n), ("Cells", c), ("ConnectivityIds", 3 * c)):
-        grid[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
-    grid["CellData/body_id"] = np.repeat(np.arange(len(bodies)), cells).astype(np.int64)
-    set_text(grid["CellData/body_id"], "names", json.dumps([body.name for body, _ in bodies]))
-    steps = grid.create_group("Steps")
-    steps.attrs["NSteps"] = np.int64(k)
-    steps["Values"] = t
-    set_text(steps["Values"], "unit", "s")
+    offsets, types = 3 * np.arange(c + 1), np.full(c, TRIANGLE)
+    steps = write_grid(grid, n, triangles.ravel().astype(np.int64), offsets, types, counts, t, n)
     each = np.arange(k, dtype=np.int64)
-    steps["NumberOfParts"] = np.ones(k, dtype=np.int64)
-    steps["PartOffsets"] = np.zeros(k, dtype=np.int64)
-    steps["PointOffsets"] = each * n
-    for name in ("CellOffsets", "ConnectivityIdOffsets"):
-        steps[name] = np.zeros((k, 1), dtype=np.int64)
-    steps["CellDataOffsets/body_id"] = np.zeros(k, dtype=np.int64)
     _room(grid, "Points", (k * n, 3), n, "m", "global positions")
     for name, (unit, text) in POINT_DATA.items():
         _room(grid, f"PointData/{name}", (k * n, 3), n, unit, text)

@@ -216,44 +216,72 @@ def write_animation(
     points : (k, n, 3) global positions of the nodes of all bodies end to end [m]
     deflection : (k, n) magnitude of the elastic displacement [m]
     """
-    view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
-    view.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
     n_step, n = points.shape[:2]
     starts = np.cumsum([0] + [len(body.nodes_B) for body in bodies])
     cells = [len(body.cell_types) for body in bodies]
-    connectivity = _join([b.connectivity + s for b, s in zip(bodies, starts[:-1], strict=True)])
-    lengths = _join([np.diff(body.offsets) for body in bodies])
+    steps = write_grid(
+        view,
+        n,
+        _join([b.connectivity + s for b, s in zip(bodies, starts[:-1], strict=True)]),
+        np.concatenate([[0], np.cumsum(_join([np.diff(body.offsets) for body in bodies]))]),
+        _join([body.cell_types for body in bodies]),
+        dict(zip((body.name for body in bodies), cells, strict=True)),
+        t,
+        0,
+    )
     view["Points"] = points[0]
-    view["Connectivity"] = connectivity
-    view["Offsets"] = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
-    view["Types"] = _join([body.cell_types for body in bodies]).astype(np.uint8)
-    counts = {"Points": n, "Cells": sum(cells), "ConnectivityIds": len(connectivity)}
-    for name, count in counts.items():
-        view[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
-    view["CellData/body_id"] = np.repeat(np.arange(len(cells)), cells).astype(np.int64)
-    # As attributes: VTK 9.7 ends with a fault on texts in the field data of a file with time steps.
-    # /results has the names of bodies that are too many for an attribute.
-    if len(names := json.dumps([body.name for body in bodies])) <= MAX_ATTRIBUTE:
-        set_text(view["CellData/body_id"], "names", names)
     set_text(view["Points"], "unit", "m")
-
     moving = {"displacement": (points - points[0]).reshape(-1, 3)}
     if deflection is not None:
         moving["deflection"] = deflection.ravel()
-    steps = view.create_group("Steps")
-    steps.attrs["NSteps"] = np.int64(n_step)
-    steps["Values"] = t
-    set_text(steps["Values"], "unit", "s")
-    steps["NumberOfParts"] = np.ones(n_step, dtype=np.int64)
-    still = np.zeros(n_step, dtype=np.int64)
-    for name in ("PartOffsets", "PointOffsets", "CellDataOffsets/body_id"):
-        steps[name] = still
-    for name in ("CellOffsets", "ConnectivityIdOffsets"):
-        steps[name] = still[:, None]
     for name, values in moving.items():
         squeeze = PACKED if values.nbytes > LARGE else {}
         set_text(view.create_dataset(f"PointData/{name}", data=values, **squeeze), "unit", "m")
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
+
+
+def write_grid(
+    grid: h5py.Group,
+    points: int,
+    connectivity: IntArray,
+    offsets: IntArray,
+    types: IntArray,
+    cells: Mapping[str, int],
+    t: Array,
+    stride: int,
+) -> h5py.Group:
+    """Write an unstructured grid of all bodies but its points and arrays; return its steps.
+
+    Parameters
+    ----------
+    points : their number
+    cells : number of cells of each body, by name
+    t : (k,) times of the steps [s]
+    stride : points that are further down in the file with each step; 0: they do not move
+    """
+    grid.attrs["Version"] = np.array([2, 2], dtype=np.int64)
+    grid.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
+    grid["Connectivity"], grid["Offsets"] = connectivity, offsets.astype(np.int64)
+    grid["Types"] = types.astype(np.uint8)
+    counts = {"Points": points, "Cells": len(types), "ConnectivityIds": len(connectivity)}
+    for name, count in counts.items():
+        grid[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
+    grid["CellData/body_id"] = np.repeat(np.arange(len(cells)), [*cells.values()]).astype(np.int64)
+    # As attributes: VTK 9.7 ends with a fault on texts in the field data of a file with time steps.
+    # /results has the names of bodies that are too many for an attribute.
+    if len(names := json.dumps([*cells])) <= MAX_ATTRIBUTE:
+        set_text(grid["CellData/body_id"], "names", names)
+    steps, each = grid.create_group("Steps"), np.arange(len(t), dtype=np.int64)
+    steps.attrs["NSteps"] = np.int64(len(t))
+    steps["Values"] = t
+    set_text(steps["Values"], "unit", "s")
+    steps["NumberOfParts"] = np.ones(len(t), dtype=np.int64)
+    steps["PointOffsets"] = each * stride
+    for name in ("PartOffsets", "CellDataOffsets/body_id"):
+        steps[name] = 0 * each
+    for name in ("CellOffsets", "ConnectivityIdOffsets"):
+        steps[name] = 0 * each[:, None]
+    return steps
 
 
 def _join(parts: list[IntArray]) -> IntArray:
