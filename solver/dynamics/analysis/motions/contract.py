@@ -7,9 +7,31 @@ figures and differences of signals follow. CONTRIBUTING.md has the recipe.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 from ....math.arrays import Array
-from ..recovery import Recording
+
+
+class Places(Protocol):
+    """Motion of markers at k times, global: what a motion is made from (Recording has it)."""
+
+    model: Any  # arrays of the mechanism, as model.gravity_G (3,) [m/s2]
+    t: Array  # (k,) [s]
+
+    def position(self, marker: int) -> Array:
+        """Return the origin (k, 3) [m]."""
+
+    def axes(self, marker: int) -> Array:
+        """Return the axes in columns (k, 3, 3)."""
+
+    def velocity(self, marker: int) -> Array:
+        """Return the velocity of the origin (k, 3) [m/s]."""
+
+    def spin(self, marker: int) -> Array:
+        """Return the angular velocity (k, 3) [rad/s]."""
+
+    def acceleration(self, marker: int) -> Array:
+        """Return the acceleration of the origin (k, 3) [m/s2]."""
 
 
 @dataclass(frozen=True)
@@ -21,13 +43,13 @@ class Motion:
     kind : name in the case file
     meaning : words of the reference page, with the axes of the components
     unit : of the values
-    vectors : f(recording, marker) -> (k, 3) at the times of a recording; `marker` has the place and
-     the axes of the interface, which are parallel to the global axes at the start
+    vectors : f(places, marker) -> (k, 3); `marker` has the place and the axes of the
+     interface, which are parallel to the global axes at the start
     order : position in lists; motions of equal order are sorted by kind
     """
 
     kind: str
     meaning: str
     unit: str
-    vectors: Callable[[Recording, int], Array]
+    vectors: Callable[[Places, int], Array]
     order: int = 100
