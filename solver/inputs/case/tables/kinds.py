@@ -2,13 +2,20 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
-from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    create_model,
+    model_validator,
+)
 
 from ....dynamics.elements.couplings.contract import Coupling
 from ....dynamics.elements.couplings.table import COUPLINGS
 from ....dynamics.elements.forces.contract import CoordinateForce, Element, ForceElement, Load
 from ....dynamics.elements.forces.table import FORCES
-from ....dynamics.elements.joints.contract import Angle, DrivenBy, Joint
+from ....dynamics.elements.joints.contract import FREEDOMS, Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.catalogue import (
     Code,
@@ -109,11 +116,59 @@ class JointTable(Table):
     kind: str
 
 
+class FreeJoint(Table):
+    """`[joints.NAME]` with `free` in place of `kind`: a joint by the directions left free.
+
+    It is the kind of joint with these freedoms and its `axis`, and takes the other keys of this
+    kind: free = ["rz"] is a revolute joint about z, ["x", "rx"] a cylindrical one along x.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    between: list[str] = entry("two places, as of every joint", min_length=2, max_length=2)
+    free: list[Literal["x", "y", "z", "rx", "ry", "rz"]] = entry(
+        "displacements along and rotations about global directions at the start"
+    )
+
+
+def by_freedoms(table: Any) -> Any:
+    """Return the table of a joint with the kind and the axis that its key `free` asks for.
+
+    Raises
+    ------
+    ValueError : no kind of joint has these freedoms.
+    """
+    if not isinstance(table, dict) or "free" not in table or "kind" in table:
+        return table
+    free, known = table["free"], ("x", "y", "z", "rx", "ry", "rz")
+    if not isinstance(free, list) or any(each not in known for each in free):
+        raise ValueError(f"free = {free}: expected some of {', '.join(known)}")
+    if "axis" in table:
+        raise ValueError("expected no `axis` with `free`, which are global directions")
+    for axis, order in enumerate(("yzx", "zxy", "xyz")):  # the last one is that of the joint
+        local = {"about " * (len(d) - 1) + "xyz"[order.index(d[-1])] for d in free}
+        for joint in JOINTS.values():
+            whole = len(joint.removes) == len(joint.units)
+            if whole and set(FREEDOMS) - set(joint.removes) == local:
+                own: dict[str, Any] = {"kind": joint.kind}
+                if any(key.name == "axis" for key in joint.keys):
+                    own["axis"] = [float(k == axis) for k in range(3)]
+                return {**{k: v for k, v in table.items() if k != "free"}, **own}
+    raise ValueError(
+        f"free = {free}: no joint leaves just these free; expected none, one rotation or "
+        "displacement, both along one axis, rx, ry, rz with or without one displacement, or two "
+        "displacements and the rotation across them"
+    )
+
+
 JOINT_TABLES = tuple(table_of(JointTable, "joints", joint) for joint in JOINTS.values())
 if TYPE_CHECKING:
     CaseJoint = JointTable
 else:
-    CaseJoint = Annotated[Union[(*JOINT_TABLES,)], Field(discriminator="kind")]
+    CaseJoint = Annotated[
+        Annotated[Union[(*JOINT_TABLES,)], Field(discriminator="kind")],
+        BeforeValidator(by_freedoms, json_schema_input_type=Union[(*JOINT_TABLES, FreeJoint)]),
+    ]
 
 
 class CouplingTable(Table):

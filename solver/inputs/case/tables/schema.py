@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Mapping
+from contextlib import suppress
 from copy import copy
 from math import isfinite
 from pathlib import Path
@@ -20,7 +21,7 @@ from ...common.materials import Material
 from ...common.table import Name, Table, Vector, Word, entry, follow, is_number, optional, validated
 from .beams import BeamBody
 from .bodies import ImportedBody, PackageBody, RigidBody, Section, ShellBody, SolidBody
-from .kinds import CaseCoupling, CaseForce, CaseJoint
+from .kinds import CaseCoupling, CaseForce, CaseJoint, by_freedoms
 from .laws import FOLDER, RESOLVED, TablePoints
 from .signals import Signal
 from .solver import Solver
@@ -236,6 +237,8 @@ class Mechanism(Table):
         for name, signal in signals.items():
             if isinstance(signal, dict) and signal.get("kind") == "joint":
                 joint = joints.get(str(signal.get("joint")))
+                with suppress(ValueError):  # which is said of the joint
+                    joint = by_freedoms(joint)
                 kind = joint.get("kind") if isinstance(joint, dict) else None
                 free = JOINTS[kind].coordinates if isinstance(kind, str) and kind in JOINTS else ()
                 if len(free) == 1 and signal.get("coordinate") is None:
