@@ -133,7 +133,7 @@ def finer_parameters(
 
 def is_ours(script: ModuleType) -> bool:
     """Whether a script is one of meshes/shells."""
-    ours = Path(__file__).resolve().parents[3] / "meshes" / "shells"
+    ours = Path(__file__).resolve().parents[2] / "meshes" / "shells"
     return Path(str(script.__file__)).resolve().parent == ours
 
 

@@ -3,7 +3,7 @@
 Cells are tetrahedra of 10 and hexahedra of 27 nodes in gmsh's order."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -116,7 +116,7 @@ def face_centre(cell: str, face: int) -> Array:
 
 
 # Size over that of the smallest cells. Quadratic cells turn inside out at much smaller radii: then
-# smaller ones are tried.
+# straight ones are tried, and then smaller ones.
 SMALLEST = (8.0, 16.0, 32.0)
 THINNEST = 1e-6  # least extent of a solid relative to the largest
 
@@ -194,6 +194,10 @@ def _made(
         wrong = _turned(plain)
         if not len(wrong) or not found.exact:
             break
+        straight = _straightened(plain, wrong)
+        if not len(_turned(straight)):  # a few cells of a torus or a sphere
+            plain, wrong = straight, wrong[:0]
+            break
     extent = np.ptp(plain.points, axis=0)
     if not extent.min() > THINNEST * extent.max():
         shown = " x ".join(f"{value:.4g}" for value in extent)
@@ -225,6 +229,19 @@ def _turned(plain: PlainMesh) -> IntArray:
         J = np.einsum("ak,ckx->cax", derivatives(plain.cell, place), x)
         least = np.minimum(least, np.linalg.det(J))
     return np.flatnonzero(~(least > 0.0))
+
+
+def _straightened(plain: PlainMesh, wrong: IntArray) -> PlainMesh:
+    """The mesh with straight edges of wrong tetrahedra, and of those that are wrong then."""
+    straight = replace(plain, points=plain.points.copy())
+    ends = np.array(_EDGES["tetrahedron"])
+    done = np.zeros(len(plain.cells), dtype=bool)
+    while not done[wrong].all():
+        done[wrong] = True
+        cells = plain.cells[wrong]
+        straight.points[cells[:, 4:]] = plain.points[cells[:, ends]].mean(axis=2)
+        wrong = _turned(straight)
+    return straight
 
 
 def edge_length(mesh: SolidMesh) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from samples.shell_specs import plate
 
-from plymotion.preprocess.shell.analyses import modes as shell_modes
+from plymotion.preprocess.shell.analyses import discretisation
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.solver.report.shell.findings import shell_json
 from plymotion.solver.report.shell.show import shell_text
@@ -54,7 +54,7 @@ def test_a_long_estimate_is_left_out_with_the_key_that_asks_for_it() -> None:
     """25 x 25 cells have 4056 unknowns."""
     for n, left_out in ((24, False), (25, True)):
         found = modes_of(n)
-        assert (6 * (n + 1) ** 2 > shell_modes.CHEAP) == left_out
+        assert (6 * (n + 1) ** 2 > discretisation.CHEAP) == left_out
         table = shell_json(found)
         assert (table["frequency_errors"] is None) == left_out
         assert (table["frequency_errors_left_out"] is not None) == left_out

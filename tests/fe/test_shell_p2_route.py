@@ -211,11 +211,16 @@ def test_a_moment_at_a_point_is_not_judged() -> None:
     assert codes == []
 
 
-def test_what_is_not_compared_says_so() -> None:
-    links = {"end": {"at": "corner-11", "kind": "rigid"}}
-    assert analysed(plate(4, 0.01, links=links, supports=CLAMPED, frequencies={}))[0] == (
-        "not done for a rigid link of points"
-    )
+@pytest.mark.parametrize("at", ["corner-11", ["corner-10", "corner-11"]])
+def test_rigid_links_of_points(at: str | list[str]) -> None:
+    links = {"end": {"at": at, "kind": "rigid"}}
+    loads = {"pull": {"tip": {"at": "end", "force": [0.0, 0.0, 1.0]}}}
+    words, codes = analysed(plate(8, 0.02, supports=CLAMPED, links=links, loads=loads))
+    assert words.startswith("strain energy of pull: difference")
+    assert "verification-differs" not in codes, words
+
+
+def test_what_is_not_compared_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     held = {"point": {"at": "corner-00", "fixed": "all"}}
     assert analysed(plate(4, 0.01, supports=held, frequencies={}))[0] == (
         "not done for a rotation held at a point"
@@ -223,5 +228,11 @@ def test_what_is_not_compared_says_so() -> None:
     assert analysed(plate(4, 0.01, supports=HARD))[0] == (
         "not done for a shell without load cases and unstressed modes"
     )
+    with monkeypatch.context() as smaller:
+        smaller.setattr("plymotion.preprocess.shell.analyses.verification.MOST", 1000)
+        assert analysed(plate(4, 0.01, supports=HARD, frequencies={}))[0] == (
+            "not done for about 1701 unknowns of the second method on a mesh of half the cell "
+            "size, expected at most 1000: verify the same shell with larger cells"
+        )
     few = analysed(plate(2, 0.01, supports=HARD, frequencies={"count": 6}))[0]
     assert "the mesh is too coarse for frequency" in few

@@ -90,18 +90,45 @@ def test_brep_files_are_in_the_unit_that_is_given(
     assert model.mesh.exact[0].volume == pytest.approx(length**3 * parts[0].volume, rel=1e-9)
 
 
-@pytest.mark.parametrize("draw", [bracket, tube])
-def test_faces_of_iges_files_become_a_solid(draw: Callable[[Any], None], tmp_path: Path) -> None:
-    file = tmp_path / "part.igs"
+def _iges(file: Path, draw: Callable[[Any], None]) -> Any:
     try:
-        parts = cad_file(file, draw)
+        return cad_file(file, draw)
     except Exception as error:  # gmsh raises bare Exception
         if "Unknown output file format" not in str(error):
             raise
         pytest.skip("this gmsh writes no IGES")
+
+
+@pytest.mark.parametrize("draw", [bracket, tube])
+def test_faces_of_iges_files_become_a_solid(draw: Callable[[Any], None], tmp_path: Path) -> None:
+    file = tmp_path / "part.igs"
+    parts = _iges(file, draw)
     model = model_of(file, 0.008)
     assert_inertia(model, one_body(parts, [ALUMINIUM["rho"]], 1e-3))
     assert model.mesh.exact[0].volume == pytest.approx(1e-9 * parts[0].volume, rel=1e-6)
+
+
+def _void(occ: Any) -> None:
+    box, hole = occ.addBox(0, 0, 0, 40, 20, 10), occ.addBox(10, 5, 3, 10, 10, 4)
+    occ.cut([(3, box)], [(3, hole)])
+
+
+def test_a_void_of_an_iges_file_stays_empty(tmp_path: Path) -> None:
+    file = tmp_path / "part.igs"
+    _iges(file, _void)
+    assert model_of(file, 0.01).mesh.exact[0].volume == pytest.approx(7.6e-6, rel=1e-6)
+
+
+@pytest.mark.parametrize("shape", ["addSphere", "addTorus"])
+def test_round_parts_have_sound_cells(shape: str, tmp_path: Path) -> None:
+    """Some quadratic cells are turned inside out, unless their edges are straight."""
+    sizes = {"addSphere": (10.0,), "addTorus": (20.0, 5.0)}
+    file = tmp_path / "part.step"
+    (part,) = step_file(file, lambda occ: getattr(occ, shape)(0.0, 0.0, 0.0, *sizes[shape]))
+    model = model_of(file, None)
+    rigid = model.body.rigid_motions()[:, 0]
+    mass = ALUMINIUM["rho"] * 1e-9 * part.volume
+    assert rigid @ model.body.M @ rigid == pytest.approx(mass, rel=1e-3)
 
 
 def test_two_solids_share_their_faces_and_keep_their_materials(tmp_path: Path) -> None:

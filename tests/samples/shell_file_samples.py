@@ -104,6 +104,7 @@ def plate() -> ShellFile:
             reactions_G=reactions,
             energy=np.array([0.12, 0.0]),
             residual=np.array([1e-14, 0.0]),
+            error=np.array([0.02, 0.0]),
         ),
         probes=ShellProbes(("tip", "tip"), ("uz", "N11"), np.array([[0.025, 3e4], [0.0, 0.0]])),
         modes=ShellModes(

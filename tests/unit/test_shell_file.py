@@ -58,8 +58,11 @@ def test_without_errors_by_the_mesh(tmp_path: Path) -> None:
     assert shell.buckling is not None
     modes = dataclasses.replace(shell.modes, error=None)
     buckling = dataclasses.replace(shell.buckling, error=None)
-    write_shell(tmp_path / "a.vtkhdf", dataclasses.replace(shell, modes=modes, buckling=buckling))
+    cases = dataclasses.replace(shell.cases, error=None)
+    shell = dataclasses.replace(shell, cases=cases, modes=modes, buckling=buckling)
+    write_shell(tmp_path / "a.vtkhdf", shell)
     found = read_shell(tmp_path / "a.vtkhdf")
+    assert found.cases.error is None
     assert found.modes is not None
     assert found.buckling is not None
     assert found.modes.error is None

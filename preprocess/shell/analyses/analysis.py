@@ -25,7 +25,7 @@ from ..model.regions import cell_axes
 from .buckling import Stressed
 from .cases import load_cases
 from .discretisation import FinerMesh
-from .modes import shell_buckling, shell_modes
+from .modes import case_errors, shell_buckling, shell_modes
 
 
 def analyse(
@@ -73,6 +73,8 @@ def analyse(
     finer = FinerMesh(problem, begin)
     modes, left_out = shell_modes(stressed, finer, warnings, begin)
     buckling = shell_buckling(stressed, finer, warnings, begin)
+    error = case_errors(problem, cases, finer, verify, warnings)
+    cases = dataclasses.replace(cases, error=error)
     second = None
     if verify:
         from .verification import verified  # here: its forms are loaded only where they are needed

@@ -1,6 +1,7 @@
-"""Estimated discretisation errors of load factors and frequencies, from a mesh of half the cells.
+"""Estimated discretisation errors of load cases, load factors and frequencies from a finer mesh.
 
-The elements are of second order: of the difference of two meshes, a third is left in the finer one.
+It has cells of half the size. The elements are of second order: of the difference of two meshes, a
+third is left in the finer one.
 On the finer mesh the known shapes are improved by a block Krylov space of few vectors, which costs
 one factorisation and a few solutions; the prestress is computed there as well.
 
@@ -118,6 +119,7 @@ def _around(mesh: ShellMesh, normal: Array) -> tuple[IntArray, IntArray]:
 
 STEPS = 3  # of the Krylov space
 REST = 4.0 / 3.0  # error of the coarser mesh over the difference, second order
+CHEAP = 4000  # unknowns up to which errors are estimated by default: half a second
 MOST = 300_000  # unknowns of the finer mesh, above which there is no estimate
 DEPENDENT = 1e-13  # of the largest eigenvalue of a Gram matrix of unit vectors
 
@@ -142,6 +144,11 @@ class FinerMesh:
     def unknowns(self) -> int:
         """Number of degrees of freedom of its nodes."""
         return DOFS * self._refined.mesh.n_node
+
+    @property
+    def cheap(self) -> bool:
+        """Errors are estimated without being asked for."""
+        return DOFS * self._coarse.mesh.n_node <= CHEAP
 
     @cached_property
     def problem(self) -> ShellProblem:
@@ -169,6 +176,35 @@ class FinerMesh:
         table = coarse.reshape(-1, DOFS, coarse.shape[1])
         fine = (nodes @ table[:n].reshape(n, -1)).reshape(-1, DOFS, coarse.shape[1])
         return np.concatenate([fine, table[n:]]).reshape(-1, coarse.shape[1])
+
+
+def energy_errors(finer: FinerMesh, energy: Array) -> Array | None:
+    """Relative errors (l,) of the strain energies of load cases, above 0 if one is too high.
+
+    None if the finer mesh is too large, or not possible.
+    """
+    if finer.unknowns > MOST:
+        return None
+    try:
+        u = finer.stressed.u
+    except ShellError:
+        return None
+    fine = 0.5 * np.einsum("nl,nl->l", u, finer.problem.K @ u)
+    loaded = energy > 0.0
+    errors = np.zeros(len(energy))
+    errors[loaded] = _error(energy[loaded], fine[loaded])
+    return errors
+
+
+def at_points(problem: ShellProblem, key: str) -> set[str]:
+    """Load cases with loads of a key at points, or at links of points."""
+    links = [link.name for link in problem.links if link.group.kind == "point"]
+    points = {*problem.mesh.marks, *links}
+    return {
+        name
+        for name, case in problem.spec.get("loads", {}).items()
+        if any(e.get(key) is not None and e.get("at") in points for e in case.values())
+    }
 
 
 def load_factor_errors(

@@ -6,20 +6,32 @@ from typing import Any
 import numpy as np
 
 from ....solver.math.arrays import Array
-from ....solver.package.shell.schema import ShellBuckling, ShellModes
-from ..cells import DOFS
-from ..mesh import ShellMesh
+from ....solver.package.shell.schema import ShellBuckling, ShellCases, ShellModes
 from ..model.freedom import Freedom
 from ..model.guards import Progress, Warnings, drilling_warning, zero_energy_warnings
-from ..model.problem import mode_count
+from ..model.problem import ShellProblem, mode_count
 from ..model.states import warped_warnings
 from .buckling import Stressed, buckled, buckling, check_stable
 from .cases import by_node
-from .discretisation import FinerMesh, frequency_errors, load_factor_errors
+from .discretisation import (
+    CHEAP,
+    FinerMesh,
+    at_points,
+    energy_errors,
+    frequency_errors,
+    load_factor_errors,
+)
 from .frequencies import natural_modes
 
-COARSE = 0.05  # estimated error of a first load factor, or a frequency, that is warned about
-CHEAP = 4000  # unknowns up to which errors of frequencies are estimated by default: half a second
+# Estimated error of a first load factor, a frequency or a strain energy that is warned about.
+COARSE = 0.05
+# An error of first order, as at sharp corners of plates, over that of second order, which is 4/3 of
+# the difference of two meshes: each halving of the cells leaves half of it, twice the difference.
+SLOW = 1.5
+# A plate with an acute corner has an obtuse one, where moments are infinite (Williams 1952: where
+# it is simply supported, above 90 deg).
+SHARP = np.radians(75.0)
+WARPED = {"shell-triangles-warped", "shell-quadrilaterals-warped"}
 
 
 def shell_modes(
@@ -53,7 +65,7 @@ def shell_modes(
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     if case is not None and (values < 0.0).any():
         raise buckled(case, where)
-    error, left_out = None, _left_out(table, mesh)
+    error, left_out = None, _left_out(table, finer)
     if not left_out:
         error = frequency_errors(finer, case, np.sqrt(values), found.shapes, found.n_zero, free)
         if error is None:
@@ -97,12 +109,52 @@ def shell_buckling(
     )
 
 
-def _left_out(table: Mapping[str, Any], mesh: ShellMesh) -> str:
+def case_errors(
+    problem: ShellProblem, cases: ShellCases, finer: FinerMesh, asked: bool, warnings: Warnings
+) -> Array | None:
+    """Relative errors (l,) of the strain energies of load cases by the mesh, None if not estimated.
+
+    `asked`: also where it is not cheap. A moment at a point has no limit for finer cells.
+    """
+    if not cases.names or not (asked or finer.cheap):
+        return None
+    error = energy_errors(finer, cases.energy)
+    codes = {warning["code"] for warning in warnings}
+    if error is None or codes & WARPED:  # the other warning names the cause
+        return error
+    moments, forces = (at_points(problem, key) for key in ("moment", "force"))
+    factor = SLOW if has_sharp_corner(problem) else 1.0
+    judged = [0.0 if n in moments else factor * e for n, e in zip(cases.names, error, strict=True)]
+    worst = int(np.argmax(np.abs(judged)))
+    if abs(judged[worst]) > COARSE:
+        bad = int(np.count_nonzero(np.abs(judged) > COARSE))
+        more = "" if bad == 1 else f" (worst of {bad})"
+        what = f"load case {cases.names[worst]}{more}: the strain energy"
+        found = _coarse(what, float(error[worst]), factor)
+        if cases.names[worst] in forces:
+            found["message"] += ", and give forces at points a length or an area"
+        warnings.append(found)
+    return error
+
+
+def has_sharp_corner(problem: ShellProblem) -> bool:
+    """Whether the edge of the shell has a corner with an acute angle inside."""
+    mesh, angle = problem.mesh, np.zeros(problem.mesh.n_node)
+    for region in problem.regions:
+        x = mesh.points_G[region.nodes]
+        a, b = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
+        size = np.linalg.norm(a, axis=2) * np.linalg.norm(b, axis=2)
+        own = np.arccos(np.clip((a * b).sum(axis=2) / size, -1.0, 1.0))
+        np.add.at(angle, region.nodes, own)
+    return bool((angle[mesh.edges.nodes[mesh.edges.count == 1]] < SHARP).any())
+
+
+def _left_out(table: Mapping[str, Any], finer: FinerMesh) -> str:
     """Why the errors of frequencies are not estimated; empty if they are."""
     asked = table.get("error")
     if asked is False:
         return "error = false in [frequencies]"
-    if asked is None and DOFS * mesh.n_node > CHEAP:
+    if asked is None and not finer.cheap:
         return (
             f"above {CHEAP} unknowns the estimate takes several times as long as the frequencies; "
             "ask for it by error = true in [frequencies]"
@@ -120,9 +172,13 @@ def _coarse_frequencies(values: Array, error: Array, n_zero: int) -> dict[str, s
     return _coarse(what, float(error[worst]))
 
 
-def _coarse(what: str, error: float) -> dict[str, str]:
+def _coarse(what: str, error: float, factor: float = 1.0) -> dict[str, str]:
+    """A warning; `factor` times the error it is if it falls with the size of the cells."""
+    way = "high" if error > 0.0 else "low"
+    at_most = 100.0 * factor * abs(error)
+    corners = f" ({at_most:.2g} % if its sharp corner is the cause)" if factor > 1.0 else ""
     text = (
-        f"{what} is about {100.0 * abs(error):.2g} % too {'high' if error > 0.0 else 'low'} "
-        "by its mesh; use smaller cells: refine = 1 in [mesh]"
+        f"{what} is about {100.0 * abs(error):.2g} % too {way}{corners} by its mesh; use smaller "
+        "cells: refine = 1 in [mesh]"
     )
     return {"code": "shell-mesh-coarse", "message": text}

@@ -203,6 +203,9 @@ class ShellCases:
     ]
     energy: Annotated[Array, Data("l", "J", "-", "strain energy")]
     residual: Annotated[Array, Data("l", "-", "-", "residual of equilibrium, relative")]
+    error: Annotated[  # None: not estimated
+        Array | None, Data("l", "-", "-", "relative, of energy by the mesh; too high: above 0")
+    ] = None
 
 
 @dataclass(frozen=True)

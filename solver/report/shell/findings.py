@@ -344,6 +344,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> dict[str, Any]:
         },
         "rotation_deg": case.rotation_deg,
         "energy": float(shell.cases.energy[row]),
+        "energy_error": None if shell.cases.error is None else float(shell.cases.error[row]),
         "load": case.load_G.tolist(),
         "reactions": dict(zip(shell.supports.names, reactions, strict=True)),
         "reaction_sum": case.reactions_G.tolist(),

@@ -144,6 +144,11 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
         f"{'Strain energy':16}{shell.cases.energy[row]:.6g} J",
         f"{'Load':16}{_six(case.load_G)}",
     ]
+    if shell.cases.error is not None:
+        share = 100.0 * shell.cases.error[row]
+        lines.insert(3, f"{'Mesh error':16}{share:+.2g} % of the strain energy, estimated")
+    elif shell.provenance.get("dofs"):
+        lines.insert(3, f"{'Mesh error':16}not estimated for many unknowns; --verify does")
     for name, reaction in zip(shell.supports.names, shell.cases.reactions_G[row], strict=True):
         label = f"Reaction {name}"
         if len(label) > 15:
