@@ -20,7 +20,6 @@ import json
 import os
 import re
 import secrets
-import shutil
 import socket
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -143,6 +142,8 @@ class DiskFile(io.RawIOBase):
         code = self._error.errno or errno.EIO
         words = f"{os.strerror(code)}; the file needs {self._end + LENGTH} bytes"
         with contextlib.suppress(OSError, AttributeError):
+            import shutil  # not for a command that writes well
+
             words += f", {shutil.disk_usage(self.path.parent).free} are free"
         raise OSError(code, words, str(self.path)) from self._error
 
