@@ -6,7 +6,7 @@ import shlex
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any
+from typing import NotRequired, TypedDict
 
 import plymotion
 
@@ -19,7 +19,13 @@ CHOICE = Path("build") / "fenicsx.env"  # file in a checkout, written by `make f
 # Variables of this process's MPI job, if any: other processes must not join it unasked.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
 
-Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
+
+class Report(TypedDict):
+    """What `probe` finds: an interpreter, the version of its DOLFINx, and problems by module."""
+
+    python: str
+    dolfinx: NotRequired[str]
+    problems: dict[str, str]
 
 
 def probe(python: str) -> Report:

@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NotRequired, TypedDict, cast
 
 import plymotion
 
@@ -26,7 +26,19 @@ from .interpreter import LAUNCHER, find_interpreter
 
 # Start the preprocessor in the Python with FEniCSx and exchange lines of text with it.
 
-Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
+
+class Line(TypedDict):
+    """The outcome of a specification, a line of preprocess/batch.py."""
+
+    status: str  # built, unchanged, failed
+    seconds: float
+    text: str
+    warnings: list[dict[str, str]]  # code, message
+    error: str
+    defect: str
+    crashed: NotRequired[str]
+
+
 # A worker is one process and starts no other ranks. Open MPI then needs neither its daemon nor
 # networks; to start the one and look for the others takes it 0.4 s. Others ignore the variables.
 ONE_RANK = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
@@ -146,9 +158,9 @@ class Preprocessor:
             self._process.stdin.write(f"{spec}\n")
             self._process.stdin.flush()
         for text in self._process.stdout:
-            line: Line = json.loads(text)
+            line = json.loads(text)
             if "progress" not in line:
-                return line
+                return cast(Line, line)
             progress(line["progress"])
         return None
 
@@ -405,7 +417,7 @@ class Work:
 
 
 class _Specifications:
-    """The source of an executor (executors/executor.py)."""
+    """The source of an executor (executors.py)."""
 
     def __init__(self, work: Work, start: Start, done: Callable[[Path, Line], None]) -> None:
         self._work, self._start, self._done = work, start, done
