@@ -28,6 +28,7 @@ STARTERS = {
     "bracket": "a part from CAD (STEP) that turns a payload",
     "pendulum": "a laminated bar on a hinge, set swinging",
     "blade": "a rotating composite blade, stiffened by its spin",
+    "shaft": "a composite shaft in two bearings, turned up through its critical speed",
 }
 
 

@@ -256,7 +256,7 @@ def _same(one: tuple[Array, Array], two: tuple[Array, Array]) -> bool:
 
 _CONSTANT = 1e-6  # the same for loads in turned positions
 _CONSISTENT = 1e-9  # velocities that joints contradict, relative to the largest
-_ROUNDING = 1e3 * float(np.finfo(float).eps)  # of the accelerations by the spin
+_ROUNDING = 1e3 * float(np.finfo(float).eps)  # of positions, over the size of the mechanism
 _ITERATIONS = 40
 _PATIENCE = 8  # iterations in which what is unbalanced must fall by a hundredth
 _LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
@@ -337,6 +337,28 @@ class _Turning:
         a = spin_accelerations(self.model, self.positions, self.spin)
         return equations, equations.f - equations.M @ a
 
+    def turn(self, free: FreeMotions) -> Array | None:
+        """Return the turn as a whole along the free motions (n_free,); None: a drive holds it."""
+        turn = free.Z_left @ self.v
+        away = np.abs(free.Z @ turn - self.v).max(initial=0.0)
+        return turn if turn.any() and away <= _CONSISTENT * np.abs(self.v).max() else None
+
+    def balanced(
+        self, torque: float | None = None
+    ) -> tuple[Equations, Array, FreeMotions, Array, float]:
+        """Return what `evaluated` does, the free motions, and what is unbalanced along them.
+
+        A torque about the axis, such as that which bearings take of a whirl, is the drive's that
+        keeps the spin: `torque`, over that of unit motion, by default all of it; returned last.
+        """
+        equations, g = self.evaluated()
+        free = free_motions(equations, self.model.inertia_scale)
+        unbalanced, turn = free.Z.T @ g, self.turn(free)
+        if turn is None:
+            return equations, g, free, unbalanced, 0.0
+        share = float(turn @ unbalanced / (turn @ turn)) if torque is None else torque
+        return equations, g, free, unbalanced - share * turn, share
+
     def require(self, joint_names: list[str]) -> None:
         """Raise InputError if joints to the ground do not let it turn; names them."""
         equations = assemble(self.model, self.t, self.y)
@@ -384,19 +406,21 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
     largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
     for _ in range(_ITERATIONS):
         here = _Turning(model, positions, spin, t)
-        equations, g = here.evaluated()
-        free = free_motions(equations, model.inertia_scale)
-        unbalanced = free.Z.T @ g
+        equations, g, free, unbalanced, _ = here.balanced()
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
-        least = max(_TOLERANCE * max(largest, 1e-12), _round_off(model, here.y, spin))
-        if np.max(np.abs(push), initial=0.0) <= least:
+        if np.max(np.abs(push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
             return positions, push
         if size > 0.99 * sizes[-_PATIENCE]:
             break  # the spin is to grow in steps
         sizes.append(size)
         K = _stiffness(model, here, equations, g, free)
+        if np.all(np.abs(push) <= round_off(model, positions, spin.rate, K, free)):
+            return positions, push
+        turn = here.turn(free)
+        if turn is not None:  # a turn as a whole changes nothing: its stiffness is round-off
+            K = K + np.abs(K).max() * np.outer(turn, turn) / float(turn @ turn)
         step = limited(free.Z @ _solved(K, unbalanced))
         for _ in range(12):
             try:
@@ -405,10 +429,7 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
                 step = 0.5 * step
                 continue
             after = _Turning(model, there, spin, t)
-            left = (
-                free_motions(after.evaluated()[0], model.inertia_scale).Z.T @ after.evaluated()[1]
-            )
-            if np.linalg.norm(left) < size:
+            if np.linalg.norm(after.balanced()[3]) < size:
                 break
             step = 0.5 * step
         else:
@@ -417,9 +438,17 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
     return None, push
 
 
-def _round_off(model: Model, y: Array, spin: Spin) -> float:
-    """Return the round-off of accelerations, of the size of W x (W x r) at the mechanism's rim."""
-    return _ROUNDING * spin.rate**2 * max(1.0, extent(model, y))
+def round_off(model: Model, positions: Array, rate: float, K: Array, free: FreeMotions) -> Array:
+    """Return the accelerations (n_vel,) that round-off of the positions makes, by K and the spin.
+
+    A balanced rotor has no others: its loads are no measure of them.
+    """
+    size = extent(model, positions)
+    frame = np.zeros(model.n_vel)
+    for j in model.vel_start:
+        frame[j : j + 3], frame[j + 3 : j + 6] = size, 1.0
+    by_stiffness = np.abs(free.Z) @ (np.abs(K) @ (np.abs(free.Z_left) @ frame))
+    return np.asarray(_ROUNDING * (by_stiffness + rate**2 * max(1.0, size)))
 
 
 def _stiffness(
@@ -477,14 +506,16 @@ def _require_constant(
     """Raise InputError if the loads change when the mechanism has turned."""
     if spin.rate == 0.0:
         return
+    torque = _Turning(model, positions, spin, t).balanced()[-1]
     for angle in _TURNS:
         there = _Turning(model, turned(model, positions, spin, angle), spin, t, angle)
-        equations, g = there.evaluated()
-        free = free_motions(equations, model.inertia_scale)
-        push = free.Z @ (free.Z.T @ g)
+        equations, g, free, unbalanced, _ = there.balanced(torque)
+        push = free.Z @ unbalanced
         loads = float(np.max(np.abs(g) / model.inertia_scale))
-        least = max(_CONSTANT * max(loads, 1e-9), _round_off(model, there.y, spin))
-        if np.max(np.abs(push), initial=0.0) > least:
+        if np.max(np.abs(push), initial=0.0) > _CONSTANT * max(loads, 1e-9):
+            K = _stiffness(model, there, equations, g, free)
+            if np.all(np.abs(push) <= round_off(model, there.positions, spin.rate, K, free)):
+                continue
             raise InputError(
                 "spin: the loads are not constant in axes that turn with the mechanism: after "
                 f"{np.degrees(angle):.0f} deg {pushed(model, push, body_names)}. Expected gravity "

@@ -19,6 +19,7 @@ RUNS = {
     "bracket": ["base"],
     "pendulum": ["stiff", "soft"],
     "blade": ["base"],
+    "shaft": ["run-up"],
 }
 
 

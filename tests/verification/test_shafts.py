@@ -127,6 +127,50 @@ def test_jeffcott_rotor_through_its_critical_speed(ratio, tmp_path, capsys):
     assert not found["notes"]
 
 
+def by_speed(place, k, c, cross):
+    """A bearing of coefficients over the speed: loads by expressions along two directions."""
+    speed = f'angular_velocity("{place}", "x")'
+    text = ""
+    for a, b, sign, direction in (("y", "z", "-", [0, 1, 0]), ("z", "y", "+", [0, 0, 1])):
+        force = f'-{k}({speed}) * position("{place}", "{a}") - {c} * velocity("{place}", "{a}")'
+        force += f' {sign} {cross} * position("{place}", "{b}")'
+        text += f'[forces."{place[6:]}-{a}"]\nkind = "force"\nat = "{place}"\n'
+        text += f"direction = {direction}\nlaw = {{ expression = '{force}' }}\n"
+    return text
+
+
+@pytest.mark.parametrize("cross", [0.0, 200.0, 1000.0])
+def test_bearings_with_coefficients_over_the_speed(cross, tmp_path, capsys):
+    """Whirl of (k(W) - m w^2 + i c w) z -+ i k_c z = 0: cross stiffness takes the damping away."""
+    mass, c = 4.0, 5.0
+    speeds, k = np.array([0.0, 100.0, 200.0, 300.0]), np.array([4e4, 3e4, 2.4e4, 2e4])
+    text = "\n".join(
+        line for line in point_rotor(0.0, 0.0, mass).splitlines() if not line.startswith("[forces")
+    ).split("[ground")[0]
+    text += '[ground.o]\nposition = [-0.3, 0.0, 0.0]\n[forces.axial]\nkind = "bushing"\n'
+    text += 'between = ["ground.o", "shaft.root"]\nstiffness = [1e4, 0.0, 0.0]\n'
+    text += f'[tables.k]\nx = {speeds.tolist()}\ny = {(k / 2).tolist()}\ninterpolation = "linear"\n'
+    for end in ("root", "tip"):
+        text += by_speed(f"shaft.{end}", "k", c, cross / 2)
+    found = modes_at(tmp_path, text, "spin=0:300:50", *AXIS, capsys=capsys)
+    for speed in (50.0, 250.0):
+        row = found["speeds"].index(speed)
+        at = np.interp(speed, speeds, k)
+        for sign, word in ((1.0, "forward"), (-1.0, "backward")):
+            values = np.roots([mass, 2 * c, at - 1j * cross])  # z = exp(lambda t), both directions
+            wanted = values[np.argmax(sign * values.imag)]
+            (branch,) = (
+                b
+                for b in found["branches"]
+                if b["main"] in (f"shaft y, {word}", f"shaft z, {word}")
+            )
+            assert branch["fixed_axes_angular_frequency"][row] == pytest.approx(
+                wanted.imag, rel=1e-7
+            )
+            ratio = -wanted.real / abs(wanted)
+            assert branch["damping_ratio"][row] == pytest.approx(ratio, abs=1e-8)
+
+
 @pytest.mark.parametrize("c", [0.0, 100.0])
 def test_campbell_diagram_of_a_balanced_shaft_does_not_end(c, tmp_path, capsys):
     more = "geometric_stiffening = true\n"
@@ -226,6 +270,23 @@ def test_a_run_that_starts_above_the_critical_speed(tmp_path):
     assert np.hypot(found["y"], found["z"]) == pytest.approx(expected, rel=2e-3)
     assert summary["status"] == "finished"
     assert not codes(summary)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.0, 1.1])
+def test_orbit_of_an_unbalanced_shaft_at_a_given_speed(share, tmp_path, capsys):
+    """e W^2 / |w^2 - W^2 + i c W / m|; what the damper takes about the axis is the drive's."""
+    bearing, off, c, mass = 1e6, 1e-4, 30.0, 2.0
+    k = 1.0 / (1.0 / stiffness_of() + 1.0 / (2.0 * bearing))
+    W = share * np.sqrt(k / mass)
+    text = rotor(k=bearing, c=0.0, mass=mass, off=off)
+    text += bushing("disc", LENGTH / 2, (0, 0, 0), (0, c, c))
+    spin = f'start = "equilibrium"\nspin = {{ axis = [1.0, 0.0, 0.0], speed = {W} }}\n'
+    _, found, _ = computed(tmp_path, shaft(rho=10.0), text, 1e-3, spin)
+    expected = off * W**2 / abs(k / mass - W**2 + 1j * c * W / mass)
+    assert np.hypot(found["y"][0], found["z"][0]) == pytest.approx(expected, rel=5e-3)
+    written(tmp_path, shaft(rho=10.0))
+    modes = modes_at(tmp_path, text, f"spin={W}", *AXIS, capsys=capsys)
+    assert not any("equilibrium" in note for note in modes["notes"])
 
 
 def monitor_of(folder, package):

@@ -73,6 +73,7 @@ def _overlaps(one: Vectors, two: Vectors) -> Array:
 
 ALIKE = 0.8  # overlap of the shapes of neighbouring speeds below which the step is halved
 _HALVINGS = 6
+_OVERDAMPED = 0.99  # damping ratio above which a motion is gone within one period
 _SECANTS = 5  # solutions for the speed of a crossing
 _CROSSED = 1e-7  # its accuracy, of the speed
 
@@ -156,20 +157,24 @@ def _advance(
 def _worst(before: Point, found: Match, most: int) -> float:
     """Return the least overlap of the lowest modes that oscillate."""
     overlaps = [
-        found.overlap[k] for k in _lowest(before.modes, most) if before.modes.frequencies[k] > 0.0
+        found.overlap[k] for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0
     ]
     return float(min(overlaps, default=1.0))
 
 
-def _lowest(modes: Modes, most: int) -> list[int]:
-    """Return the numbers of the lowest modes without those that stand still."""
-    return [k for k in range(modes.eigenvalues.size) if not modes.still[k]][:most]
+def _lowest(point: Point, most: int) -> list[int]:
+    """Return the numbers of the lowest modes without those that stand still.
+
+    Those that hardly oscillate, such as the ends of a shaft in strong dampers, come last.
+    """
+    moving = [k for k in range(point.modes.eigenvalues.size) if not point.modes.still[k]]
+    return sorted(moving, key=lambda k: float(point.damping[k]) > _OVERDAMPED)[:most]
 
 
 def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> Campbell:
     columns: list[list[int]] = []  # by branch: number of its mode at each speed
     overlaps: list[list[float]] = []
-    for k in _lowest(points[0].modes, most):
+    for k in _lowest(points[0], most):
         columns.append([k])
         overlaps.append([])
     for s, (point, found) in enumerate(zip(points[1:], matches, strict=True), 1):
@@ -183,7 +188,7 @@ def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> C
             alike.append(float(found.overlap[k]) if j >= 0 else np.nan)
             taken.add(j)
         alive = sum(column[-1] >= 0 for column in columns)
-        for j in _lowest(point.modes, most):
+        for j in _lowest(point, most):
             if j not in taken and alive < most:
                 columns.append([-1] * s + [j])
                 overlaps.append([np.nan] * s)

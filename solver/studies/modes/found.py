@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.analysis.recovery import body_frames
-from ...dynamics.model.coordinates import Spin, spin_velocities
+from ...dynamics.analysis.recovery import body_frames, extent
+from ...dynamics.evaluation.series import along_solution
+from ...dynamics.model.coordinates import Spin, spin_velocities, turned
 from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array, IntArray
 from ...math.rotations import vector_to_matrix
 from ...mechanism.consistent import Start
-from ...mechanism.equilibrium import after_turn
+from ...mechanism.equilibrium import after_turn, round_off
 from ...report.style import GREY, WARNING, Canvas, colour, house_style
 from ...signals import sensors
 from ..linearisation.campbell import Campbell, Crossing, Point, crossings, follow, vectors_of
@@ -39,6 +40,7 @@ from .state import State, States
 
 # Modes about a state, with everything that is reported about them.
 
+_FREE = 1e-6  # [1/s2] accelerations of turned positions that are zero
 _AT_REST = 1e-6  # accelerations of a state called an equilibrium, of those by loads
 _TURNS = (0.8, 1.6)  # [rad] angles at which equations are compared
 _CONSTANT = 1e-5  # change of the equations, over the eigenvalues, that counts as none
@@ -95,12 +97,10 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
         )
         return space, modes_of(state.model, space, state.t, turning)
 
-    if spin is None:
-        space, modes = linearised(np.zeros(3))
-    else:
-        free = state.given_spin or _turns_freely(state, spin)
-        turning = spin_velocities(state.model, state.y, spin) / spin.rate
-        space, modes = linearised(spin.W, turning if free else None)
+    turning = None
+    if state.spin is not None and (state.given_spin or _turns_freely(state, state.spin)):
+        turning = spin_velocities(state.model, state.y, state.spin._replace(rate=1.0))
+    space, modes = linearised(np.zeros(3) if spin is None else spin.W, turning)
     if spin is not None and check and _changes(state, space, modes, spin):
         if state.given_spin:
             raise InputError(
@@ -119,10 +119,18 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
 
 def _turns_freely(state: State, spin: Spin) -> bool:
     """Tell whether the mechanism would turn on in the same way from turned positions."""
+    model = state.model
     for angle in _TURNS:
-        later = after_turn(state.model, state.y, spin, state.t, angle)
-        if common_spin(later.model, state.t, later.y) is None:
-            return False
+        if spin.rate == 0.0:
+            y = state.y.copy()
+            y[: model.n_pos] = turned(model, y[: model.n_pos], spin, angle)
+            a = along_solution(model, np.full(1, state.t), y[None])[0][0, model.n_pos :]
+            if np.abs(a[: model.n_vel]).max() > _FREE * max(1.0, extent(model, y)):
+                return False
+        else:
+            later = after_turn(model, state.y, spin, state.t, angle)
+            if common_spin(later.model, state.t, later.y) is None:
+                return False
     return True
 
 
@@ -144,12 +152,20 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
             f"{space.rank.text}: these are close to each other. Whether the rows that they stand "
             "for follow from others is uncertain, and with it one mode"
         )
-    off = float(np.linalg.norm(space.free.Z_left @ space.acceleration))
+    left = space.free.Z_left @ space.acceleration
+    off = float(np.linalg.norm(left))
     loads = float(np.linalg.norm(space.forces / np.sqrt(state.model.inertia_scale)))
     if state.spin is not None:  # a balanced rotor has no loads but round-off
         v = spin_velocities(state.model, state.y, state.spin)
         loads = max(loads, state.spin.rate * float(np.sqrt(v @ space.mass @ v)))
-    if off > _AT_REST * max(loads, 1e-9):
+        turn = space.free.Z_left @ v  # what drives the spin is not asked for
+        if state.given_spin and np.abs(space.free.Z @ turn - v).max() < _FREE * np.abs(v).max():
+            force = space.free.Z.T @ space.mass @ space.free.Z @ left
+            off = float(np.linalg.norm(force - turn * (turn @ force) / (turn @ turn)))
+    n = space.n_free
+    noise = round_off(state.model, state.y, 0.0, space.A_free[n : 2 * n, :n], space.free)
+    least = float(np.linalg.norm(noise * np.sqrt(state.model.inertia_scale)))
+    if off > max(_AT_REST * max(loads, 1e-9), least):
         notes.append(
             "the state is no equilibrium: the modes are those of this instant, and hold for "
             "motions that are fast against the change of the state"
