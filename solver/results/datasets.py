@@ -1,6 +1,7 @@
 """Datasets of a result file: rows over time, records of named numbers and texts, bodies, joints."""
 
 import json
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -16,11 +17,17 @@ from .summary import plain
 
 # Datasets of a result file: rows over time, in chunks of one column each.
 
-LARGE = 1_000_000  # size in bytes above which an array is compressed
+LARGE = 1_000_000  # size in bytes above which an array may be compressed
 ROWS = 8192  # of a chunk; in bytes 64 KiB, at which a column compresses as well as in longer ones
+# Numbers of a chunk of fewer rows, which mixes columns in any case: 1 MiB, which the cache of HDF5
+# holds. 2000 rigid bodies at 101 times take 0.51 s instead of 0.57 s, and a fifth less room.
+WIDE = 131_072
 BLOCK = 2_000_000  # bytes that are written together
 # Level 1: the digits of a motion hardly compress, higher levels gain 1 % for a tenth of the time.
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+# Size of a packed sample above which an array is stored as it is. Columns in chunks of their own
+# pack to 0.76 or less; in wider chunks the digits of a motion pack to 0.90 in ten times the time.
+WORTH_PACKING = 0.8
 
 
 def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
@@ -29,13 +36,26 @@ def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
     Rows of a chunk are written together, with all columns: HDF5 then compresses each chunk once.
     """
     width = int(np.prod(shape[1:]))
-    rows = min(shape[0], ROWS, max(1, BLOCK // (8 * max(width, 1))))
-    left = max(1, ROWS // max(rows, 1))  # columns
+    rows = max(1, min(shape[0], ROWS, BLOCK // (8 * max(width, 1))))
+    left = max(1, (ROWS if rows == ROWS else WIDE) // rows)  # columns
     columns = []
     for size in reversed(shape[1:]):
         columns.append(max(1, min(size, left)))
         left //= columns[-1]
-    return (max(rows, 1), *reversed(columns))
+    return (rows, *reversed(columns))
+
+
+def packing(values: Array | IntArray | LongRows) -> dict[str, Any]:
+    """Return how a large array is compressed: not if a sample of its middle hardly shrinks."""
+    rows, *columns = chunk_shape(values.shape)
+    first = (values.shape[0] - rows) // 2
+    block = np.asarray(values[first : first + rows])
+    part = [
+        slice((n - c) // 2, (n + c) // 2) for n, c in zip(block.shape[1:], columns, strict=True)
+    ]
+    sample = np.ravel(block[(slice(None), *part)])[:ROWS]
+    shuffled = sample.view(np.uint8).reshape(len(sample), -1).T.tobytes()
+    return PACKED if len(zlib.compress(shuffled, 1)) <= WORTH_PACKING * sample.nbytes else {}
 
 
 def blocks(shape: tuple[int, ...]) -> Iterator[tuple[int, int]]:
@@ -90,7 +110,11 @@ class Datasets:
         """Write an array; a large one compressed, block by block."""
         if values.nbytes > LARGE:
             dataset = group.create_dataset(
-                name, values.shape, values.dtype, chunks=chunk_shape(values.shape), **PACKED
+                name,
+                values.shape,
+                values.dtype,
+                chunks=chunk_shape(values.shape),
+                **packing(values),
             )
             for first, end in blocks(values.shape):
                 dataset[first:end] = values[first:end]
@@ -168,12 +192,11 @@ def write_table(
             write_texts(group, field, [value or "" for value in values])
             continue
         arrays = [None if value is None else np.asarray(value) for value in values]
-        known = [array for array in arrays if array is not None]
-        flat = np.concatenate([array.ravel() for array in known])
-        shapes = np.full((len(arrays), 1 + max(a.ndim for a in known)), ABSENT, dtype=np.int64)
-        for row, array in zip(shapes, arrays, strict=True):
-            if array is not None:
-                row[: 1 + array.ndim] = array.ndim, *array.shape
+        flat = np.concatenate([array.ravel() for array in arrays if array is not None])
+        sizes = [() if array is None else (array.ndim, *array.shape) for array in arrays]
+        width = max(map(len, sizes))
+        rows = {size: (*size, *[ABSENT] * (width - len(size))) for size in set(sizes)}
+        shapes = np.array([rows[size] for size in sizes], dtype=np.int64)
         put_array(group, f"{field}/values", flat, layout.get(field, ("-", "-")))
         put_array(group, f"{field}/shapes", shapes, ("-", "-"))
 

@@ -26,13 +26,14 @@ from .datasets import (
     LARGE,
     LAYOUT,
     MOST_NAMED,
-    PACKED,
     Datasets,
     Record,
     body_of,
+    chunk_shape,
     link_of,
     link_record,
     loads_of,
+    packing,
     read_array,
     read_record,
     read_table,
@@ -87,7 +88,8 @@ def write_result(
         check_result(result)
     except ResultError as error:
         raise ResultError(f"{path}: {error}") from None
-    if result.node_positions_G.nbytes <= AT_ONCE:  # written twice, computed once
+    # Written twice, computed once; an animation of all output times holds them in any case.
+    if result.node_positions_G.nbytes <= AT_ONCE or len(result.t) <= max_frames:
         result = replace(result, node_positions_G=np.asarray(result.node_positions_G[:]))
     with new_file(path) as file:
         set_text(file, "format", FORMAT)
@@ -103,12 +105,12 @@ def write_result(
             write_texts(group, "provenance", [provenance])
         else:
             set_text(file, "provenance", provenance)
-        written = _write_results(group, result, all_positions, told)
+        written = dict(_write_results(group, result, all_positions, told))
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
         points = result.node_positions_G[chosen]
         view = file.create_group("VTKHDF")
-        write_animation(view, result.bodies, result.t[chosen], points, deflection)
+        written |= write_animation(view, result.bodies, result.t[chosen], points, deflection)
         write_file_checksum(file, written)
 
 
@@ -206,8 +208,10 @@ def write_animation(
     t: Array,
     points: Array,
     deflection: Array | None = None,
-) -> None:
+) -> dict[str, Array]:
     """Write one unstructured grid of all bodies: fixed points and cells, moving displacement.
+
+    Returns large arrays by the path of their dataset, for the checksum.
 
     Parameters
     ----------
@@ -234,10 +238,16 @@ def write_animation(
     moving = {"displacement": (points - points[0]).reshape(-1, 3)}
     if deflection is not None:
         moving["deflection"] = deflection.ravel()
+    written = {}
     for name, values in moving.items():
-        squeeze = PACKED if values.nbytes > LARGE else {}
-        set_text(view.create_dataset(f"PointData/{name}", data=values, **squeeze), "unit", "m")
+        squeeze = {}
+        if values.nbytes > LARGE:
+            squeeze = {"chunks": chunk_shape(values.shape), **packing(values)}
+        dataset = view.create_dataset(f"PointData/{name}", data=values, **squeeze)
+        set_text(dataset, "unit", "m")
+        written[dataset.name.lstrip("/")] = values
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
+    return written
 
 
 def write_grid(

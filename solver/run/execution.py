@@ -261,8 +261,9 @@ def _collected(
     clock: Stopwatch,
     folder: Path | None,
     progress: bool,
+    patience_s: float = float("inf"),
 ) -> tuple[RunResult, dict[str, Any]]:
-    told = Told(spec.run, "signals and reactions", show=progress)
+    told = Told(spec.run, "signals and reactions", show=progress, patience_s=patience_s)
     result, summary = collect(spec, prepared.measured, finished, solve_s, folder, told)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
@@ -303,9 +304,10 @@ def run_file(
         return _written(out, spec, *planned(spec, digest), digest, clock, import_s, progress)
     solving = Stopwatch()
     solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
-    with held(max(PATIENCE_S, PATIENCE * solved[2])):  # what is computed is kept
-        found = _collected(spec, *solved, solving, disk, progress)
-        return _written(out, spec, *found, digest, clock, import_s, progress)
+    patience_s = max(PATIENCE_S, PATIENCE * solved[2])
+    with held(patience_s):  # what is computed is kept
+        found = _collected(spec, *solved, solving, disk, progress, patience_s)
+        return _written(out, spec, *found, digest, clock, import_s, progress, patience_s)
 
 
 def _written(
@@ -317,12 +319,13 @@ def _written(
     clock: Stopwatch,
     import_s: float,
     progress: bool,
+    patience_s: float = float("inf"),
 ) -> dict[str, Any]:
     """Write result and summary of a run; return the summary."""
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
     every = spec.mechanism.solver.node_positions == "all"
-    told = Told(spec.run, "writing", show=progress)
+    told = Told(spec.run, "writing", show=progress, patience_s=patience_s)
     write_result(out / "result.vtkhdf", result, all_positions=every, told=told)
     clock.lap("write")
     seconds = summary["cost"]["seconds"]

@@ -6,7 +6,7 @@ import shlex
 import shutil
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.util import find_spec
@@ -83,7 +83,7 @@ def collect(
 
     What has a row for every output time is computed block by block. Of a run whose states are
     in a file (integrators/generic/drive.py), or with many signals, it is kept in a file as well,
-    in `folder`. `told` hears what part of the output times is done.
+    in `folder`. `told` hears what part of the work is done.
     """
     model, solution = finished.model, finished.solution
     t, y = solution.t, solution.y
@@ -103,7 +103,7 @@ def collect(
                 turning[name].take(rows * sensors[name].scale)
             kept["signals", name].append(rows)
             done += len(block.t) / (len(t) * len(sensors))
-            told(min(done, 1.0))
+            told(0.5 * min(done, 1.0))
         for group, table in (("energies", history.energies), ("violations", history.violations)):
             for name, rows in table.items():
                 kept[group, name].append(rows)
@@ -143,7 +143,7 @@ def collect(
         "status": solution.status,
         "message": solution.message,
         "t_end": float(t[-1]),
-        "signals": {s.name: signal_summary(s, t) for s in found_signals},
+        "signals": _summaries(found_signals, t, told),
         "checks": {
             **judgement.numbers,
             "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
@@ -169,6 +169,17 @@ def collect(
         "warnings": [finding.entry() for finding in judgement.findings],
     }
     return result, summary
+
+
+def _summaries(
+    signals: Sequence[Signal], t: Array, told: Callable[[float], None]
+) -> dict[str, dict[str, Any]]:
+    """Return the summaries of signals by name; `told` hears of the second half of the work."""
+    found = {}
+    for number, signal in enumerate(signals, 1):
+        found[signal.name] = signal_summary(signal, t)
+        told(0.5 + 0.5 * number / len(signals))
+    return found
 
 
 def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:

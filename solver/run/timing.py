@@ -5,12 +5,14 @@ import time
 from collections.abc import Mapping
 
 from ..math.compiled import statistics
+from ..system.interrupts import asked
 
 # import: the program itself; load: run file, packages, compiled functions; build: model, start,
 # signals; integrate: steps; monitors: checks after steps; recover: signals and checks of the
 # solution; write: result.vtkhdf.
 LOGGER = logging.getLogger(__name__)
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
+PACE_S = 0.5  # wall time of a stage after which its pace tells how long it takes
 FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 
 
@@ -23,15 +25,25 @@ def work_s() -> float:
 
 
 class Told:
-    """Tells how far a stage is: a line on standard error after 2 s, then at doubled intervals."""
+    """Tells how far a stage is: a line on standard error after 2 s, then at doubled intervals.
 
-    def __init__(self, label: str, stage: str, *, show: bool) -> None:
-        self._words = f"{label}: {stage}"
+    Parameters
+    ----------
+    patience_s : wall time for the rest of the stage after a signal; a stage whose pace needs more
+        ends with KeyboardInterrupt
+    """
+
+    def __init__(
+        self, label: str, stage: str, *, show: bool, patience_s: float = float("inf")
+    ) -> None:
+        self._words, self._patience_s = f"{label}: {stage}", patience_s
         self._begin, self._next = time.perf_counter(), FIRST_LINE_S if show else float("inf")
 
     def __call__(self, part: float) -> None:
         """Note the part that is done."""
         seconds = time.perf_counter() - self._begin
+        if asked() and seconds > PACE_S and seconds * (1.0 - part) > self._patience_s * part:
+            raise KeyboardInterrupt
         if seconds > self._next:
             self._next = 2.0 * seconds
             LOGGER.info("%s: %.0f %%, %.0f s", self._words, 100.0 * part, seconds)

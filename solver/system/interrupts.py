@@ -18,6 +18,7 @@ from .platform import ENDING, POSIX, alarm, blocked, pass_on
 
 INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
 
+COMPLETING = b"interrupted: completing the files, for %.0f s at most; again: without them\n"
 SAME_S = 0.3  # a worker hears a signal to the group twice: by itself, and from its parent
 
 _received: list[int] = []  # since the command began
@@ -137,6 +138,8 @@ def held(patience_s: float | None = None) -> Iterator[None]:
         now = time.monotonic()
         if not late:
             late.append(now)
+            if patience_s is not None and _commands:
+                os.write(2, COMPLETING % patience_s)
             limit()
         elif now - late[0] > SAME_S:
             raise KeyboardInterrupt

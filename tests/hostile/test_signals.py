@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 from harness.dask_cluster import until
@@ -18,7 +19,9 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import read_result
+from plymotion.solver.run.timing import PACE_S, Told
 from plymotion.solver.studies.sweep.file import read_sweep
+from plymotion.solver.system.interrupts import heard, held
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -112,10 +115,22 @@ def test_processes_get_the_signal_of_the_first(tmp_path, number):
 def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
     build = _files(tmp_path, SOLVER.format(t_end=0.1, step=0.1, more="") + "[runs.two]\n")
     runs = [build / "runs/base.json", build / "runs/two.json"]
-    out, _ = _ended(_started("run", *runs, "--slow-disk"), signal.SIGTERM, ("writing",))
+    out, errors = _ended(_started("run", *runs, "--slow-disk"), signal.SIGTERM, ("writing",))
+    assert "interrupted: completing the files, for 5 s at most" in errors  # said at once
     assert "base: done at t = 0.1 s" in out
     assert json.loads((build / "base/summary.json").read_text())["completed"]
     assert not (build / "two").exists()
+
+
+def test_a_stage_that_needs_longer_than_its_patience_ends():
+    with heard(), held(5.0):
+        stage = Told("base", "writing", show=False, patience_s=5.0)
+        time.sleep(1.1 * PACE_S)
+        stage(0.01)  # no signal
+        os.kill(os.getpid(), signal.SIGTERM)
+        stage(0.9)  # the rest takes a tenth of a second
+        with pytest.raises(KeyboardInterrupt):
+            stage(0.01)
 
 
 def _finished(file):

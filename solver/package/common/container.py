@@ -231,8 +231,8 @@ def content_sha256(
         if whole:
             data = np.atleast_1d(data[()] if isinstance(data, h5py.Dataset) else np.asarray(data))
         if data.dtype.kind in "SOU":
-            for text in np.ravel(data[()]):
-                item(as_text(text).encode("utf-8"))
+            texts = (t if isinstance(t, bytes) else str(t).encode() for t in data.ravel().tolist())
+            digest.update(b"".join(b"%d:%b" % (len(raw), raw) for raw in texts))
             return
         kind = "f8" if data.dtype.kind == "f" else "i8"
         item(",".join(map(str, shape)).encode())
@@ -241,7 +241,7 @@ def content_sha256(
         rows = max(1, len(data) if whole else AT_ONCE * len(data) // size)
         for first in range(0, len(data), rows):
             block = np.ascontiguousarray(data[first : first + rows], dtype=f"<{kind}")
-            digest.update(block.tobytes())
+            digest.update(block.ravel().data)
 
     for text in preamble:
         item(text.encode("utf-8"))
