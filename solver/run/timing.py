@@ -12,7 +12,7 @@ from ..system.interrupts import asked
 # solution; write: result.vtkhdf.
 LOGGER = logging.getLogger(__name__)
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
-PACE_S = 0.5  # wall time of a stage after which its pace tells how long it takes
+PACE_S = 0.5  # wall time after a signal in which a stage shows its pace
 FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 
 
@@ -37,13 +37,17 @@ class Told:
         self, label: str, stage: str, *, show: bool, patience_s: float = float("inf")
     ) -> None:
         self._words, self._patience_s = f"{label}: {stage}", patience_s
+        self._asked: tuple[float, float] | None = None  # when a signal was seen, and the part then
         self._begin, self._next = time.perf_counter(), FIRST_LINE_S if show else float("inf")
 
     def __call__(self, part: float) -> None:
         """Note the part that is done."""
         seconds = time.perf_counter() - self._begin
-        if asked() and seconds > PACE_S and seconds * (1.0 - part) > self._patience_s * part:
-            raise KeyboardInterrupt
+        if asked():
+            self._asked = self._asked or (seconds, part)
+            late, done = seconds - self._asked[0], part - self._asked[1]
+            if late > PACE_S and late * (1.0 - part) > self._patience_s * done:
+                raise KeyboardInterrupt
         if seconds > self._next:
             self._next = 2.0 * seconds
             LOGGER.info("%s: %.0f %%, %.0f s", self._words, 100.0 * part, seconds)
