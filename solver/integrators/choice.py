@@ -13,7 +13,7 @@ from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
 from ..math.arrays import Array
 from .breakpoints import breaks
-from .explicit_stepping import ExplicitLoop
+from .explicit import ExplicitLoop
 from .generic.base import Integrator
 from .hidden import HiddenForces
 from .step_loop import projection, right_hand_side

@@ -11,6 +11,7 @@ from ..dynamics.evaluation.series import driven_speeds
 from ..dynamics.model.model import Model, new_work
 from ..math.arrays import Array
 from ..math.catalogue import Number
+from ..math.laws import Powers
 from .compiled import step_control as codes
 from .compiled.cutoff import filter_error, new_cutoff, start_filter
 from .compiled.pencil import freeze, new_frozen
@@ -26,7 +27,6 @@ from .compiled.radau_stages import (
 from .compiled.step_control import Ends
 from .generic.advice import OWN, SHORTER, WANTED, Pace, Refusals
 from .generic.base import Dense
-from .generic.explicit import Powers
 from .step_loop import ClosingLoop
 
 

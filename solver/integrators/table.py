@@ -2,7 +2,7 @@
 
 from abc import ABCMeta
 from collections.abc import Iterable
-from inspect import signature
+from inspect import isabstract, signature
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ def classes_of(package: str, path: Iterable[str]) -> list[type[Integrator]]:
     found = [
         kind
         for kind in catalogue(package, path, ABCMeta, ("table", "choice", "generic", "compiled"))
-        if issubclass(kind, Integrator) and vars(kind).get("name")
+        if issubclass(kind, Integrator) and kind.name and not isabstract(kind)
     ]
     for kind in found:
         _check(kind)

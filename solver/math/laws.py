@@ -7,6 +7,7 @@ piece has no end, and the first is also valid before its beginning.
 Curves are laws of another argument that go on beyond both ends.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -208,6 +209,39 @@ class Hermite:
             - bent * x * self.f_1
         )
         return answer
+
+
+class _Polynomial(ABC):
+    """y_old + p(x) with x = (t - t_old) / h; the rows of `c` are the coefficients of p."""
+
+    def __init__(self, t_old: float, h: float, y_old: Array, c: Array) -> None:
+        self.t_old, self.h, self.y_old, self.c = t_old, h, y_old, c
+
+    def __call__(self, t: Any) -> Array:
+        x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
+        return self._change(x, np.zeros(x.shape[:-1] + self.y_old.shape)) + self.y_old
+
+    @abstractmethod
+    def _change(self, x: Array, y: Array) -> Array:
+        """Value of p at x, from zeros y of the shape of the answer."""
+
+
+class Nested(_Polynomial):
+    """p = x (c0 + (1-x) (c1 + x (c2 + ...)))."""
+
+    def _change(self, x: Array, y: Array) -> Array:
+        for i in range(len(self.c) - 1, -1, -1):
+            y = (y + self.c[i]) * (x if i % 2 == 0 else 1 - x)
+        return y
+
+
+class Powers(_Polynomial):
+    """p = sum over j of c_j x^(j+1)."""
+
+    def _change(self, x: Array, y: Array) -> Array:
+        for c_j in self.c[::-1]:
+            y = (y + c_j) * x
+        return y
 
 
 Interpolation = Literal["linear", "cubic", "pchip"]

@@ -25,10 +25,9 @@ from ..dynamics.model.coordinates import move_rows, moved, position_rates
 from ..dynamics.model.model import Model, spare_work, state_size
 from ..inputs.case.record import solver_sha256
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
-from ..integrators.explicit_stepping import RungeKutta8Loop
+from ..integrators.explicit import RungeKutta8, RungeKutta8Loop
 from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic.drive import integrate
-from ..integrators.generic.explicit import RungeKutta8
 from ..integrators.hidden import first_hidden, watched_expression
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop, right_hand_side

@@ -17,7 +17,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import (
     energies,
 )
 from plymotion.solver.dynamics.model.model import Model
-from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
+from plymotion.solver.integrators.explicit import RungeKutta5Loop, RungeKutta8Loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.generic.drive import Solution, Steps, integrate

@@ -7,7 +7,7 @@ from samples.mechanism_samples import chain
 from samples.two_body_samples import two_bodies
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.explicit_stepping import ExplicitLoop
+from plymotion.solver.integrators.explicit import ExplicitLoop
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
 from plymotion.solver.integrators.table import new_integrator

@@ -5,8 +5,8 @@ import pytest
 from samples.constraint_runs import new_generic
 from scipy_integrators import SCIPY
 
+from plymotion.solver.integrators.explicit import RungeKutta8
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
-from plymotion.solver.integrators.generic.explicit import RungeKutta8
 from plymotion.solver.integrators.generic.gear import Gear
 from plymotion.solver.integrators.table import FOR_EQUATIONS
 

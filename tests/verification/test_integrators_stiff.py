@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from plymotion.solver.integrators.explicit import RungeKutta5, RungeKutta8
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8
 from plymotion.solver.integrators.generic.gear import Gear
 
 

@@ -6,9 +6,9 @@ from samples.constraint_runs import new_run, prepared
 from samples.stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+from plymotion.solver.integrators.explicit import RungeKutta5, RungeKutta8, stability_limit
 from plymotion.solver.integrators.generic.advice import fastest_motion
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.integrators.generic.explicit import RungeKutta5, RungeKutta8, stability_limit
 from plymotion.solver.integrators.generic.gear import Gear
 
 INDEX_1 = Treatment("index1")

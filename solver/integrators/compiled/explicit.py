@@ -6,19 +6,10 @@ import numpy as np
 
 from ...dynamics.analysis.projection import project
 from ...dynamics.evaluation.accelerations import derivative_into
-from ...dynamics.model.model import Model, Work, new_work
+from ...dynamics.model.model import Model, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
 from ..generic.dormand_prince import Tableau
-from ..generic.explicit import (
-    CAUTION,
-    FAR_BELOW,
-    RELAX,
-    RELAX_FAR,
-    SAFETY,
-    STIFF_TESTS,
-    TEST_EVERY,
-)
 from .step_control import (
     ARRIVED,
     ERROR_LAST,
@@ -47,6 +38,13 @@ from .step_control import (
     set_weights,
 )
 
+SAFETY = 0.9
+# Of a step that was refused: the largest that follows, and its growth with each step. Where the
+# stability limits the steps, the error says so only beyond it (docs/measurements.md). Errors far
+# below one say that what was rough is over.
+CAUTION, RELAX, RELAX_FAR, FAR_BELOW = 0.9, 1.02, 2.0, 1e-3
+STIFF_TESTS = 15  # in a row, before the hint is given
+TEST_EVERY = 25  # steps, while nothing looks stiff
 # Entries of `clock` after those of every loop (step_control.py): whether the last attempt was
 # refused, the beginning of the last step; steps in a row that look stiff and that do not, and the
 # step at which they were so many that a hint is due; the largest step after one that was refused.
@@ -57,7 +55,6 @@ REFUSED_LAST, TIME_OLD, SUSPECT, CLEAR, STIFF_TIME, STIFF_STEP, LARGEST = 4, 5, 
 class ExplicitWorkspace(NamedTuple):
     """Memory of a run, which a call takes up where the last one left it."""
 
-    work: Work
     K: Array  # (s + 1 + e, n) derivatives at the stages, the new state, the extra stages
     y: Array  # (n,) state
     f: Array  # (n,) its rate
@@ -67,19 +64,18 @@ class ExplicitWorkspace(NamedTuple):
     point: Array  # (n,) the last stage's state
     error: Array  # (n,)
     weight: Array  # (n,)
-    step: Array  # (n_vel,) of the projection
+    step: Array  # (n_vel,) of the projection; (0,) without a model
     before: Array  # (n_pos,)
     clock: Array  # (N_CLOCK,)
     counts: IntArray  # (N_COUNT,)
 
 
 def new_explicit_workspace(
-    model: Model, tableau: Tableau, t: float, y: Array, rate: Array, first_step: float
+    tableau: Tableau, t: float, y: Array, rate: Array, sizes: tuple[int, int] = (0, 0)
 ) -> ExplicitWorkspace:
-    """Return memory for a run from state y (n,) at t [s], with its rate."""
+    """Return memory for a run from state y (n,) at t [s], with its rate; sizes (n_vel, n_pos)."""
     n, d = y.shape[0], tableau.D.shape[0]
     workspace = ExplicitWorkspace(
-        new_work(model),
         np.zeros((tableau.D.shape[1], n)),
         y.copy(),
         rate.copy(),
@@ -89,52 +85,129 @@ def new_explicit_workspace(
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),
-        np.zeros(model.n_vel),
-        np.zeros(model.n_pos),
+        np.zeros(sizes[0]),
+        np.zeros(sizes[1]),
         np.zeros(N_CLOCK),
         np.zeros(N_COUNT, dtype=np.int64),
     )
-    workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1e-4
-    workspace.clock[LARGEST] = 1e300
+    workspace.clock[TIME], workspace.clock[ERROR_LAST], workspace.clock[LARGEST] = t, 1e-4, 1e300
     return workspace
+
+
+@inlined
+def step_to(y: Array, weights: Array, count: int, h: float, K: Array, out: Array) -> None:
+    """Fill out (n,) with y + h times the sum of the first rows of K (s, n), weighed."""
+    n = y.shape[0]
+    for k in range(n):
+        out[k] = weights[0] * K[0, k]
+    for j in range(1, count):
+        a = weights[j]
+        if a != 0.0:
+            for k in range(n):
+                out[k] += a * K[j, k]
+    for k in range(n):
+        out[k] = y[k] + h * out[k]
 
 
 @lean
 def fill_stages(
+    model: Model, work: Work, tableau: Tableau, workspace: ExplicitWorkspace, t: float, h: float
+) -> None:
+    """Fill K[1:s] with the derivatives at the stages of a step h from t; K[0] is there.
+
+    `point` holds the last stage's state at the end.
+    """
+    K, point = workspace.K, workspace.point
+    for i in range(1, tableau.C.shape[0]):
+        step_to(workspace.y, tableau.A[i], i, h, K, point)
+        derivative_into(model, work, t + tableau.C[i] * h, point, K[i])
+
+
+@inlined
+def attempt_step(
     model: Model,
     work: Work,
-    A: Array,
-    C: Array,
-    t: float,
-    y: Array,
+    options: Options,
+    tableau: Tableau,
+    workspace: ExplicitWorkspace,
     h: float,
-    K: Array,
-    point: Array,
-) -> None:
-    """Fill K[1:s] (s, n) with the derivatives at the stages of a step h from (t, y); K[0] is there.
+    t_new: float,
+) -> tuple[float, float]:
+    """Try a step; return its error in units of the tolerance, and the factor after a refusal.
 
-    Parameters
-    ----------
-    A, C : (s, s), (s,) of the tableau
-    point : (n,) memory; holds the last stage's state at the end
+    TROUBLE tells whether it is refused; `y_new` is its end.
     """
-    n = y.shape[0]
-    for i in range(1, C.shape[0]):
-        for k in range(n):
-            point[k] = A[i, 0] * K[0, k]
-        for j in range(1, i):
-            a = A[i, j]
-            if a != 0.0:
-                for k in range(n):
-                    point[k] += a * K[j, k]
-        for k in range(n):
-            point[k] = y[k] + h * point[k]
-        derivative_into(model, work, t + C[i] * h, point, K[i])
+    counts, K, y_new, s = workspace.counts, workspace.K, workspace.y_new, tableau.B.shape[0]
+    copy(workspace.f, K[0])
+    fill_stages(model, work, tableau, workspace, workspace.clock[TIME], h)
+    step_to(workspace.y, tableau.B, s, h, K, y_new)
+    counts[EVALUATIONS] += s - 1
+    if tableau.first_same_as_last:
+        derivative_into(model, work, t_new, y_new, K[s])
+        counts[EVALUATIONS] += 1
+    error, factor = local_error(options, tableau, workspace, h), 0.25
+    counts[TROUBLE] = NONE
+    if not error < np.inf:
+        counts[TROUBLE] = ILL
+    elif error > 1.0 and not options.fixed_step > 0.0:
+        counts[TROUBLE] = TOO_ROUGH
+        factor = max(tableau.min_factor, SAFETY * error ** (-1.0 / tableau.exponent))
+        workspace.clock[LARGEST] = CAUTION * h
+    elif options.closes:
+        reached = project(model, work, t_new, y_new, workspace.step, workspace.before)
+        if not (reached and finite(y_new)):
+            counts[TROUBLE] = OFF
+    if counts[TROUBLE] == NONE and (options.closes or not tableau.first_same_as_last):
+        derivative_into(model, work, t_new, y_new, K[s])
+        counts[EVALUATIONS] += 1
+        if not finite(K[s]):
+            counts[TROUBLE] = ILL
+    if counts[TROUBLE] != NONE:
+        workspace.clock[REFUSED_LAST] = 1.0
+    return error, factor
+
+
+@inlined
+def copy(a: Array, out: Array) -> None:
+    """Fill out (n,) with a (n,)."""
+    for i in range(a.shape[0]):
+        out[i] = a[i]
+
+
+@lean
+def accept_step(
+    options: Options,
+    tableau: Tableau,
+    workspace: ExplicitWorkspace,
+    error: float,
+    h: float,
+    t_new: float,
+) -> None:
+    """Make the end of the step the state, and choose the next one.
+
+    By proportional-integral control: its factor is SAFETY err^-a err_last^b. An order a steadies
+    it and b damps the change, which saves refusals where the error varies along the motion.
+    """
+    clock, counts, error = workspace.clock, workspace.counts, max(error, 1e-8)
+    proportional = 1.0 / tableau.exponent - 0.75 * tableau.integral
+    factor = SAFETY * error**-proportional * clock[ERROR_LAST] ** tableau.integral
+    largest = 1.0 if clock[REFUSED_LAST] > 0.0 else tableau.max_factor
+    clock[NEXT] = min(h * min(largest, max(tableau.min_factor, factor)), clock[LARGEST])
+    clock[LARGEST] *= RELAX if error > FAR_BELOW else RELAX_FAR
+    clock[ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
+    if clock[SUSPECT] > 0.0 or counts[STEPS] % TEST_EVERY == 0:
+        _test_stiffness(options, tableau, workspace, h)
+    copy(workspace.y, workspace.y_old)
+    copy(workspace.y_new, workspace.y)
+    copy(workspace.K[tableau.B.shape[0]], workspace.f)
+    clock[TIME_OLD] = clock[TIME]
+    count_step(clock, counts, h, t_new)
 
 
 @lean
 def advance_explicit(
     model: Model,
+    work: Work,
     options: Options,
     tableau: Tableau,
     workspace: ExplicitWorkspace,
@@ -145,9 +218,7 @@ def advance_explicit(
     ends: Ends,
 ) -> tuple[int, int]:
     """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
-    clock, counts, work, K = workspace.clock, workspace.counts, workspace.work, workspace.K
-    y, y_new, s, n = workspace.y, workspace.y_new, tableau.B.shape[0], workspace.y.shape[0]
-    fixed = options.fixed_step > 0.0
+    clock, counts, y = workspace.clock, workspace.counts, workspace.y
     taken = 0
     while clock[TIME] < options.t_end:
         if taken == most_steps:
@@ -156,79 +227,35 @@ def advance_explicit(
         h, t_new, too_small = next_step(options, clock)
         if too_small:
             return TOO_SMALL, filled
-        for i in range(n):
-            K[0, i] = workspace.f[i]
-        fill_stages(model, work, tableau.A, tableau.C, t, y, h, K, workspace.point)
-        counts[EVALUATIONS] += s - 1
-        for i in range(n):
-            sum_of = 0.0
-            for j in range(s):
-                sum_of += tableau.B[j] * K[j, i]
-            y_new[i] = y[i] + h * sum_of
-        if tableau.first_same_as_last:
-            derivative_into(model, work, t_new, y_new, K[s])
-            counts[EVALUATIONS] += 1
-        error = _error(options, tableau, workspace, h)
-
-        counts[TROUBLE] = NONE
-        factor = 0.25
-        if not error < np.inf:
-            counts[TROUBLE] = ILL
-        elif error > 1.0 and not fixed:
-            counts[TROUBLE] = TOO_ROUGH
-            factor = max(tableau.min_factor, SAFETY * error ** (-1.0 / tableau.exponent))
-            clock[LARGEST] = CAUTION * h
-        elif options.closes:
-            reached = project(model, work, t_new, y_new, workspace.step, workspace.before)
-            if not (reached and finite(y_new)):
-                counts[TROUBLE] = OFF
-        if counts[TROUBLE] == NONE and (options.closes or not tableau.first_same_as_last):
-            derivative_into(model, work, t_new, y_new, K[s])
-            counts[EVALUATIONS] += 1
-            if not finite(K[s]):
-                counts[TROUBLE] = ILL
+        error, factor = attempt_step(model, work, options, tableau, workspace, h, t_new)
         if counts[TROUBLE] != NONE:
-            clock[REFUSED_LAST] = 1.0
             code = refuse(options, clock, counts, h, factor)
             if code != GOES_ON:
                 return code, filled
             continue
-
-        error = max(error, 1e-8)
-        proportional = 1.0 / tableau.exponent - 0.75 * tableau.integral
-        factor = SAFETY * error**-proportional * clock[ERROR_LAST] ** tableau.integral
-        largest = 1.0 if clock[REFUSED_LAST] > 0.0 else tableau.max_factor
-        clock[NEXT] = min(h * min(largest, max(tableau.min_factor, factor)), clock[LARGEST])
-        clock[LARGEST] *= RELAX if error > FAR_BELOW else RELAX_FAR
-        clock[ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
-        if clock[SUSPECT] > 0.0 or counts[STEPS] % TEST_EVERY == 0:
-            _test_stiffness(options, tableau, workspace, h)
-        for i in range(n):
-            workspace.y_old[i], y[i] = y[i], y_new[i]
-            workspace.f[i] = K[s, i]
-        clock[TIME_OLD] = t
-        count_step(clock, counts, h, t_new)
+        accept_step(options, tableau, workspace, error, h, t_new)
         keep_end(ends, taken, t_new, y)
         taken += 1
         known = False
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]
             if times[filled] == t_new:
-                for i in range(n):
-                    row[i] = y[i]
+                copy(y, row)
             else:
                 if not known:
-                    fill_polynomial(model, tableau, workspace)
+                    fill_polynomial(model, work, tableau, workspace)
                     known = True
                 _interpolate(tableau, workspace, (times[filled] - t) / h, row)
                 if options.closes:
-                    _close_row(model, workspace, times[filled], row)
+                    _close_row(model, work, workspace, times[filled], row)
             filled += 1
     return ARRIVED, filled
 
 
-@inlined
-def _error(options: Options, tableau: Tableau, workspace: ExplicitWorkspace, h: float) -> float:
+@lean
+def local_error(
+    options: Options, tableau: Tableau, workspace: ExplicitWorkspace, h: float
+) -> float:
     """Local error in units of the tolerance."""
     set_weights(options, workspace.y, workspace.y_new, workspace.weight)
     _combine(tableau.E[0], workspace)
@@ -278,28 +305,30 @@ def _test_stiffness(
 
 
 @lean
-def fill_polynomial(model: Model, tableau: Tableau, workspace: ExplicitWorkspace) -> None:
+def fill_polynomial(
+    model: Model, work: Work, tableau: Tableau, workspace: ExplicitWorkspace
+) -> None:
     """Fill F with the polynomial of the last step, after the extra stages that it needs."""
-    K, F, clock, s = workspace.K, workspace.F, workspace.clock, tableau.B.shape[0] + 1
-    t, h, n = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD], workspace.y.shape[0]
-    extra = tableau.C_extra.shape[0]
-    for e in range(extra):
-        for i in range(n):
-            sum_of = 0.0
-            for j in range(s + e):
-                sum_of += tableau.A_extra[e, j] * K[j, i]
-            workspace.point[i] = workspace.y_old[i] + h * sum_of
-        derivative_into(
-            model, workspace.work, t + tableau.C_extra[e] * h, workspace.point, K[s + e]
-        )
-    workspace.counts[EVALUATIONS] += extra
+    K, clock, point, s = workspace.K, workspace.clock, workspace.point, tableau.B.shape[0] + 1
+    t, h = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD]
+    for e in range(tableau.C_extra.shape[0]):
+        step_to(workspace.y_old, tableau.A_extra[e], s + e, h, K, point)
+        derivative_into(model, work, t + tableau.C_extra[e] * h, point, K[s + e])
+    workspace.counts[EVALUATIONS] += tableau.C_extra.shape[0]
+    set_polynomial(tableau, workspace, h)
+
+
+@lean
+def set_polynomial(tableau: Tableau, workspace: ExplicitWorkspace, h: float) -> None:
+    """Fill F from all stages of the last step."""
+    K, F, s = workspace.K, workspace.F, tableau.B.shape[0]
     first = F.shape[0] - tableau.D.shape[0]
-    for i in range(n):
+    for i in range(workspace.y.shape[0]):
         if first == 3:
             step = workspace.y[i] - workspace.y_old[i]
             F[0, i] = step
             F[1, i] = h * K[0, i] - step
-            F[2, i] = step - h * K[s - 1, i] - F[1, i]
+            F[2, i] = step - h * K[s, i] - F[1, i]
         for d in range(tableau.D.shape[0]):
             sum_of = 0.0
             for j in range(K.shape[0]):
@@ -321,10 +350,10 @@ def _interpolate(tableau: Tableau, workspace: ExplicitWorkspace, x: float, out: 
 
 
 @inlined
-def _close_row(model: Model, workspace: ExplicitWorkspace, t: float, row: Array) -> None:
+def _close_row(
+    model: Model, work: Work, workspace: ExplicitWorkspace, t: float, row: Array
+) -> None:
     """Bring a row (n,) of the output onto the constraints; left as it is where none are near."""
-    for i in range(row.shape[0]):
-        workspace.point[i] = row[i]
-    if project(model, workspace.work, t, workspace.point, workspace.step, workspace.before):
-        for i in range(row.shape[0]):
-            row[i] = workspace.point[i]
+    copy(row, workspace.point)
+    if project(model, work, t, workspace.point, workspace.step, workspace.before):
+        copy(workspace.point, row)
