@@ -5,19 +5,175 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.analysis.recovery import Recording
+from ..dynamics.analysis.recovery import Recording, body_frames, stiffened
+from ..dynamics.evaluation import series
 from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
+from ..math.rotations import skew, vectors_to_matrices
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.schema import BodyRecovery
 from ..package.section.schema import RESULTANTS, STRESSES, Ply, SectionRecovery
 from ..strength.beam_bodies import unit_stress_M
 from ..strength.fatigue import StressLife, check_rainflow
-from .cut import equilibrium_resultants
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PlyStressSignal, ResultantSignal
+
+
+GAUSS = 0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)  # exact for products of linear functions
+NEAR = 1e-9  # of the length
+
+
+class Cut:
+    """A section of a straight beam at x, and the mass beyond it.
+
+    Raises
+    ------
+    InputError
+        Not a straight beam with its sections; `key` is that of the case.
+    """
+
+    def __init__(
+        self, key: str, built: BuiltMechanism, body: int, package: ModalPackage, x: float
+    ) -> None:
+        nodes, n = package.nodes_B, len(package.nodes_B)
+        along = nodes[:, 0] - nodes[0, 0]
+        line = np.column_stack([np.arange(n - 1), np.arange(1, n)]).ravel()
+        straight = np.abs(nodes[:, 1:] - nodes[0, 1:]).max() <= NEAR * abs(along[-1])
+        if (
+            package.recovery is None
+            or not np.array_equal(package.connectivity, line)
+            or not straight
+            or len(package.sections) not in (1, n)
+        ):
+            raise InputError(f'{key}.method = "equilibrium": expected a straight beam')
+        self.built, self.model, self.body = built, built.model, body
+        self.nodes, self.along, self.shapes = nodes, along, package.shapes_B
+        self.A_BE = package.recovery.A_BE
+        self.x = min(x, along[-1])
+        end = along[-1] - self.x <= NEAR * along[-1]
+        self._beyond = self.x + nodes[0, 0] + (-NEAR if end else NEAR) * along[-1]
+        self._slices(np.array([section.M for section in package.sections]))
+        loaded = series.loaded_markers(self.model)
+        self.loads = [p for p, marker in enumerate(loaded.tolist()) if self._carries(marker)]
+        self.markers = loaded[self.loads]
+        self.points = [(k, m) for k, m in built.point_masses if self._carries(k)]
+
+    def resultants(self, recording: Recording) -> Array:
+        """Return F1 F2 F3 M1 M2 M3 (k, 6) on the face +x, in the axes of the deformed section."""
+        r, A, q = body_frames(self.model, self.body, recording.y)
+        place_B, turn = self._section(q)
+        x = r + np.einsum("kab,kb->ka", A, place_B)
+        F, M = self._inertia(recording, r, A, q, x)
+        forces = recording.loads(self.loads)
+        for k, marker in enumerate(self.markers.tolist()):
+            arm = recording.position(marker) - x
+            F += forces[:, k, :3]
+            M += forces[:, k, 3:] + np.cross(arm, forces[:, k, :3])
+        for marker, mass in self.points:
+            weight = mass * (self.model.gravity_G - recording.acceleration(marker))
+            F += weight
+            M += np.cross(recording.position(marker) - x, weight)
+        to_section = A @ vectors_to_matrices(turn) @ self.A_BE
+        return np.concatenate([np.einsum("kba,kb->ka", to_section, each) for each in (F, M)], 1)
+
+    def _carries(self, marker: int) -> bool:
+        """Tell whether a marker is on the part beyond."""
+        model = self.model
+        return bool(
+            model.marker_body[marker] == self.body and model.marker_x[marker, 0] > self._beyond
+        )
+
+    def motion_at(self, x: Array) -> Array:
+        """Return translation and rotation (p, 6, m) at places along the beam per unit mode."""
+        columns = [
+            [np.interp(x, self.along, shape[:, a]) for a in range(6)] for shape in self.shapes
+        ]
+        found = np.array(columns).reshape(len(self.shapes), 6, len(x))
+        return np.ascontiguousarray(np.moveaxis(found, (0, 1, 2), (2, 1, 0)))
+
+    def _slices(self, M_E: Array) -> None:
+        """Set mass, mass centres, rotary inertia and motion of the slices beyond, p of them."""
+        ends = np.concatenate([[self.x], self.along[self.along > self.x]])
+        width = np.diff(ends)
+        x = (ends[:-1, None] + width[:, None] * np.array(GAUSS)).ravel()
+        length = np.repeat(0.5 * width, 2)
+        if len(M_E) == 1:
+            M = np.repeat(M_E, len(x), axis=0)
+        else:  # an element has the section of its middle
+            element = np.clip(np.searchsorted(self.along, x) - 1, 0, len(self.along) - 2)
+            M = 0.5 * (M_E[element] + M_E[element + 1])
+        m = np.trace(M[:, :3, :3], axis1=1, axis2=2) / 3.0
+        moment = M[:, 3:, :3] / m[:, None, None]
+        centre_E = np.stack([moment[:, 2, 1], moment[:, 0, 2], moment[:, 1, 0]], axis=1)
+        cross = np.array([skew(c) for c in centre_E]).reshape(-1, 3, 3)
+        J_E = M[:, 3:, 3:] + m[:, None, None] * cross @ cross
+        offset_B = centre_E @ self.A_BE.T
+        motion = self.motion_at(x)
+        turned = np.array([skew(c) for c in offset_B]).reshape(-1, 3, 3)
+        self.mass = m * length
+        self.place_B = self.nodes[0] + x[:, None] * np.array([1.0, 0.0, 0.0]) + offset_B
+        self.phi = motion[:, :3] - turned @ motion[:, 3:]
+        self.psi = motion[:, 3:]
+        self.J_B = length[:, None, None] * (self.A_BE @ J_E @ self.A_BE.T)
+
+    def _section(self, q: Array) -> tuple[Array, Array]:
+        """Return place (k, 3) and rotation vector (k, 3) of the section in the body."""
+        motion = self.motion_at(np.array([self.x]))[0]
+        start = self.nodes[0] + np.array([self.x, 0.0, 0.0])
+        place = start + q @ motion[:3].T
+        if stiffened(self.model, self.body):  # a bent line is shorter along x
+            ends = np.append(self.along[self.along < self.x], self.x)
+            moved = np.einsum("pam,km->kpa", self.motion_at(ends)[:, 1:3], q)
+            if len(ends) > 1:
+                place[:, 0] -= 0.5 * (np.diff(moved, axis=1) ** 2 / np.diff(ends)[:, None]).sum(
+                    axis=(1, 2)
+                )
+        return place, q @ motion[3:].T
+
+    def _inertia(
+        self, recording: Recording, r: Array, A: Array, q: Array, x: Array
+    ) -> tuple[Array, Array]:
+        """Return force and moment about x of weight and inertia of the slices, global, (k, 3)."""
+        j = self.model.n_pos + int(self.model.vel_start[self.body])
+        own = slice(j, j + 6 + q.shape[1])
+        b, f_B, h_d = self.slice_loads(A, q, recording.y[:, own], recording.rates[:, own])
+        weight = np.einsum("kab,kpb->kpa", A, f_B)
+        arm = r[:, None] + np.einsum("kab,kpb->kpa", A, b) - x[:, None]
+        moment = np.cross(arm, weight).sum(axis=1) - np.einsum("kab,kpb->ka", A, h_d)
+        return weight.sum(axis=1), moment
+
+    def slice_loads(
+        self, A: Array, q: Array, velocity: Array, rate: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return place, weight less m a, and dh/dt of each slice, in body axes, (k, p, 3).
+
+        Of velocity and acceleration (k, 6 + m) of the frame and the modes.
+        """
+        w, w_d = velocity[:, None, 3:6], rate[:, None, 3:6]
+
+        def moved(shapes: Array, amounts: Array) -> Array:
+            return np.einsum("pam,km->kpa", shapes, amounts)
+
+        b = self.place_B + moved(self.phi, q)
+        b_d, b_dd = moved(self.phi, velocity[:, 6:]), moved(self.phi, rate[:, 6:])
+        a_B = b_dd + np.cross(w_d, b) + np.cross(w, np.cross(w, b)) + 2.0 * np.cross(w, b_d)
+        fall_B = np.einsum("kba,kb->ka", A, self.model.gravity_G - rate[:, :3])
+        own = moved(self.psi, velocity[:, 6:])
+        W = w + own
+        W_d = w_d + moved(self.psi, rate[:, 6:]) + np.cross(w, own)
+        J = self.J_B
+        h_d = np.einsum("pab,kpb->kpa", J, W_d) + np.cross(W, np.einsum("pab,kpb->kpa", J, W))
+        return b, self.mass[:, None] * (fall_B[:, None] - a_B), h_d
+
+
+def equilibrium_resultants(
+    key: str, built: BuiltMechanism, body: int, package: ModalPackage, x: float
+) -> Callable[[Recording], Array]:
+    """Return what gives the resultants (k, 6) at x; errors as of `Cut`."""
+    cut, own = Cut(key, built, body, package, x), object()
+    return lambda recording: recording.once(own, lambda: cut.resultants(recording))
 
 
 Values = Callable[[Recording], Array]

@@ -7,8 +7,8 @@ import numpy as np
 from ..dynamics.analysis.recovery import Recording
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
+from .sections import Values
 
-Values = Callable[[Recording], Array]
 
 
 class Turns:
