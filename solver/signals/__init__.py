@@ -1,7 +1,6 @@
 """Signals: the requested quantities, computed from states at the output times."""
 
 from ..dynamics.analysis.recovery import Recording
-from .sensors import Histories, Sensor, fatigue_entry, recorded, sensors
-from .turns import Turns
+from .sensors import Histories, Sensor, Turns, fatigue_entry, recorded, sensors
 
 __all__ = ["Histories", "Recording", "Sensor", "Turns", "fatigue_entry", "recorded", "sensors"]

@@ -1,4 +1,4 @@
-"""Joint coordinates and joint reactions."""
+"""Joint coordinates, joint reactions, sizes of forces along coordinates and in couplings."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple

@@ -1,4 +1,15 @@
-"""Resultants and ply stresses at a position along a flexible body."""
+"""Resultants and ply stresses at a position along a flexible body, by modes or by equilibrium.
+
+By equilibrium of the part beyond a section of a straight beam:
+
+    F = sum F_m + int (g - a) dm
+    M = sum (M_m + (x_m - x) x F_m) + int (x_dm - x) x (g - a) dm - int dh/dt
+
+with the forces and moments of joints, force elements and loads at the markers m beyond the section,
+point masses there, and the acceleration a and the spin h of the slices. The modes give a and the
+place of the section, but no forces: what few modes miss of distributed inertia is not missing here.
+Stresses of material damping are included.
+"""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
