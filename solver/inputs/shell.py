@@ -3,7 +3,7 @@
 docs/shell-description.md is generated from here (`make docs`).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -424,7 +424,7 @@ class ShellDescription(Table):
         return self
 
 
-def checked(table: dict[str, Any], file: Path) -> ShellDescription:
+def checked(table: Mapping[str, Any], file: Path) -> ShellDescription:
     """Check keys, types and bounds of a description. Raises InputError, one line per error."""
     description = validated(ShellDescription, table, file)
     wrong = [f"{file}: {line}" for line in _out_of_range(table, "")]

@@ -1,6 +1,7 @@
 """From a shell description to the specification that the FE side reads."""
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from .common.mesh_files import SUFFIXES as SCRIPTS
 from .common.mesh_files import content_sha256, is_gmsh_mesh, library, mesh_source, physical_groups
 from .common.table import plain_table
 from .common.text_file import read_toml
-from .section.foreign import named_sets, read_mesh, region_sets, write_npz
+from .section.foreign import in_one_region, named_sets, read_mesh, region_sets, write_npz
 from .shell import Mesh, Region, ShellDescription, checked
 
 # Surface meshes of other programs, read by meshio into arrays for the preprocessor.
@@ -45,7 +46,8 @@ def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
         )
     wide = max(PLANE[mesh.cells[i].type] for i in blocks)
     cells = np.concatenate([_padded(mesh.cells[i].data, wide) for i in blocks])
-    regions, region = _regions_of_mesh(mesh, blocks, file.name, where)
+    sets = region_sets(mesh, blocks, file.name, None)
+    region = in_one_region(sets, f"{where}: cell")
     points = np.zeros((len(mesh.points), 3))
     points[:, : np.shape(mesh.points)[1]] = mesh.points
     used = np.unique(cells[cells >= 0])
@@ -55,7 +57,7 @@ def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
         "points": points[used],
         "cells": np.where(cells < 0, -1, row[np.maximum(cells, 0)]),
         "region": region,
-        "regions": np.array(regions),
+        "regions": np.array(list(sets)),
     }
     arrays |= {f"curve:{name}": row[lines] for name, lines in _curves(mesh).items()}
     arrays |= {f"point:{name}": row[np.asarray(n)] for name, n in mesh.point_sets.items()}
@@ -65,23 +67,6 @@ def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
 def _padded(data: Any, wide: int) -> IntArray:
     data = np.asarray(data, dtype=np.int64)
     return np.pad(data, ((0, 0), (0, wide - data.shape[1])), constant_values=-1)
-
-
-def _regions_of_mesh(
-    mesh: Any, blocks: list[int], name: str, where: str
-) -> tuple[list[str], IntArray]:
-    """Names of the regions, and the region of each cell."""
-    sets = region_sets(mesh, blocks, name, None)
-    members = np.array(list(sets.values()))
-    count = members.sum(axis=0)
-    if not (count == 1).all():
-        cell = int(np.flatnonzero(count != 1)[0])
-        of = [of for of, mask in sets.items() if mask[cell]]
-        raise InputError(
-            f"{where}: cell {cell + 1} is in {count[cell]} sets ({few(of) or 'none'}), expected "
-            "exactly one, its region"
-        )
-    return list(sets), np.asarray(members.argmax(axis=0), dtype=np.int64)
 
 
 def _curves(mesh: Any) -> dict[str, IntArray]:
@@ -133,7 +118,7 @@ def load_shell(file: Path, buckling: int | None = None) -> dict[str, Any]:
     return {**spec, "buckling": {**usual, **spec.get("buckling", {}), "count": buckling}}
 
 
-def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
+def shell_spec(table: Mapping[str, Any], file: Path) -> dict[str, Any]:
     """Return the specification of a description already read; see `load_shell`.
 
     Parameters

@@ -4,12 +4,13 @@ Meshes of other programs, such as MED, are read by meshio and written as meshes 
 """
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, collected, few, refuse, unknown
+from ..errors import InputError, collected, refuse, unknown
 from ..math.arrays import IntArray
 from ..package.common.files import temporary_sibling
 from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
@@ -18,7 +19,7 @@ from .common.materials import check_materials, plain
 from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source
 from .common.table import plain_table, validated
 from .common.text_file import read_toml
-from .section.foreign import named_sets, read_mesh, region_sets
+from .section.foreign import in_one_region, named_sets, read_mesh, region_sets
 from .solid import LENGTHS, SolidDescription
 
 BUILD = Path("build/solids")  # folder of the meshes
@@ -52,7 +53,7 @@ def gmsh_mesh(file: Path, where: str) -> Path:
             continue
         if dimension == 3:
             sets = region_sets(mesh, blocks, file.name, None)
-            _check_regions(np.sum(list(sets.values()), axis=0), sets, where)
+            in_one_region(sets, f"{where}: solid cell")
         else:
             sets = named_sets(mesh, blocks)
         starts = np.cumsum([0, *(len(mesh.cells[i].data) for i in blocks)])
@@ -77,17 +78,6 @@ def gmsh_mesh(file: Path, where: str) -> Path:
     with temporary_sibling(target) as temporary:
         meshio.write(temporary, found, file_format="gmsh22")
     return target
-
-
-def _check_regions(count: IntArray, sets: dict[str, Any], where: str) -> None:
-    wrong = np.flatnonzero(count != 1)
-    if len(wrong):
-        cell = int(wrong[0])
-        of = [name for name, members in sets.items() if members[cell]]
-        raise InputError(
-            f"{where}: solid cell {cell + 1} is in {count[cell]} sets ({few(of) or 'none'}), "
-            "expected exactly one, the region of its material"
-        )
 
 
 def _outwards(cells: IntArray, mesh: Any, block: int) -> IntArray:
@@ -123,7 +113,7 @@ def described_solid(file: Path) -> tuple[SolidDescription, SolidTable]:
 
 
 def solid_table(
-    table: dict[str, Any], file: Path, size: float | None = None
+    table: Mapping[str, Any], file: Path, size: float | None = None
 ) -> tuple[SolidDescription, SolidTable]:
     """Return the same of a description already read, with another size of the cells if given."""
     if size is not None and isinstance(table.get("mesh"), dict):

@@ -264,7 +264,7 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         text += f" [{unit}]" * bool(unit)
         if is_number(value):
             text += ", without quotes"
-        elif "parameters" in model.model_fields:
+        elif "parameters" in model.model_fields and path[0] != "parameters":
             text += ", or an expression of [parameters]"
     hint = ""
     if _one_of_words(kind):

@@ -2,7 +2,7 @@
 
 import contextlib
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -44,7 +44,7 @@ def read_toml(file: Path, what: str) -> dict[str, Any]:
     return table
 
 
-def _flat_enough(table: dict[str, Any]) -> bool:
+def _flat_enough(table: Mapping[str, Any]) -> bool:
     level: list[Any] = [table]
     for _ in range(LEVELS):
         within = [item.values() if isinstance(item, dict) else item for item in level]

@@ -3,6 +3,7 @@
 docs/section-description.md is generated from here (`make docs`).
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
@@ -184,6 +185,6 @@ class SectionDescription(Table):
     regions: dict[str, Region] = entry("material or plies of each wall or region", min_length=1)
 
 
-def checked(table: dict[str, Any], file: Path) -> SectionDescription:
+def checked(table: Mapping[str, Any], file: Path) -> SectionDescription:
     """Check keys, types and bounds of a description. Raises InputError, one line per error."""
     return validated(SectionDescription, table, file)

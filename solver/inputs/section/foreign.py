@@ -3,7 +3,7 @@
 import contextlib
 import hashlib
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -71,6 +71,20 @@ def region_sets(
 def _by_value(name: str, values: Array) -> dict[str, Mask]:
     short = name.rpartition(":")[2]
     return {f"{short}-{value:g}": values == value for value in np.unique(values)}
+
+
+def in_one_region(sets: Mapping[str, Mask], what: str) -> IntArray:
+    """Return the region of each cell as a row of `sets`, (c,).
+
+    Raises InputError, which begins with `what`: a cell in none or in several.
+    """
+    count = np.sum(list(sets.values()), axis=0)
+    for cell in np.flatnonzero(count != 1)[:1].tolist():
+        of = few(name for name, members in sets.items() if members[cell]) or "none"
+        raise InputError(
+            f"{what} {cell + 1} is in {count[cell]} sets ({of}), expected exactly one, its region"
+        )
+    return np.asarray(np.argmax(list(sets.values()), axis=0), dtype=np.int64)
 
 
 def named_sets(mesh: Any, blocks: list[int]) -> dict[str, Mask]:

@@ -276,7 +276,7 @@ def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
     return section_spec(read_toml(file, "section description"), file, folder)
 
 
-def source_files(table: dict[str, Any], file: Path) -> list[Path]:
+def source_files(table: Mapping[str, Any], file: Path) -> list[Path]:
     """Return the source files of a section: its description, and its mesh or contour file.
 
     Parameters
@@ -289,7 +289,7 @@ def source_files(table: dict[str, Any], file: Path) -> list[Path]:
     return [file, *(path for path in beside if path.is_file())]
 
 
-def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dict[str, Any]:
+def section_spec(table: Mapping[str, Any], file: Path, folder: Path = BUILD) -> dict[str, Any]:
     """Return the specification of a description already read; see `load_section`.
 
     Parameters

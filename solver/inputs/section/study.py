@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
-from ..common.table import Table, entry, optional, validated
+from ..common.table import Table, entry, is_number, optional, validated
 from ..common.text_file import read_toml
 from .specification import section_spec
 from .vabs import is_of_another_code, spec_of_another_code
@@ -122,7 +122,7 @@ class Study(Table):
     sweep: list[Sweep] = entry("keys to vary", default=[])
 
 
-def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:
+def study_variants(path: Path, table: Mapping[str, Any]) -> tuple[Study, Variants]:
     """Check a study; return it with the changes of each of its variants.
 
     Raises
@@ -175,9 +175,9 @@ def _column(path: Path, index: int, sweep: Sweep) -> list[tuple[str, Any]]:
     rows = [row for row in rows if any(row) and not row[0].startswith("#")]
     column = []
     for number, row in enumerate(rows, start=1):
-        name, cells = ("", row) if _is_number(row[0]) else (row[0], row[1:])
+        name, cells = ("", row) if is_number(row[0]) else (row[0], row[1:])
         cells = [cell for cell in cells if cell]
-        bad = next((cell for cell in cells if not _is_number(cell)), None)
+        bad = next((cell for cell in cells if not is_number(cell)), None)
         if number == 1 and (name.lower() == "name" or bad is not None or not cells):
             continue  # names of the columns
         if bad is not None or not cells:
@@ -190,14 +190,6 @@ def _column(path: Path, index: int, sweep: Sweep) -> list[tuple[str, Any]]:
     if not column:
         raise InputError(f"{file}: there is no row of numbers")
     return column
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def described_spec(

@@ -59,7 +59,7 @@ def imported_spec(
     return spec, [file, *paths.values()]
 
 
-def _files(table: dict[str, Any], file: Path, key: str) -> dict[str, Path]:
+def _files(table: Mapping[str, Any], file: Path, key: str) -> dict[str, Path]:
     """Files that the import file names, and those of the same stem beside a deck."""
     named = table.get("files")
     if not isinstance(named, dict) or not all(isinstance(v, str) for v in named.values()):

@@ -334,7 +334,10 @@ def mechanism_of(table: dict[str, Any], folder: Path) -> tuple[Mechanism, dict[s
                         found[key], texts[key] = value, item["input"]
             if not found:
                 raise
-            table = put(table, found)
+            try:
+                table = put(table, found)
+            except (LookupError, TypeError, ValueError):  # a text that stands for a whole table
+                raise error from None
 
 
 def number_of(text: str, parameters: Mapping[str, Any]) -> float | None:
