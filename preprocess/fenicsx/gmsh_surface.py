@@ -230,7 +230,7 @@ def gmsh_session() -> Iterator[Any]:
     """A gmsh session without terminal output and without the user's option files; may be nested."""
     global _session_depth
     if _session_depth == 0:
-        keywords: dict[str, Any] = {"readConfigFiles": False}
+        keywords = {"readConfigFiles": False}
         if "interruptible" in inspect.signature(gmsh.initialize).parameters:
             keywords["interruptible"] = False  # Python keeps handling Ctrl-C
         gmsh.initialize([], **keywords)

@@ -19,7 +19,7 @@ the points of links. Linear equations x = T y make some unknowns depend on other
 """
 
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -63,23 +63,6 @@ class Spread(NamedTuple):
     turn_weights: Array
 
 
-class Route(Protocol):
-    """What is used of `SecondRoute`."""
-
-    places: Array
-    sides: IntArray
-    u: IntArray
-    turns: IntArray
-    normal: Array
-    of_cells: IntArray
-
-    def spread(self, names: Any) -> Spread:
-        """Places of groups."""
-
-    def numbers(self, ends: IntArray) -> IntArray:
-        """Rows of `sides`."""
-
-
 class Parts:
     """Unknowns, equations and matrices that links and stiffeners add to a surface.
 
@@ -93,7 +76,7 @@ class Parts:
     K, M : (size, size) of the stiffeners
     """
 
-    def __init__(self, route: Route, problem: ShellProblem, size: int) -> None:
+    def __init__(self, route: "SecondRoute", problem: ShellProblem, size: int) -> None:
         self.turns = np.full((problem.mesh.n_node, 3), -1)
         held = np.unique([ends for s in problem.stiffeners for ends in s.ends.ravel()])
         held = held.astype(np.int64)
@@ -124,7 +107,9 @@ class Parts:
         step = sp.csr_matrix((values, (rows, columns)), shape=(self.size, self.size))
         self.T = sp.csr_matrix((sp.diags(keep) + step) @ self.T)
 
-    def _carry(self, route: Route, problem: ShellProblem, link: Link, point: IntArray) -> None:
+    def _carry(
+        self, route: "SecondRoute", problem: ShellProblem, link: Link, point: IntArray
+    ) -> None:
         group = route.spread(problem.spec["links"][link.name]["at"])
         at = np.unique(group.at)
         R = rigid(route.places[at] - link.point_G)
@@ -135,7 +120,7 @@ class Parts:
         rows = np.concatenate(turned)
         self._depend(rows.ravel(), np.tile(point[3:], len(rows)), np.ones(rows.size))
 
-    def _beam(self, route: Route, beam: Stiffener, spin: IntArray) -> None:
+    def _beam(self, route: "SecondRoute", beam: Stiffener, spin: IntArray) -> None:
         middle = route.numbers(beam.ends)
         nodes = [*beam.ends.T, len(self.turns) + middle]
         ends = self.turns[beam.ends]  # (l, 2, 3)
@@ -187,7 +172,7 @@ def _line(s: float) -> tuple[Array, Array]:
     return np.array(N), np.array([4.0 * s - 3.0, 4.0 * s - 1.0, 4.0 - 8.0 * s])
 
 
-def _fields(route: Route, problem: ShellProblem, link: Link) -> tuple[IntArray, Array]:
+def _fields(route: "SecondRoute", problem: ShellProblem, link: Link) -> tuple[IntArray, Array]:
     """Unknowns (q,) and forces on them (q, 6) of unit resultants at the point of a link."""
     group = route.spread(problem.spec["links"][link.name]["at"])
     at, number = np.unique(group.at, return_inverse=True)
@@ -212,7 +197,7 @@ def _fields(route: Route, problem: ShellProblem, link: Link) -> tuple[IntArray, 
 
 
 def _saint_venant(
-    route: Route, problem: ShellProblem, link: Link, at: IntArray, own: IntArray
+    route: "SecondRoute", problem: ShellProblem, link: Link, at: IntArray, own: IntArray
 ) -> Array:
     """Forces on places and moments on sides of extension, two bendings, torsion, two shears."""
     n = problem.mesh.n_node
