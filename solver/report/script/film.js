@@ -13,6 +13,7 @@ function drawPicture(made = document.createElement('canvas')) {
   pen.textAlign = 'right';
   // Rows of the legend from below: its last words, then pairs of colour and words.
   const parts = field('legend').hidden ? [] : [...field('legend').children].filter((part) => part.tagName === 'SPAN').reverse();
+  if (parts.length === 3 && parts[2].textContent === '0') parts.splice(1, 2, { textContent: `0 to ${parts[1].textContent}` });
   parts.forEach((part, k) => pen.fillText(part.textContent, right, bottom - 18 * k * ratio));
   pen.textAlign = 'left';
   [...field('legend').querySelectorAll('i')].reverse().forEach((bar, k) => {
