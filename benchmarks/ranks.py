@@ -43,12 +43,15 @@ def models() -> dict[str, dict[str, Any]]:
 def as_rank(folder: Path, words: list[str]) -> int:
     """The command; its figures go into a file for each rank."""
     from plymotion.preprocess.__main__ import main
+    from plymotion.preprocess.fenicsx import stack
     from plymotion.preprocess.fenicsx.team import Distribution
     from plymotion.preprocess.section.space.numbering import Pattern, Restriction
     from plymotion.preprocess.section.space.space import SectionSpace
     from plymotion.preprocess.shell.model.freedom import Freedom
     from plymotion.preprocess.shell.model.problem import Assembly
 
+    parts = stack.dolfinx, stack.PETSc  # loaded at their first use otherwise: not assembly
+    assert all(parts)
     spent = [0.0]
     for owner, name in (
         *((SectionSpace, "__init__"), (Pattern, "__init__"), (SectionSpace, "E")),
