@@ -57,9 +57,15 @@ def campbell(folder, capsys, modes, at, hub=0.0, *options):
     return modes_at(folder, text, at, *options, capsys=capsys, more=STIFFENED)
 
 
-def test_flap_over_speed(table, tmp_path, capsys):
+@pytest.mark.parametrize(
+    "modes",
+    [
+        [{"kind": "bending-xz", "count": 12}],
+        [{"kind": "spinning-xz", "count": 2}, {"kind": "bending-xz", "count": 4}],
+    ],
+)
+def test_flap_over_speed(modes, table, tmp_path, capsys):
     """Branches are followed to the third flap mode; crossings with 1P do not exist."""
-    modes = [{"kind": "bending-xz", "count": 12}]
     found = campbell(tmp_path, capsys, modes, "spin=0:12:2", 0.0, "--count", "3")
     expected = table["no-hub"]
     rows = [expected["mu"].index(int(speed)) for speed in found["speeds"]]
