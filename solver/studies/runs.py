@@ -30,7 +30,7 @@ from ..system.interrupts import (
     of_a_signal,
     passed_to_children,
 )
-from ..system.platform import context, processes
+from ..system.platform import context, end_with_parent, processes
 from .exit_codes import DEFECT, INCOMPLETE, INPUT, report
 
 # One run file, with `[fidelity]` or without: what commands and the Python interface call.
@@ -236,6 +236,7 @@ def _begin(stop: Any) -> None:
     """Prepare a worker: the first signal ends its run, later ones do not disturb the writing."""
     global _stop
     _stop = stop
+    end_with_parent()
 
     told: list[int] = []
 

@@ -57,6 +57,20 @@ def processes(
     return ProcessPoolExecutor(count, context(fresh=fresh), begin, arguments)
 
 
+def end_with_parent() -> None:
+    """End this process of `processes` when the one that started it has ended, however that ends."""
+    from multiprocessing import parent_process
+    from threading import Thread
+
+    def wait() -> None:
+        parent = parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=wait, daemon=True).start()
+
+
 def own_group() -> dict[str, Any]:
     """Return the arguments of Popen by which Ctrl-C of the terminal spares a program."""
     if POSIX:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -147,6 +148,28 @@ def test_ctrl_c_keeps_the_parts_of_all_processes(tmp_path):
         assert f"{name}: interrupted at t = " in words
         assert (tmp_path / "build" / name / "result.vtkhdf").is_file()
     assert not (tmp_path / "build/last").exists()
+
+
+@pytest.mark.skipif(
+    context().get_start_method() != "fork", reason="elsewhere workers are no copies"
+)
+def test_workers_end_with_a_command_that_is_killed(tmp_path):
+    runs = _runs(tmp_path, LONG)
+    files = [str(runs / f"{name}.json") for name in ("long", "longer")]
+    process = subprocess.Popen(
+        [sys.executable, "-c", TOLD, "run", "--jobs", "2", "--quiet", *files],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PLYMOTION_COMPILED": "0"},
+    )
+    with process.stdout as output:
+        begun = {output.readline(), output.readline()}
+        process.kill()
+        process.wait(60)
+        assert begun == {"long steps\n", "longer steps\n"}
+        # Each worker holds the other end of this pipe as long as it lives.
+        assert select.select([output], [], [], 60.0)[0], "workers go on"
+        assert output.read() == ""
 
 
 WITHOUT = """
