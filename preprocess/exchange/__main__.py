@@ -11,7 +11,6 @@ from ...solver.errors import InputError, PackageError, escape_control_characters
 from ...solver.system.interrupts import INTERRUPTED
 
 TABLES = 4  # exit code: the source has modes only, and their tables are written
-TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid")
 
 
 def main(arguments: "Sequence[str] | None" = None) -> int:
@@ -43,7 +42,7 @@ def _parser() -> argparse.ArgumentParser:
     into.set_defaults(run=_import)
     away = commands.add_parser("export", help="modal package in the format of another code")
     away.add_argument("package", type=Path)
-    away.add_argument("--to", dest="target", required=True, choices=TARGETS)
+    away.add_argument("--to", dest="target", required=True)
     away.add_argument("--out", "-o", type=Path)
     away.set_defaults(run=_export)
     return parser
@@ -78,15 +77,19 @@ def _import(options: argparse.Namespace) -> int:
 def _export(options: argparse.Namespace) -> int:
     from ...solver.package import read_package
 
-    writer = importlib.import_module(f"{__package__}.formats.{options.target}")
+    try:
+        writer = importlib.import_module(f"{__package__}.formats.{options.target}")
+        write, suffix = writer.write, writer.SUFFIX
+    except (ModuleNotFoundError, AttributeError) as error:
+        raise InputError(f"export --to {options.target}: no format that is written") from error
     package = read_package(options.package)
     stem = options.package.stem.replace("-", "_")
-    default = options.package.with_name(f"{stem}_{options.target}{writer.SUFFIX}")
+    default = options.package.with_name(f"{stem}_{options.target}{suffix}")
     out = options.out or default
     if out.resolve() == options.package.resolve():
         raise InputError(f"{out}: expected another name than that of the package")
     out.parent.mkdir(parents=True, exist_ok=True)
-    print(f"{out}: {writer.write(package, out, options.package)}")
+    print(f"{out}: {write(package, out, options.package)}")
     return 0
 
 

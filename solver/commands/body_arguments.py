@@ -24,7 +24,7 @@ from .arguments import (
 )
 
 # Without --out None: a folder that the user has named may be a link.
-EXCHANGED = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
+FORMATS = Path(__file__).parents[2] / "preprocess/exchange/formats"  # a file each
 PACKAGE = "PACKAGE.vtkhdf"
 
 
@@ -238,6 +238,12 @@ def add_import(parser: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
+def written_formats() -> list[str]:
+    """Return the formats of `export`: files that write one. The solver does not import them."""
+    files = sorted(FORMATS.glob("*.py"))
+    return [*(f.stem for f in files if "\ndef write(" in f.read_text("utf-8")), "fmu"]
+
+
 @command("export", "bodies.packages:run_export")
 def add_export(parser: Any) -> None:
     """Write a modal package in the format of another code.
@@ -250,7 +256,9 @@ def add_export(parser: Any) -> None:
     """
     text = "PACKAGE.vtkhdf; with --to fmu CASE.toml"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
-    parser.add_argument("--to", dest="target", required=True, choices=EXCHANGED, help="the format")
+    parser.add_argument(
+        "--to", dest="target", required=True, choices=written_formats(), help="the format"
+    )
     text = "the new file (default: beside the package; of an FMU build/CASE/RUN.fmu)"
     parser.add_argument("--out", "-o", type=Path, metavar="FILE", help=text)
     fmu = parser.add_argument_group("with --to fmu")

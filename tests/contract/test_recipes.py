@@ -37,7 +37,7 @@ PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 @pytest.fixture(scope="module")
 def copy(repository, tmp_path_factory) -> Path:
     """The sources with all examples of CONTRIBUTING.md."""
-    assert len(recipe_files(repository)) == 7
+    assert len(recipe_files(repository)) == 8
     assert len(recipe_lines(repository)) == 1
     return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
@@ -94,6 +94,10 @@ def test_a_shell_element(copy, repository):
     run_python(copy, repository, "-c", DESCRIBED)
     page = run_python(copy, repository, "-c", KEYS.format("shell"))
     assert "centroid is linear, with the shear strain of its centroid" in page
+
+
+def test_an_export_format(copy, repository, tmp_path):
+    run_python(copy, repository, str(PROGRAMS / "export_format.py"), str(tmp_path))
 
 
 def test_an_integrator(copy, page, repository, tmp_path):

@@ -14,6 +14,7 @@ from samples.sweep_samples import FORCE, ball
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands.body_arguments import written_formats
 
 CASE = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + SOLVER.format(t_end=1, step=0.5, more="")
 FOREIGN = "a file of others where a command writes"
@@ -116,7 +117,7 @@ def test_section_and_blade(repository, tmp_path, monkeypatch, capsys):
     refused(words, [Path("out") / name for name in names], capsys)
 
 
-@pytest.mark.parametrize("code", ["exudyn", "uff", "med", "dmig", "mbdyn", "sid"])
+@pytest.mark.parametrize("code", [code for code in written_formats() if code != "fmu"])
 def test_export(package, capfd, code):
     out = Path("thesis.txt")
     words = ["export", package, "--to", code, "--out", out]
