@@ -145,7 +145,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
         f"{'Load':16}{_six(case.load_G)}",
     ]
     if shell.cases.error is not None:
-        share = 100.0 * shell.cases.error[row]
+        share = round(100.0 * float(shell.cases.error[row]), 6)  # rounding is no error
         lines.insert(3, f"{'Mesh error':16}{share:+.2g} % of the strain energy, estimated")
     elif shell.provenance.get("dofs"):
         lines.insert(3, f"{'Mesh error':16}not estimated for many unknowns; --verify does")
