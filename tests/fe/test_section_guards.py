@@ -264,6 +264,11 @@ THIN: dict[str, dict[str, Any]] = {
     "box": {"width": 0.3, "height": 0.1, "wall": 0.0005, "wall_left": 0.005},
     "two-cell": {"width": 0.3, "height": 0.1, "web_position": 0.14, "wall": 0.0005},
     "i": {"height": 0.5, "top_width": 0.1, "wall": 0.02, "wall_web": 0.001},
+    "polyline": {
+        "x2": [0.1, 0.0, 0.0, 0.2],
+        "x3": [0.3, 0.3, 0.0, 0.05],
+        "wall": [0.001, 0.001, 0.01],
+    },
     "channel": {"height": 0.3, "top_width": 0.01, "bottom_width": 0.2, "wall": 0.001},
     "airfoil": {"contour": "naca0012", "chord": 1.0, "skin": 0.001, "webs": [0.15, 0.5]},
 }
