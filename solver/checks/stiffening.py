@@ -57,7 +57,7 @@ def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Findin
     """Yield the first instants at which mass or stiffness of a stiffened body is not positive.
 
     The stiffness along a run is looked at during it, where a loss must last to count
-    (monitors/buckling.py); here that of states alone.
+    (BucklingMonitor); here that of states alone.
     """
     model, name = run.model, run.built.body_names[i]
     spin = SpinMonitor(model, run.built.body_names, stop=False)
