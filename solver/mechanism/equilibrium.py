@@ -443,7 +443,8 @@ def round_off(model: Model, positions: Array, rate: float, K: Array, free: FreeM
 
     A balanced rotor has no others: its loads are no measure of them.
     """
-    size = extent(model, positions)
+    at_rest = np.concatenate([positions[: model.n_pos], np.zeros(model.n_vel)])
+    size = extent(model, at_rest)
     frame = np.zeros(model.n_vel)
     for j in model.vel_start:
         frame[j : j + 3], frame[j + 3 : j + 6] = size, 1.0
