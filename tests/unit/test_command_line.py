@@ -28,7 +28,7 @@ def test_the_version(module: str) -> None:
         (["zzz"], "error: zzz: no such command\nCommands: "),
         ([], "error: expected CASE.toml or a command\nCommands: blade, "),
         (["/"], "error: /: no case; expected CASE.toml, a folder with case.toml, or a command\n"),
-        (["new"], "required: {arm,robot-arm,panel,bracket,pendulum,blade}"),
+        (["new"], "required: {arm,robot-arm,panel,bracket,pendulum,blade,shaft}"),
         (["run", "a.json", "--quite"], "--quite: unknown argument; did you mean '--quiet'?"),
         (["arm.toml", "--coase"], "--coase: unknown argument; did you mean '--coarse'?"),
         (["report", "here", "there"], "there: unknown argument"),
