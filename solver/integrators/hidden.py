@@ -23,7 +23,7 @@ from ..math.expressions.ranges import bound_parts
 from .breakpoints import SPLIT, VARIES, programs_read
 
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
-MOST_CELLS = 20_000  # of a step; a law that needs more varies fast everywhere
+MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fast everywhere
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 SUMS = frozenset((op.ADD, op.SUBTRACT, op.NEGATE))
 
@@ -154,7 +154,7 @@ def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> fl
         if _is_quiet(watched):
             continue
         if _varies(watched, True):
-            found = _unseen(watched, before)
+            found = _unseen(watched, before, watched.cells.shape[1] // (t.shape[0] - 1))
             if found < before:
                 return found
         else:
@@ -252,16 +252,16 @@ def _widen(watched: Watched) -> None:
 
 
 @lean
-def _unseen(watched: Watched, before: float) -> float:
+def _unseen(watched: Watched, before: float, room: int) -> float:
     """Return the earliest instant [s] of the step at which a part is beyond what was seen of it.
 
-    `before` [s] if there is none, or none that early.
+    `before` [s] if there is none, or none that early; room : most cells at a time.
     """
     _set_limits(watched)
     path, cells, found = watched.path, watched.cells, before
     now, count = 0, 1
     cells[0, 0, 0], cells[0, 0, 1] = 0.0, 1.0
-    while count > 0 and SPLIT * count <= cells.shape[1]:
+    while count > 0 and SPLIT * count <= room:
         more = 0
         for c in range(count):
             a, b = cells[now, c, 0], cells[now, c, 1]
