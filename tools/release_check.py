@@ -45,7 +45,7 @@ def texts() -> Iterator[str]:
     recipe = _text(RECIPE)
     for requirement in project["dependencies"]:
         # conda has matplotlib without its windows as matplotlib-base
-        name, bounds = re.split(r"(?=[>=<~!])", requirement, maxsplit=1)
+        name, bounds = re.split(r"(?=[>=<~!])", requirement.partition(";")[0], maxsplit=1)
         name = {"matplotlib": "matplotlib-base"}.get(name, name)
         if f"    - {name} {bounds}\n" not in recipe:
             yield f"{RECIPE}: {name} {bounds} is missing in requirements.run"
