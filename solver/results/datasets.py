@@ -3,6 +3,7 @@
 import json
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import h5py
@@ -19,15 +20,12 @@ from .summary import plain
 
 LARGE = 1_000_000  # size in bytes above which an array may be compressed
 ROWS = 8192  # of a chunk; in bytes 64 KiB, at which a column compresses as well as in longer ones
-# Numbers of a chunk of fewer rows, which mixes columns in any case: 1 MiB, which the cache of HDF5
-# holds. 2000 rigid bodies at 101 times take 0.51 s instead of 0.57 s, and a fifth less room.
-WIDE = 131_072
 BLOCK = 2_000_000  # bytes that are written together
 # Level 1: the digits of a motion hardly compress, higher levels gain 1 % for a tenth of the time.
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 # Size of a packed sample above which an array is stored as it is. Columns in chunks of their own
-# pack to 0.76 or less. In wider chunks the digits of a motion pack to 0.84 to 0.90, which takes 30
-# times the CPU time of plain writing.
+# pack to 0.76 or less. In chunks of several columns the digits of a motion pack to 0.86, which
+# takes 18 times the CPU time of plain writing.
 WORTH_PACKING = 0.8
 
 
@@ -38,7 +36,7 @@ def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
     """
     width = int(np.prod(shape[1:]))
     rows = max(1, min(shape[0], ROWS, BLOCK // (8 * max(width, 1))))
-    left = max(1, (ROWS if rows == ROWS else WIDE) // rows)  # columns
+    left = max(1, ROWS // rows)  # columns
     columns = []
     for size in reversed(shape[1:]):
         columns.append(max(1, min(size, left)))
@@ -294,7 +292,7 @@ def link_record(link: Link) -> Record:
 
 def body_of(where: str, name: str, record: Record) -> BodyGeometry:
     """Return a body from its record. Raises ResultError."""
-    with _told(where):
+    with _damaged(where):
         return build(BodyGeometry, record, name=name, view=_view(record))
 
 
@@ -323,7 +321,7 @@ def _view(record: Record) -> BodyView | None:
 
 def link_of(where: str, name: str, record: Record) -> Link:
     """Return a joint from its record. Raises ResultError."""
-    with _told(where):
+    with _damaged(where):
         one, two = (
             Side(
                 int(record[f"body_{number}"]),
@@ -337,7 +335,7 @@ def link_of(where: str, name: str, record: Record) -> Link:
 
 def loads_of(where: str, record: Record) -> Loads:
     """Return the loads from their record. Raises ResultError."""
-    with _told(where):
+    with _damaged(where):
         found: Loads = build(Loads, record, names=tuple(json.loads(record["names"])))
         r, n = len(found.t), len(found.names)
         if found.place_G.shape != (r, n, 3) or found.load_G.shape != (r, n, 6):
@@ -345,15 +343,10 @@ def loads_of(where: str, record: Record) -> Loads:
     return found
 
 
-class _told:
+@contextmanager
+def _damaged(where: str) -> Iterator[None]:
     """Missing and damaged entries as ResultError with file and group."""
-
-    def __init__(self, where: str) -> None:
-        self.where = where
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, KeyError | TypeError | ValueError):
-            raise ResultError(f"{self.where}: damaged view: {error}") from error
+    try:
+        yield
+    except (KeyError, TypeError, ValueError) as error:
+        raise ResultError(f"{where}: damaged view: {error}") from error
