@@ -88,7 +88,7 @@ class SpinMonitor:
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
         ]
         self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
-        self._held: dict[tuple[int, bytes], bool] = {}
+        self._held: dict[tuple[int, float, bytes], bool] = {}
         self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
 
     def _spin_without_doubt(self, body: int) -> float:
@@ -286,13 +286,13 @@ class SpinMonitor:
         w = w[doubtful]
         lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
         for k in np.flatnonzero(np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0):
-            # one look for all states of nearly the same spin
-            key = body, np.round(w[k] / (SAME * float(np.abs(w[k]).max()))).tobytes()
+            # One look for all states of nearly the same spin; `whole`: its size by powers of two.
+            whole = float(np.exp2(np.floor(np.log2(np.abs(w[k]).max()))))
+            key = body, whole, np.round(w[k] / (SAME * whole)).tobytes()
             if key not in self._held:
-                self._held[key] = self._holds(
-                    body, steps.t[doubtful[k] + 1], steps.y[doubtful[k] + 1]
-                )
-            if not self._held[key]:
+                self._held[key] = self.holds(body, w[k], K - lost[k])
+            end = doubtful[k] + 1
+            if not (self._held[key] or self._holds(body, steps.t[end], steps.y[end])):
                 return int(doubtful[k])
         return None
 
@@ -450,15 +450,16 @@ class BucklingMonitor:
         Its size where the spin alone has taken it and the body keeps its shape (`holds`).
         """
         elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
-        whole = elastic + geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
+        loads = geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
+        whole = elastic + loads
         found = np.full(t.size, np.nan)
         finite = np.isfinite(whole).all(axis=(1, 2))
         found[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]
         for k in np.flatnonzero(found <= 0.0):
             # A critical speed is no load: it is passed if the loads alone leave stiffness.
             w = self.spin.spin(i, y[k])
-            loaded = np.linalg.eigvalsh(whole[k] - elastic[k] + self.spin.matrices(i, y[k])[0])[0]
-            if loaded > 0.0 and self.spin.holds(i, w, whole[k], whole[k] - elastic[k]):
+            loaded = np.linalg.eigvalsh(self.spin.matrices(i, y[k])[0] + loads[k])[0]
+            if loaded > 0.0 and self.spin.holds(i, w, whole[k], loads[k]):
                 found[k] = -found[k]
         return found
 

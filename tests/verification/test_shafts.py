@@ -13,6 +13,7 @@ from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.checks.stability import SpinMonitor
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.integrators.generic.drive import Steps
 from plymotion.solver.mechanism import build
 from plymotion.solver.package import write_package
 from plymotion.solver.run.execution import execute, read_run
@@ -316,3 +317,14 @@ def test_a_shaft_of_two_stiffnesses_grows_between_its_critical_speeds(ratio, hel
     assert margin(1.2 * ratio * first * axis) > 0.0
     across = np.array([0.0, 0.0, 1.0])  # a blade has one soft direction only
     assert margin(1.01 * monitor.critical_spin(0, across) * across) < 0.0
+
+
+def test_a_shaft_is_judged_at_each_speed_about_one_axis(tmp_path):
+    """What holds it above both critical speeds does not hold it between them."""
+    monitor, model = monitor_of(tmp_path, shaft(ratio=1.3))
+    first = monitor.critical_spin(0, np.array([1.0, 0.0, 0.0]))
+    y = np.zeros((3, model.n_pos + model.n_vel))
+    y[:, model.n_pos + 3] = first * np.array([1.6, 1.6, 1.15])
+    steps = Steps(np.array([0.0, 0.1, 0.2]), y, lambda _: pytest.fail("no state is asked for"))
+    assert monitor.margin(0, y[1]) > 0.0 > monitor.margin(0, y[2])
+    assert monitor._first_invalid(0, steps) == 1
