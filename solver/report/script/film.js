@@ -21,7 +21,8 @@ function drawPicture(made = document.createElement('canvas')) {
     const chip = bar.className === 'chip', wide = (chip ? 14 : 120) * ratio;
     const x = right - wide - (chip ? pen.measureText(parts[k + 1].textContent).width + 8 * ratio : 0), y = bottom - 18 * (chip ? k + 1 : parts.length) * ratio - 10 * ratio;
     const at = chip ? parseFloat(bar.style.backgroundPosition) / 100 : 0, fill = pen.createLinearGradient(x - 1e5 * at * chip, 0, x - 1e5 * at * chip + (chip ? 1e5 : wide), 0);
-    ['#440154', '#414487', '#2a788e', '#22a884', '#7ad151', '#fde725'].forEach((colour, i) => fill.addColorStop(i / 5, colour));
+    const colours = getComputedStyle(bar).backgroundImage.match(/rgba?\([^)]*\)/g); // of page.css
+    colours.forEach((colour, i) => fill.addColorStop(i / (colours.length - 1), colour));
     pen.fillStyle = fill;
     pen.fillRect(x, y, wide, 11 * ratio);
   });
