@@ -334,8 +334,13 @@ def test_stopped_batch_goes_on_where_it_was(
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes in /proc")
 def test_lost_worker_takes_only_its_section_with_it(folder: Path, mark: str) -> None:
-    values = [[3 * i] for i in range(MANY)]
+    many = 3 * MANY
+    values = [[i] for i in range(many)]
     (folder / "study.toml").write_text(STUDY.format(values=values))
+
+    def preprocessors() -> list[int]:
+        return [pid for pid, line in processes(mark).items() if "preprocess section" in line]
+
     with subprocess.Popen(
         command("--batch", "study.toml", "--out", "out", "--no-estimate", "--json"),
         stdout=subprocess.PIPE,
@@ -344,15 +349,18 @@ def test_lost_worker_takes_only_its_section_with_it(folder: Path, mark: str) -> 
         cwd=folder,
         env={**os.environ, MARK: mark},
     ) as process:
+        until(lambda: bool(preprocessors()))
+        (worker,) = preprocessors()
         until(lambda: len(list((folder / "out").glob("*/bar-*.vtkhdf"))) > 2)
-        (worker,) = (pid for pid, line in processes(mark).items() if "preprocess section" in line)
+        # Stopped first, so that it cannot end the batch while this test looks at processes.
+        os.kill(worker, signal.SIGSTOP)
         # One rank alone: no daemon of Open MPI, which takes a quarter of a second to start.
         assert not [line for line in processes(mark).values() if "orted" in line]
         os.kill(worker, signal.SIGKILL)
         output, errors = process.communicate(timeout=120)
     assert process.returncode == 2
     status = [row["status"] for row in json.loads(output).values()]
-    assert (status.count("built"), status.count("failed")) == (MANY - 1, 1)
+    assert (status.count("built"), status.count("failed")) == (many - 1, 1)
     assert "the preprocessor ended unexpectedly: killed by signal 9" in errors
 
 
