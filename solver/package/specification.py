@@ -53,7 +53,7 @@ from typing import Any, Literal, NotRequired, TypedDict, get_args
 from ..math.disk_cache import sources_sha256
 from .common.plain_data import inputs_sha256
 
-FORMAT_VERSION = (1, 4)  # of the modal package that is made from it
+FORMAT_VERSION = (1, 5)  # of the modal package that is made from it
 Theory = Literal["timoshenko", "classical"]
 MassForm = Literal["consistent", "lumped"]
 ReferenceKind = Literal["clamped", "chord", "mean-axis"]

@@ -17,6 +17,7 @@ from typing import Annotated, Any, get_args
 
 from ...math.arrays import Array, IntArray
 from ..common.dataset import Attribute, Data, Named, Part, Rows
+from ..common.design import Derivative
 from ..section.schema import SectionRecovery
 from ..shell.schema import ShellPly
 from ..specification import FORMAT_VERSION as FORMAT_VERSION
@@ -276,6 +277,7 @@ class ModalPackage:
         ),
     ] = None
     provenance: dict[str, Any] = field(default_factory=dict)
+    design: tuple[Derivative, ...] = ()  # of the datasets above by design parameters
 
     @property
     def n_mode(self) -> int:

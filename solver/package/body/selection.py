@@ -10,7 +10,7 @@ the package, with the modal load p, and its part along the vibrations that are k
 again. The modal load follows from the shapes at the interfaces and from the inertia invariants.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +18,8 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
-from ..common.dataset import mapped
+from ..common.dataset import mapped, shapes_by_path
+from ..common.design import Derivative, changed
 from ..specification import DIRECTIONS
 from .schema import ModalPackage
 
@@ -63,9 +64,25 @@ def changed_basis(
         found,
         mode_kinds=kinds or tuple(package.mode_kinds[i] for i in largest),
         mode_labels=labels or tuple(known[i] for i in largest),
+        design=_design(package, largest, change) if some else (),
         frequencies=np.sqrt(np.maximum(np.diag(found.stiffness), 0.0) / np.diag(found.mass)),
         damping=found.damping if damping is None else damping,
     )
+
+
+def _design(
+    package: ModalPackage, kept: IntArray, change: Callable[[str, Array], Array]
+) -> tuple[Derivative, ...]:
+    """Derivatives that stay exact for some of the modes.
+
+    Those by parameters that turn a kept mode into one that is left out are not: the modes are of
+    one cluster of frequencies, and only their span has a derivative.
+    """
+    left = np.setdiff1d(np.arange(package.n_mode), kept)
+    zero = np.zeros_like(package.stiffness)
+    rates = [(one, one.values.get("modes/stiffness", zero)) for one in package.design]
+    exact = [one for one, rate in rates if not rate[np.ix_(kept, left)].any()]
+    return changed(exact, change, shapes_by_path(package))
 
 
 def rigid(package: ModalPackage) -> ModalPackage:

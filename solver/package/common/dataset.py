@@ -10,7 +10,7 @@ its first axis defines the size; groups of named members take the sizes of the b
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from types import NoneType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
@@ -267,6 +267,32 @@ def build(
             of_fields = (map(b, data[f"{_below(at, mark.path)}{path}"]) for b, path in columns)
             given[field.name] = tuple(field.item(*row) for row in zip(*of_fields, strict=True))
     return kind(**given)
+
+
+def rebuilt(item: Object, values: Mapping[str, Any]) -> Object:
+    """Return a dataclass with other values of its datasets, by path as in `all_values`."""
+
+    def one(old: Any, at: str) -> Any:
+        known = {field.name for field in _fields(_kind(old))}
+        given = {f.name: getattr(old, f.name) for f in fields(old) if f.name not in known}
+        for field in _fields(_kind(old)):
+            if isinstance(field.mark, Named):
+                below = field.mark.path
+                rows = getattr(old, field.name)
+                given[field.name] = tuple(one(row, f"{below}/{row.name}/") for row in rows)
+        return build(_kind(old), values, at, **given)
+
+    found: Object = one(item, "")
+    return found
+
+
+def shapes_by_path(item: Any) -> dict[str, str]:
+    """Return the shapes, as symbols, of all datasets of a dataclass and of its named members."""
+    return {
+        f"{parent}/{one.name}/{spec.path}" if parent else spec.path: spec.shape
+        for parent, _, one in members(item)
+        for spec in layout(_kind(one))
+    }
 
 
 def _of_kind(base: Any, value: Any) -> Any:

@@ -34,6 +34,7 @@ from .container import (
     set_text,
 )
 from .dataset import encoded, layout_findings, read_fields, write_encoded
+from .design import design_findings, read_design, write_design
 from .files import has_seal
 from .findings import Remark, raise_first
 from .plain_data import json_table, json_text
@@ -287,7 +288,12 @@ class ObjectFormat(FileFormat, Generic[Object]):
 
     def layout_findings(self, file: h5py.File) -> list[Remark]:
         """Compare the datasets of a file with the format: presence, type, shape."""
-        return layout_findings(file[self.group], self.kind)
+        findings = layout_findings(file[self.group], self.kind)
+        return findings + design_findings(file[self.group]) if self._designed else findings
+
+    @property
+    def _designed(self) -> bool:
+        return any(field.name == "design" for field in dataclasses.fields(self.kind))  # type: ignore[arg-type]
 
     def view_findings(self, file: h5py.File) -> list[Remark]:
         """Check that ParaView shows the mesh that this reader reads."""
@@ -296,10 +302,12 @@ class ObjectFormat(FileFormat, Generic[Object]):
     def load(self, file: h5py.File, kind: type[Part]) -> Part:
         """Read the object of a file with a checked layout, or a part of it, of this kind."""
         provenance = get_text(file, "provenance", "{}")
-        own = {
+        own: dict[str, Any] = {
             self.title: get_text(file, self.title),
             "provenance": json_table(f"{file.filename}: attribute provenance", provenance),
         }
+        if self._designed and kind is self.kind:
+            own["design"] = read_design(file[self.group])
         return read_fields(file[self.group], kind, **own)
 
 
@@ -324,6 +332,7 @@ def write_object(path: str | Path, known: ObjectFormat[Object], item: Any) -> No
         group = file.create_group(known.group)
         set_long_text(file, "provenance", provenance)
         write_encoded(group, datasets)
+        write_design(group, getattr(item, "design", ()), f"{path}: /{known.group}")
         known.view(file, group, item)
         write_checksum(file, known)
 

@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 from ...math.arrays import Array, IntArray
 from ..common.dataset import Data, Part, Reported, Rows
+from ..common.design import Derivative
 
 SECTION_FORMAT = "plymotion section"
 SECTION_FORMAT_VERSION = (1, 1)
@@ -147,3 +148,4 @@ class SectionFile(SectionProperties):
         Array, Data("6, n, 3", "m/N, 1/N", "section", "displacement of nodes per unit resultant")
     ]
     recovery: Annotated[SectionRecovery, Part()]
+    design: tuple[Derivative, ...] = ()  # of the datasets above by design parameters

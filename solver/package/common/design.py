@@ -1,0 +1,178 @@
+"""Derivatives of the datasets of an object by design parameters, in its file and in memory.
+
+In a file with the data group G the dataset `G/design/<name>/<path>` is the derivative of the
+dataset `G/<path>` by the parameter <name>, per unit of the parameter as the user writes it. A path
+that is absent has the derivative zero. Other producers may write the group (docs/format.md).
+"""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import h5py
+import numpy as np
+
+from ...errors import PackageError, did_you_mean
+from ...math.arrays import Array
+from .container import get_text, set_text
+from .dataset import WORDS, all_values, rebuilt
+from .findings import Remark, finite
+from .plain_data import json_text
+
+Object = TypeVar("Object")
+GROUP = "design"
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Derivatives of the arrays of an object by one parameter.
+
+    Attributes
+    ----------
+    name : of the parameter
+    kind : "angle", "thickness" or "number"
+    targets : tables {of, factor, offset}: the inputs of the object that the parameter sets
+    values : derivative by path of the dataset below the data group, in its shape and unit per unit
+        of the parameter; zero where a path is absent
+    """
+
+    name: str
+    kind: str
+    targets: tuple[dict[str, Any], ...]
+    values: dict[str, Array]
+
+
+def moved(item: Object, steps: Mapping[str, float]) -> Object:
+    """Return an object with all arrays moved along its derivatives: value + sum step derivative.
+
+    Raises
+    ------
+    PackageError
+        The object has no derivative by a parameter of `steps`.
+    """
+    whole: Any = item
+    known = {one.name: one for one in whole.design}
+    values = all_values(item)
+    for name, step in steps.items():
+        if name not in known:
+            raise PackageError(
+                f"no derivative by the design parameter {name!r}; the file has "
+                f"{', '.join(known) or 'none'}{did_you_mean(name, known)}"
+            )
+        for path, rate in known[name].values.items():
+            values[path] = np.asarray(values[path]) + step * rate
+    return rebuilt(item, values)
+
+
+# Five-point rule: exact for polynomials of degree 4, error h^4 f^(5) / 30.
+PLACES = (-2.0, -1.0, 1.0, 2.0)
+
+
+def differenced(at: Sequence[Mapping[str, Any]], step: float) -> dict[str, Array]:
+    """Derivatives of arrays by path, from those at `PLACES` times a step; zeros are left out."""
+    found = {}
+    for path in at[0]:
+        before_2, before, after, after_2 = (np.asarray(values[path]) for values in at)
+        if before.dtype.kind == "f":
+            rate = (8.0 * (after - before) - (after_2 - before_2)) / (12.0 * step)
+            if rate.any():
+                found[path] = rate
+    return found
+
+
+def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) -> None:
+    """Write derivatives beside their datasets. Raises PackageError for what `validate` refuses."""
+    for index, one in enumerate(design):
+        if not one.name or one.name == "." or "/" in one.name or "\0" in one.name:
+            raise PackageError(f"{where}/{GROUP}: {one.name!r} is not a valid name")
+        own = group.create_group(f"{GROUP}/{one.name}")
+        own.attrs["index"] = np.int64(index)
+        set_text(own, "kind", one.kind)
+        set_text(own, "targets", json_text(f"{where}/{GROUP}/{one.name}", list(one.targets)))
+        for path, rate in one.values.items():
+            dataset = own.create_dataset(path, data=np.asarray(rate, dtype=np.float64))
+            base = group.get(path)
+            words = [get_text(base, key) if base is not None else "" for key in WORDS]
+            words[0], words[2] = f"{words[0]} per unit of {one.name}", f"derivative of {path}"
+            for key, word in zip(WORDS, words, strict=True):
+                set_text(dataset, key, word)
+    findings = design_findings(group)
+    if findings:
+        first = findings[0]
+        raise PackageError(f"{where}: {first.dataset}: {first.message}")
+
+
+def read_design(group: h5py.Group) -> tuple[Derivative, ...]:
+    """Return the derivatives of a group that `design_findings` has checked."""
+    found = []
+    for name, own in sorted(_groups(group).items(), key=lambda pair: _index(pair[1])):
+        values = {path: np.asarray(d[()], dtype=np.float64) for path, d in _datasets(own).items()}
+        kind, targets = get_text(own, "kind", "number"), _targets(own)
+        found.append(Derivative(name, kind, tuple(targets or ()), values))
+    return tuple(found)
+
+
+def design_findings(group: h5py.Group) -> list[Remark]:
+    """Compare the derivatives of a group with the datasets that they belong to."""
+    bad: list[Remark] = []
+    for own in _groups(group).values():
+
+        def error(dataset: str, message: str) -> None:
+            bad.append(Remark("error", dataset, message))
+
+        if _targets(own) is None:
+            error(own.name, "attribute targets: expected a JSON list of tables")
+        for path, rate in _datasets(own).items():
+            base = group.get(path)
+            if not isinstance(base, h5py.Dataset) or base.dtype.kind != "f":
+                error(rate.name, f"expected the path of a dataset of numbers below {group.name}")
+            elif rate.dtype.kind not in "fiu" or rate.shape != base.shape:
+                error(
+                    rate.name,
+                    f"expected numbers of the shape of {base.name}, {base.shape}, found "
+                    f"{rate.dtype} {rate.shape}",
+                )
+            else:
+                finite(rate.name, rate[()], error)
+    return bad
+
+
+def changed(
+    design: Sequence[Derivative], change: Callable[[str, Any], Any], shapes: Mapping[str, str]
+) -> tuple[Derivative, ...]:
+    """Return derivatives with `change(shape, array)` of each array; `shapes` by path."""
+    return tuple(
+        replace(one, values={p: change(shapes[p], rate) for p, rate in one.values.items()})
+        for one in design
+    )
+
+
+def _groups(group: h5py.Group) -> dict[str, h5py.Group]:
+    parent = group.get(GROUP, {})
+    return {name: own for name, own in parent.items() if isinstance(own, h5py.Group)}
+
+
+def _targets(group: h5py.Group) -> list[dict[str, Any]] | None:
+    """Return the targets of a parameter; None if they are of another form."""
+    try:
+        found = json.loads(get_text(group, "targets", "[]"))
+    except json.JSONDecodeError:
+        return None
+    tables = isinstance(found, list) and all(isinstance(one, dict) for one in found)
+    return found if tables else None
+
+
+def _index(group: h5py.Group) -> int:
+    return int(group.attrs.get("index", 0))
+
+
+def _datasets(group: h5py.Group) -> dict[str, h5py.Dataset]:
+    found: dict[str, h5py.Dataset] = {}
+
+    def visit(path: str, item: h5py.HLObject) -> None:
+        if isinstance(item, h5py.Dataset):
+            found[path] = item
+
+    group.visititems(visit)
+    return found

@@ -1,0 +1,122 @@
+"""Derivatives by design parameters in packages: written, read, checked, moved along, selected."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from samples.package_samples import cantilever
+
+from plymotion.solver.errors import PackageError
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
+from plymotion.solver.package.body.selection import changed_basis
+from plymotion.solver.package.common.dataset import all_values
+from plymotion.solver.package.common.design import PLACES, Derivative, differenced, moved
+
+TARGETS = ({"of": "section.regions.wall.plies.0.angle_deg", "factor": -1.0, "offset": 90.0},)
+
+
+def numbers(package: ModalPackage) -> dict[str, np.ndarray]:
+    found = {path: np.asarray(value) for path, value in all_values(package).items()}
+    return {path: value for path, value in found.items() if value.dtype.kind == "f"}
+
+
+def designed() -> ModalPackage:
+    """Every dataset grows by a tenth of itself per unit of `a`, the stiffness twice that of `b`."""
+    package = cantilever()
+    tenth = {path: 0.1 * value for path, value in numbers(package).items()}
+    stiffer = {"modes/stiffness": 2.0 * package.stiffness}
+    return replace(
+        package,
+        design=(
+            Derivative("b", "number", (), stiffer),
+            Derivative("a", "angle", TARGETS, tenth),
+        ),
+    )
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("design") / "arm.vtkhdf"
+    write_package(target, designed())
+    return target
+
+
+def test_a_file_returns_what_was_written_in_its_order(file: Path) -> None:
+    assert validate(file) == []
+    for _ in range(2):  # from the file, then from the cache
+        found = read_package(file).design
+        assert [(one.name, one.kind, one.targets) for one in found] == [
+            ("b", "number", ()),
+            ("a", "angle", TARGETS),
+        ]
+        for one, known in zip(found, designed().design, strict=True):
+            assert one.values.keys() == known.values.keys()
+            assert all(np.array_equal(one.values[p], known.values[p]) for p in known.values)
+
+
+def test_a_package_moves_with_all_its_numbers(file: Path) -> None:
+    package = read_package(file)
+    now = numbers(moved(package, {"a": 2.0, "b": -0.25}))
+    for path, value in numbers(package).items():
+        factor = 0.7 if path == "modes/stiffness" else 1.2
+        np.testing.assert_allclose(now[path], factor * value, rtol=1e-14)
+    with pytest.raises(PackageError, match=r"no derivative by the design parameter 'c'; .* b, a"):
+        moved(package, {"c": 1.0})
+
+
+def test_some_modes_keep_derivatives_that_stay_exact() -> None:
+    package = designed()
+    some = changed_basis(package, np.eye(4)[:, [2, 0]])
+    rate = {one.name: one.values for one in some.design}
+    np.testing.assert_array_equal(rate["a"]["modes/stiffness"], 0.1 * some.stiffness)
+    np.testing.assert_array_equal(rate["a"]["invariants/T11_B"], 0.1 * some.invariants.T11_B)
+    # b turns the first two modes into each other: without one of them it has no derivative
+    turning = np.zeros((4, 4))
+    turning[0, 1] = turning[1, 0] = 1.0
+    b = replace(package.design[0], values={"modes/stiffness": turning})
+    package = replace(package, design=(b, package.design[1]))
+    assert [d.name for d in changed_basis(package, np.eye(4)[:, [2, 0]]).design] == ["a"]
+    assert [d.name for d in changed_basis(package, np.eye(4)[:, [1, 0]]).design] == ["b", "a"]
+    assert changed_basis(package, np.ones((4, 1))).design == ()
+
+
+def test_five_points_are_exact_for_a_quartic() -> None:
+    at = [{"y": np.array([x**4 - 3.0 * x]), "same": np.ones(3), "n": np.arange(2)} for x in
+          (1.0 + 0.1 * place for place in PLACES)]  # fmt: skip
+    found = differenced(at, 0.1)
+    assert found.keys() == {"y"}
+    np.testing.assert_allclose(found["y"], 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda a: a.create_dataset("modes/mas", data=np.ones(2)), "design/a/modes/mas.*below /mo"),
+        (lambda a: a.create_dataset("mesh/offsets", data=np.ones(17)), "a/mesh/offsets.*numbers"),
+        (lambda a: a["invariants/S_B"].write_direct(np.full((3, 4), np.nan)), "a/inv.*S_B.*finite"),
+        (lambda a: a.attrs.modify("targets", "[1]"), "design/a: attribute targets: expected"),
+    ],
+)
+def test_wrong_derivatives_are_named(
+    file: Path, tmp_path: Path, damage: object, message: str
+) -> None:
+    changed = tmp_path / "arm.vtkhdf"
+    changed.write_bytes(file.read_bytes())
+    with h5py.File(changed, "r+") as h5:
+        del h5.attrs["content_sha256"]
+        damage(h5["modal_package/design/a"])  # type: ignore[operator]
+    errors = [f"{f.dataset}: {f.message}" for f in validate(changed) if f.level == "error"]
+    assert len(errors) == 1
+    assert re.search(message, errors[0])
+    with pytest.raises(PackageError, match=message):
+        read_package(changed)
+
+
+def test_a_wrong_shape_is_not_written(tmp_path: Path) -> None:
+    wrong = Derivative("a", "angle", (), {"modes/stiffness": np.ones((4, 3))})
+    with pytest.raises(PackageError, match=r"design/a/modes/stiffness: expected numbers of the sh"):
+        write_package(tmp_path / "a.vtkhdf", replace(cantilever(), design=(wrong,)))
+    assert list(tmp_path.iterdir()) == []
