@@ -138,6 +138,7 @@ class ExplicitRungeKutta(Explicit):
             float(self.fixed_step or 0.0),
             np.zeros(0),
             np.zeros(0, dtype=bool),
+            np.zeros(0),
             self._project is not None,
         )
 

@@ -20,6 +20,7 @@ from ..dynamics.evaluation.evaluation import (
     Instants,
     beyond,
     first_crossing,
+    reads_reactions,
     sampled,
 )
 from ..dynamics.model.model import Model, spare_work, state_size
@@ -203,6 +204,7 @@ class StepLoop(StrideMemory):
             float(self.fixed_step or 0.0),
             self._kinks,
             np.isin(self._kinks, np.zeros(0) if sharp is None else sharp),
+            np.zeros(0),
             self._closes(),
         )
         work, rate = spare_work(model), np.zeros(self.n)
@@ -214,8 +216,8 @@ class StepLoop(StrideMemory):
         self._workspace = self._begin(rate, work.multipliers.copy())
         self._evaluated = self.counters.evaluations
         self._forget()
-        self._instants = Instants(model, self.t_end)
         self._before, self._behind = -np.inf, -np.inf  # next jump of a law of time
+        self._set_instants()
         events = self._model.quantities.event_state.size
         self._armed: tuple[bool, ...] = ()  # of events (dynamics/evaluation/events.py)
         self._struck: tuple[int, ...] = ()  # events at the present state, not yet followed
@@ -309,8 +311,27 @@ class StepLoop(StrideMemory):
         For a run that has finished, or not begun, after laws of time in the model have changed.
         """
         self.t_end, self.status, self.message = float(t_end), "running", ""
-        self._instants = Instants(self._model, self.t_end)
+        self._set_instants()
         self._options = self._options._replace(t_end=self.t)
+
+    def _set_instants(self) -> None:
+        """Find when controllers act; the loop samples by itself what needs neither Python nor look.
+
+        Functions of a user, states that change at events, and forces that read reactions are
+        sampled between two calls of the loop; so are instants at a jump of a law of time.
+        """
+        model = self._model
+        self._instants = Instants(model, self.t_end)
+        t = self._instants.t
+        between = np.ones(t.size, dtype=bool)
+        if not (self._functions or model.quantities.event_state.size or reads_reactions(model)):
+            between[:] = False
+            for before, behind in self._jumps.tolist():
+                apart = behind - before
+                first, last = np.searchsorted(t, (before - apart, behind + APART * apart))
+                between[first:last] = True
+        self._instants.t = t[between]
+        self._options = self._options._replace(instants=t[~between])
 
     def _sample(self) -> None:
         """Sample controllers where the loop stands at an instant, and go on from there."""

@@ -9,7 +9,10 @@ from samples.coordinate_samples import DEFAULT, RADAU, carriage, force, run, whe
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.run.preparation import prepare
 
 
 def controller(joint="rail", **keys):
@@ -102,6 +105,25 @@ def test_two_rates(tmp_path):
         x, v = x + h * v + 0.5 * h * h * (f_a + f_b), v + h * (f_a + f_b)
     assert s["x"][-1] == pytest.approx(x, rel=1e-10)
     assert summary["cost"]["steps"] <= len(instants) + 10
+
+
+@pytest.mark.parametrize("integrator", ["radau", "rk8"])
+def test_the_loop_samples_by_itself(tmp_path, integrator):
+    """Many instants in one call, and monitors stand after any step, with the outputs there."""
+    text = carriage(controller(setpoint="sin(t)", proportional=9.0, derivative=2.0,
+                               filter_time=0.01, sample_time=0.01))  # fmt: skip
+    run(tmp_path, text, 2.0, 1.0, f'integrator = "{integrator}"')
+    ready = prepare(load_case(tmp_path / "case.toml").runs["base"], {})
+    made = make_integrator(ready.model, ready.y0, ready.mechanism.solver, ready.treatment)
+    calls = 0
+    while made.status == "running":
+        made.stride(np.zeros(0), np.zeros((0, made.n)), 0, keep=True)
+        steps, calls = made.steps_taken(), calls + 1
+        for i in range(0, len(steps), 7):
+            np.testing.assert_array_equal(steps.at(i).y, steps.y[i + 1])
+        made.take_up()
+    assert made.counters.steps >= 199
+    assert calls <= 4  # 200 steps in each, and one more before the last
 
 
 @pytest.mark.parametrize(

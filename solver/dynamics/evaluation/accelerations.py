@@ -10,6 +10,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
+from ...math.expressions.program import NO_SEED, evaluated
 from ..elements.constraints.augmented_lagrangian import augmented_lagrangian
 from ..elements.constraints.baumgarte import stabilised
 from ..elements.constraints.minimum_norm import minimum_norm
@@ -23,6 +24,7 @@ from .evaluation import (
     auxiliary_rates_into,
     evaluate,
     evaluate_rates,
+    is_sampled,
     move_forces,
     reads_reactions,
     stored_energies,
@@ -358,6 +360,21 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
     auxiliary_rates_into(model, work, t, out)
     out[model.n_pos + model.n_vel + model.n_aux] = power
     flatten(model, work.acceleration, out, model.n_pos)
+
+
+@lean
+def sample_into(model: Model, work: Work, t: float, y: Array, rate: Array) -> None:
+    """Sample the periodic states of y (n,) whose instant t [s] is; fill rate (n,) with dy/dt.
+
+    All updates read the state before: those of a controller do not see each other's.
+    """
+    q, first = model.quantities, model.n_pos + model.n_vel
+    evaluate(model, work, t, y)
+    for j in range(model.n_aux):
+        if q.update[j] >= 0 and is_sampled(q.period[j], t):
+            p = int(q.update[j])
+            y[first + j] = evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)[0]
+    derivative_into(model, work, t, y, rate)
 
 
 def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> Array:

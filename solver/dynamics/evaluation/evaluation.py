@@ -529,6 +529,12 @@ def sampled(
     return after
 
 
+@inlined
+def is_sampled(period: float, t: float) -> bool:
+    """Tell whether a state of a period [s], 0 for none, is sampled at the instant t [s]."""
+    return period > 0.0 and abs(t / period - np.round(t / period)) < NEAR
+
+
 class Instants:
     """When the auxiliary states of a model are sampled, after t = 0 and before t_end [s].
 
@@ -547,6 +553,4 @@ class Instants:
 
     def sampled_at(self, t: float) -> NDArray[np.bool_]:
         """Return which auxiliary states (na,) are sampled at an instant t."""
-        period = np.where(self._period > 0.0, self._period, np.inf)
-        turns = t / period
-        return (self._period > 0.0) & (np.abs(turns - np.round(turns)) < NEAR)
+        return np.array([is_sampled(p, t) for p in self._period.tolist()], dtype=bool)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.analysis.projection import project
-from ...dynamics.evaluation.accelerations import derivative_into
+from ...dynamics.evaluation.accelerations import derivative_into, sample_into
 from ...dynamics.model.model import Model, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
@@ -29,6 +29,7 @@ from .step_control import (
     TROUBLE,
     Ends,
     Options,
+    at_instant,
     count_step,
     finite,
     keep_end,
@@ -234,8 +235,6 @@ def advance_explicit(
                 return code, filled
             continue
         accept_step(options, tableau, workspace, error, h, t_new)
-        keep_end(ends, taken, t_new, y)
-        taken += 1
         known = False
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]
@@ -249,6 +248,11 @@ def advance_explicit(
                 if options.closes:
                     _close_row(model, work, workspace, times[filled], row)
             filled += 1
+        if at_instant(options, clock):
+            sample_into(model, work, t_new, y, workspace.f)
+            counts[EVALUATIONS] += 1
+        keep_end(ends, taken, t_new, y)
+        taken += 1
     return ARRIVED, filled
 
 

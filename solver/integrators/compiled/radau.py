@@ -6,6 +6,7 @@ Equations II, section IV.8, is the source of the transformation, the error estim
 control of steps.
 """
 
+from ...dynamics.evaluation.accelerations import sample_into
 from ...dynamics.model.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
@@ -18,6 +19,7 @@ from .radau_stages import (
     C,
     RadauWorkspace,
     accept,
+    begin_anew,
     complete,
     correct,
     embedded_error,
@@ -57,6 +59,7 @@ from .step_control import (
     TROUBLE,
     Ends,
     Options,
+    at_instant,
     count_step,
     finite,
     keep_end,
@@ -149,9 +152,13 @@ def advance(
         _choose_step(clock, h, factor, error)
         count_step(clock, counts, h, t_new)
         judge(clock)
+        filled = _fill_rows(model, options, workspace, t, h, times, rows, filled)
+        if at_instant(options, clock):
+            sample_into(model, workspace.work, t_new, workspace.y, workspace.f)
+            begin_anew(model, workspace)
+            counts[EVALUATIONS] += 1
         keep_end(ends, taken, t_new, workspace.y)
         taken, failures = taken + 1, 0
-        filled = _fill_rows(model, options, workspace, t, h, times, rows, filled)
     return ARRIVED, filled
 
 

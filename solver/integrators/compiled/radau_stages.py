@@ -20,7 +20,7 @@ from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.model import Model, Work, new_work
 from ...math.arrays import Array, IntArray
-from ...math.compiled import inlined, structure
+from ...math.compiled import inlined, lean, structure
 from .cutoff import Cutoff, new_cutoff
 from .pencil import Frozen, Pencil, factorise_feedback, factorise_pencil, new_frozen, new_pencil
 from .residual import inertia_residual, start_forces
@@ -149,12 +149,18 @@ def restart_radau(
     model: Model, workspace: RadauWorkspace, t: float, y: Array, rate: Array, multipliers: Array
 ) -> None:
     """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
-    workspace.y[:], workspace.f[:] = y, rate
-    workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
-    workspace.work.multipliers[:] = multipliers
+    workspace.y[:], workspace.f[:], workspace.work.multipliers[:] = y, rate, multipliers
     evaluate(model, workspace.work, t, y)
+    begin_anew(model, workspace)
+
+
+@lean
+def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
+    """Forget what was before the state, which was evaluated last, with its multipliers."""
+    workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
     for k in range(3):
-        workspace.multipliers_old[k, : model.n_constraint] = multipliers
+        for i in range(model.n_constraint):
+            workspace.multipliers_old[k, i] = workspace.work.multipliers[i]
         start_forces(model, workspace.work, workspace.multipliers_old[k])
 
 

@@ -19,7 +19,8 @@ ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH, GROWTH = 3, 4, 5, 6, 7, 8
 # those that the iteration refused for tension, when they began; pace of the other [s per attempt].
 TENSE, TRIED, REFUSALS, SINCE, OTHER = 9, 10, 11, 12, 13
 KINK = 14  # number of the first kink of a law of time that is still to come
-N_CLOCK = 15
+INSTANT = 15  # number of the first instant of sampling that is still to come
+N_CLOCK = 16
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
@@ -44,6 +45,7 @@ class Options(NamedTuple):
     fixed_step: float  # 0: error control
     kinks: Array  # (k,) times at which a step ends, ascending [s],
     sharp: NDArray[np.bool_]  # (k,) and whether forces have other rates behind them
+    instants: Array  # (k,) times at which the loop samples states, ascending [s]
     closes: bool  # bring every step back onto the constraints
 
 
@@ -74,7 +76,13 @@ def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
     while k < kinks.shape[0] and kinks[k] <= clock[TIME]:
         k += 1
     clock[KINK] = k
+    instants, i = options.instants, int(clock[INSTANT])
+    while i < instants.shape[0] and instants[i] <= clock[TIME]:
+        i += 1
+    clock[INSTANT] = i
     end = options.t_end
+    if i < instants.shape[0]:
+        end = min(end, instants[i])
     t, h, stretch = clock[TIME], clock[NEXT], 1.01
     if options.fixed_step > 0.0:
         h, stretch = options.fixed_step, 1.0 + 1e-6
@@ -93,6 +101,13 @@ def at_kink(options: Options, clock: Array) -> bool:
     """Tell whether the step that `next_step` has returned begins where forces get other rates."""
     k = int(clock[KINK])
     return k > 0 and options.sharp[k - 1] and options.kinks[k - 1] == clock[TIME]
+
+
+@inlined
+def at_instant(options: Options, clock: Array) -> bool:
+    """Tell whether the step just counted ends at an instant of sampling."""
+    i = int(clock[INSTANT])
+    return i < options.instants.shape[0] and options.instants[i] == clock[TIME]
 
 
 @inlined
