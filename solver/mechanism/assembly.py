@@ -30,8 +30,10 @@ from .tables import (
     JointTable,
     MarkerTable,
     Measured,
+    RotorTable,
     quantities_of,
     reads_motion,
+    rotor_arrays,
 )
 
 
@@ -244,6 +246,7 @@ def assemble_model(
     beta: float = 5.0,
     forces: Sequence[ForceTable] = (),
     measured: Measured | None = None,
+    rotor: RotorTable | None = None,
 ) -> Model:
     """Concatenate the tables to a model.
 
@@ -253,8 +256,10 @@ def assemble_model(
     gravity_G : (3,) [m/s2]
     alpha, beta : Baumgarte's constants, Eq. (13) [1/s]
     measured : what expressions of laws and forces read; none if None
+    rotor : in the wind; its loads follow the force elements
     """
     measured = measured or Measured()
+    forces = [*forces, *(rotor.forces if rotor else ())]
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
     for marker in markers:
         expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
@@ -266,6 +271,8 @@ def assemble_model(
     kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
+    in_wind = rotor_arrays(rotor, len(forces), len(laws))
+    laws += rotor.laws if rotor else ()
     carrying = [with_points(i, body, markers, point_masses) for i, body in enumerate(bodies)]
     inv = [b.invariants for b in carrying]
     second = [b.second_order for b in carrying]
@@ -374,6 +381,7 @@ def assemble_model(
         carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
         n_aux=int(quantities.rate.size),
         quantities=quantities,
+        rotor=in_wind,
     )
 
 

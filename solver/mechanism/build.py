@@ -34,9 +34,10 @@ from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import Interface, ModalPackage
 from ..package.body.selection import rigid, selected
 from .assembly import assemble_model
-from .case_tables import BuiltJoint, Reader, coupling_rows, force_tables, joint_tables
+from .case_tables import BuiltJoint, Reader, coupling_rows, force_tables, joint_tables, wind_laws
 from .consistent import Start, assembled
 from .places import Places
+from .rotor import rotor_table
 from .tables import Body, JointTable, MarkerTable, flexible_body, rigid_body
 
 if TYPE_CHECKING:
@@ -225,6 +226,10 @@ def build(
     reader = Reader(mechanism, places, built_joints, joints)
     forces = force_tables(mechanism, places, reader)
     reader.found.couplings += coupling_rows(mechanism, reader)
+    rotor = None
+    if mechanism.rotor is not None:
+        winds = wind_laws(mechanism, mechanism.rotor.wind)
+        rotor = rotor_table(mechanism.rotor, winds, places, reader.found)
     masses = [
         (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
         for name, mass in mechanism.masses.items()
@@ -266,6 +271,7 @@ def build(
         np.array(mechanism.gravity),
         forces=forces,
         measured=reader.found,
+        rotor=rotor,
     )
     model = model._replace(quantities=model.quantities._replace(end=mechanism.solver.t_end))
     start = _start(mechanism, places, virtual, model, packages)

@@ -53,7 +53,8 @@ from .tables import (
 if TYPE_CHECKING:
     from ..inputs.case.tables.kinds import CaseJoint, ElementTable, LoadTable
     from ..inputs.case.tables.kinds import CoordinateTable as CoordinateKeys
-    from ..inputs.case.tables.laws import LoadLaw, RotationDrive, TranslationDrive
+    from ..inputs.case.tables.laws import LoadLaw, RotationDrive, TranslationDrive, WindLaw
+    from ..inputs.case.tables.rotor import Wind
     from ..inputs.case.tables.schema import Mechanism
 
 
@@ -65,7 +66,7 @@ def drive_law(given: "RotationDrive | TranslationDrive", mechanism: "Mechanism",
     return law_of(given)
 
 
-def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
+def law_of(given: "RotationDrive | TranslationDrive | LoadLaw | WindLaw") -> Law:
     """Return the law of a table that has exactly one and no expression (tables/laws.py)."""
     if given.polynomial is not None:
         return laws.polynomial(given.polynomial)
@@ -84,6 +85,20 @@ def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
         rise = keys["ramp"]
         return laws.ramp(rise.speed, rise.duration, offset, sine=rise.shape == "sine")
     return laws.polynomial([offset, keys["speed"] or 0.0])
+
+
+def wind_laws(mechanism: "Mechanism", wind: "Wind") -> tuple[Law, Law]:
+    """Return the laws of the wind's speed [m/s] and of the turn of its direction [rad]."""
+    turn = np.radians(wind.direction_deg)
+    if wind.speed is None:
+        times = np.array(wind.times)
+        turns = turn + np.radians(np.array(wind.directions_deg))
+        speeds = laws.table(times, np.array(wind.speeds), "linear")
+        return speeds, laws.table(times, turns, "linear")
+    if wind.speed.expression is None:
+        return law_of(wind.speed), laws.polynomial([turn])
+    tree = expression(wind.speed.expression, CaseScope(mechanism), "rotor.wind.speed.expression")
+    return laws.of_expression(tree), laws.polynomial([turn])
 
 
 def shifted(law: Law, by: float) -> Law:

@@ -72,10 +72,11 @@ class Places:
 
     def shift(self, one: int, two: int) -> Array:
         """Return the vector (3,) from marker one to two at the given start, in axes of one [m]."""
-        x, A = self._frame(one)
-        return np.asarray(A.T @ (self._frame(two)[0] - x))
+        x, A = self.frame(one)
+        return np.asarray(A.T @ (self.frame(two)[0] - x))
 
-    def _frame(self, marker: int) -> tuple[Array, Array]:
+    def frame(self, marker: int) -> tuple[Array, Array]:
+        """Return place (3,) [m] and axes (3, 3) of a marker at the given start, global."""
         table = self.markers[marker]
         if table.body == GROUND:
             return table.x, table.A

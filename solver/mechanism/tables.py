@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..dynamics.model.model import ANGLE, Quantities
-from ..math.arrays import Array
+from ..dynamics.model.model import ANGLE, N_POLAR, N_ROTOR, N_SHAPE, Quantities, Rotor
+from ..math.arrays import Array, IntArray
 from ..math.expressions.program import Node, new_stack, programs
 from ..math.laws import Law
 from ..package.body.schema import Invariants, ModalPackage, SecondOrder
@@ -91,6 +91,32 @@ class ForceTable:
     law: Law | None = None  # of an actuator or a load
     size: Node | None = None  # in place of a law: an expression
     along: int = -1  # coordinate that an element of this kind acts along
+
+
+@dataclass(frozen=True)
+class RotorTable:
+    """A rotor before its loads, laws and states have numbers."""
+
+    forces: tuple[ForceTable, ...]
+    laws: tuple[Law, Law]  # speed [m/s] and turn of the direction [rad]
+    polar: IntArray
+    shape: Array
+    polars: Array
+    numbers: Array
+    state: int
+
+
+def rotor_arrays(rotor: RotorTable | None, n_force: int, first_law: int) -> Rotor:
+    """Return the arrays of the model, with the rotor's loads last among `n_force` elements."""
+    section = np.full(n_force, -1, dtype=np.int64)
+    if rotor is None:
+        none = np.zeros(0, dtype=np.int64)
+        shape, polars = np.zeros((0, N_SHAPE)), np.zeros((0, 2, N_POLAR))
+        return Rotor(section, none, shape, polars, np.zeros(N_ROTOR), np.full(2, -1), 0)
+    n = len(rotor.polar)
+    section[n_force - n :] = np.arange(n)
+    law = np.array([first_law, first_law + 1], dtype=np.int64)
+    return Rotor(section, rotor.polar, rotor.shape, rotor.polars, rotor.numbers, law, rotor.state)
 
 
 Quantity = tuple[str, int]

@@ -21,6 +21,7 @@ from ..package import ModalPackage
 from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
 from .joints import force_values, joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
+from .rotor import UNITS, rotor_values
 from .sections import Look, Values, ply_stress_values, resultant_values, stress_life
 from .strength import strength_values
 
@@ -303,6 +304,8 @@ def _measuring(
         return unit, _component(vectors, signal.component), None
     if signal.kind == "force":
         return *force_values(built, signal.of), None
+    if signal.kind == "rotor":
+        return UNITS[signal.quantity], rotor_values(built, signal.quantity), None
     if signal.kind == "strength_ratio" or signal.kind == "exposure":
         return "-", strength_values(key, *_body(built, signal.body), signal), None
     if signal.kind == "ply_stress":

@@ -28,6 +28,7 @@ from ..elements.marker import evaluate_markers
 from ..model.model import AXIAL, BENDING, GAMMA, PHI, PHI_T, RADIAL, Model, Work, spare_work
 from ..model.motion import axis, place
 from .laws import acceleration_of, auxiliary_rate, force_size, law_at, measure
+from .rotor import PASSES, move_inflow, section_rates_into, section_wrench, wind_into
 
 
 @inlined
@@ -106,6 +107,8 @@ def first_moments(model: Model, i: int, q: Array) -> Array:
 @lean
 def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
     """Wrench of force element k at time t, with the quantities and markers of `work`."""
+    if model.rotor.section[k] >= 0:
+        return section_wrench(model, work, k, model.rotor.section[k])
     size = 0.0
     if model.force_law[k] >= 0:
         size, _, _ = law_at(model, model.force_law[k], t)
@@ -134,6 +137,10 @@ def coordinate_wrench(model: Model, work: Work, k: int, size: float) -> Wrench:
 @inlined
 def add_forces(model: Model, work: Work, t: float) -> None:
     """Add the force elements to f, their power and their stored energy."""
+    if model.rotor.polar.shape[0] > 0:
+        speed, _, _ = law_at(model, model.rotor.law[0], t)
+        turned, _, _ = law_at(model, model.rotor.law[1], t)
+        wind_into(model, work, speed, turned)
     for k in range(model.force_kind.shape[0]):
         add_wrench(model, work, k, force_wrench(model, work, k, t))
 
@@ -407,6 +414,7 @@ def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None
     first = model.n_pos + model.n_vel
     for j in range(model.n_aux):
         out[first + j], _ = auxiliary_rate(model.quantities, j, t, work.quantity)
+    section_rates_into(model, work, out)
 
 
 @inlined
@@ -488,7 +496,7 @@ def started(model: Model, t: float, y: Array) -> Array:
     """Return the state y (n,) with the auxiliary states that a run starts with at time t.
 
     Angles are those of the position, within half a turn of what stood there; the others follow
-    from their expressions, in their order.
+    from their expressions, in their order; the inflow of a rotor is steady.
     """
     if model.n_aux == 0:
         return y
@@ -501,6 +509,10 @@ def started(model: Model, t: float, y: Array) -> Array:
         measure_into(model, work, y)
         p = int(q.start_expression[j])
         y[first + j] = evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)[0]
+    for _ in range(PASSES if model.rotor.polar.size else 0):
+        evaluate(model, work, t, y)
+        if move_inflow(model, work.flow, y):
+            break
     return sampled(model, t, y, q.period > 0.0)
 
 

@@ -86,6 +86,40 @@ class Quantities(NamedTuple):
     stack: Array  # memory of an evaluation
 
 
+# Numbers of a section of a blade, of a polar behind lift and drag, and of a rotor.
+CHORD, WIDTH, OFFSET, TIP_GAP, ROOT_GAP = 0, 1, 2, 3, 4
+N_SHAPE = 5
+MOMENT, SEPARATION, SPAN = 2, 3, 4
+N_POLAR = 5
+AIR_DENSITY, BLADES, RADIUS, SHEAR, REFERENCE_HEIGHT, UP, DIRECTION = 0, 1, 2, 3, 4, 5, 8
+N_ROTOR = 11
+ANGLE_STEP = np.pi / 360.0  # of polars [rad]
+# What a section computes: rates of its states, then what these go to at rest.
+N_SECTION_STATE, QUASI, STALLED, N_FLOW = 5, 5, 7, 8
+
+
+@structure
+class Rotor(NamedTuple):
+    """The sections (ns) of the blades of a rotor in the wind (evaluation/rotor.py); none: ns = 0.
+
+    Each section is a force element, a load at its marker two; marker one is that of the hub.
+    """
+
+    section: IntArray  # (nf,) section that a force element is; -1: another element
+    polar: IntArray  # (ns,)
+    # (ns, N_SHAPE): chord, width [m]; aerodynamic centre ahead of the marker [m]; distances to tip
+    # over radius and to root over radius of the root, at rest
+    shape: Array
+    # (n, n_angle, N_POLAR) from -pi to pi: coefficients of lift, drag and moment, separation point
+    # (1: attached), and lift of attached flow less that of separated flow
+    polars: Array
+    # (N_ROTOR,): air density [kg/m3], number of blades, radius [m], exponent of shear, its height
+    # [m], unit vectors upwards and along the wind, global
+    numbers: Array
+    law: IntArray  # (2,) of the speed of the wind [m/s], and of its turn about `up` [rad]
+    state: int  # first auxiliary state
+
+
 @structure
 class Model(NamedTuple):
     """Arrays of one mechanism; built by assembly.py, read by evaluation.py."""
@@ -162,6 +196,7 @@ class Model(NamedTuple):
     carried_mass: Array  # [kg]
     n_aux: int  # auxiliary states
     quantities: Quantities  # what expressions read, and the expressions
+    rotor: Rotor
 
 
 def state_size(model: Model) -> int:
@@ -234,6 +269,8 @@ class Work(NamedTuple):
     g: Array  # (nm, 12) rows of the coordinates
     size: Array  # (nf, 3) of force elements, and derivatives by their coordinate and its rate
     unsettled: Array  # (nf + 1, 2) of forces that read reactions (evaluation.py)
+    wind: Array  # (3,) at the reference height of a rotor, global [m/s]
+    flow: Array  # (ns, N_FLOW) of the sections of a rotor
 
 
 def new_factors(model: Model, order: Order, one: Any) -> Factors:
@@ -296,6 +333,8 @@ def new_work(model: Model) -> Work:
         np.zeros((model.quantities.kind.shape[0], 12)),
         np.zeros((model.force_kind.shape[0], 3)),
         np.zeros((model.force_kind.shape[0] + 1, 2)),
+        np.zeros(3),
+        np.zeros((model.rotor.polar.shape[0], N_FLOW)),
     )
     for k in range(nk):
         if model.marker_body[k] < 0:

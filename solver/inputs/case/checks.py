@@ -38,6 +38,7 @@ from .tables.beams import BeamBody
 from .tables.bodies import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
 from .tables.kinds import CoordinateTable, ForceTable, LoadTable
 from .tables.laws import DriveTable, RotationDrive, TranslationDrive
+from .tables.rotor import Wind
 from .tables.schema import Mechanism, output_findings
 from .tables.signals import (
     DifferenceSignal,
@@ -46,6 +47,7 @@ from .tables.signals import (
     NormSignal,
     PointSignal,
     ReactionSignal,
+    RotorSignal,
     SectionSignal,
     Signal,
     StrengthSignal,
@@ -266,6 +268,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     found += check_tables(mechanism) + _forces(mechanism) + check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
+    found += _rotor(mechanism)
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
     found += check_combined(mechanism)
@@ -366,6 +369,56 @@ def _forces(mechanism: Mechanism) -> list[str]:
     return found
 
 
+WHOLE = 1e-6  # [deg] by which a polar may end before half a turn
+
+
+def _rotor(mechanism: Mechanism) -> list[str]:
+    rotor = mechanism.rotor
+    if rotor is None:
+        return []
+    found = check_place("rotor.hub", rotor.hub, mechanism, ground=False)
+    for blade in rotor.blades:
+        missing = unknown("rotor.blades", blade, "body", mechanism.bodies)
+        known = None if missing else interfaces(mechanism.bodies[blade])
+        found += missing
+        body = mechanism.bodies.get(blade)
+        if isinstance(body, BeamBody) and body.segments > 1:
+            words = "expected one segment of a blade in the wind"
+            found.append(f"bodies.{blade}.segments = {body.segments}: {words}")
+        for section in rotor.sections if known is not None else ():
+            found += unknown(f"rotor.blades: {blade}", section.place, "interface", known or [])
+    for k, section in enumerate(rotor.sections):
+        where = f'table = "{rotor.table}" row {k + 1}: ' if rotor.table else f"sections.{k}."
+        found += unknown(f"rotor.{where}polar", section.polar, "polar", rotor.polars)
+    for name, polar in rotor.polars.items():
+        first, last = polar.alpha_deg[0], polar.alpha_deg[-1]
+        if max(first, -last) > WHOLE - 180.0:
+            found.append(
+                f"rotor.polars.{name}.alpha_deg: from {first:g} to {last:g}; expected -180 to 180, "
+                "because a blade may stand still"
+            )
+    return found + _wind(rotor.wind, mechanism)
+
+
+def _wind(wind: Wind, mechanism: Mechanism) -> list[str]:
+    times, end, key = wind.times, mechanism.solver.t_end, f'rotor.wind.file = "{wind.file}"'
+    if wind.speed is not None:
+        key = "rotor.wind.speed"
+        if wind.speed.expression is not None:
+            key = f"{key}.expression"
+            try:
+                tree = expression(wind.speed.expression, CaseScope(mechanism), key)
+            except InputError as error:
+                return [str(error)]
+            words = f'{key} = "{wind.speed.expression}": expected the time t and parameters alone'
+            return [] if of_time_alone(tree) else [words]
+        if wind.speed.table is not None:
+            key, times = f"{key}.table", column(wind.speed.table.times or []).tolist()
+    if times is None or times[-1] >= end:
+        return []
+    return [f"{key}: ends at {times[-1]:g} s; expected up to solver.t_end = {end:g} s"]
+
+
 def _signal(
     key: str,
     signal: Signal,
@@ -394,6 +447,9 @@ def _signal(
         return found
     if isinstance(signal, DifferenceSignal | NormSignal):
         return []
+    if isinstance(signal, RotorSignal):
+        words = f'{key}.kind = "rotor": expected a table [rotor]'
+        return [words] if mechanism.rotor is None else []
     if isinstance(signal, ForceSignal):
         able = [name for name, force in mechanism.forces.items() if is_along(force)]
         able += list(mechanism.couplings)

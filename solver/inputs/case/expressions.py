@@ -302,6 +302,8 @@ def is_smooth(mechanism: "Mechanism") -> bool:
     laws: list[LoadLaw | RotationDrive | TranslationDrive | None] = []
     laws += [law(force) for force in mechanism.forces.values()]
     laws += [each for joint in mechanism.joints.values() for each in drives(joint).values()]
+    if mechanism.rotor is not None:  # polars have corners
+        return False
     return not any(is_along(force) for force in mechanism.forces.values()) and all(
         each is None
         or (each.expression is None and getattr(each.table, "interpolation", "") != "linear")

@@ -239,4 +239,8 @@ def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
     tables: list[Any] = [each.table for each in laws if each is not None]
     tables += mechanism.tables.values()
     tables += [getattr(force, "code", None) for force in mechanism.forces.values()]
-    return [folder / t.file for t in tables if t is not None and t.file is not None]
+    files = [t.file for t in tables if t is not None]
+    if (rotor := mechanism.rotor) is not None:
+        files += [rotor.wind.file, rotor.table, rotor.polar_table]
+        files += [rotor.wind.speed and rotor.wind.speed.table and rotor.wind.speed.table.file]
+    return [folder / file for file in files if file is not None]

@@ -232,6 +232,18 @@ class LoadLaw(_Law):
     )
 
 
+class WindLaw(_Law):
+    """`speed` of the wind: over time."""
+
+    constant: float | None = optional("the same at all times", "m/s")
+    polynomial: Coefficients | None = optional("c0, c1, ... of c0 + c1 t + ...", "m/s, m/s2, ...")
+    smooth_step: SmoothStep | None = optional("from 0 to a speed")
+    table: LoadTable | None = optional("values [m/s] at given times")
+    expression: str | None = optional(
+        "of the time `t` and of parameters, see forces.md, such as 10 + 2*step(t - 5)", "m/s"
+    )
+
+
 def with_columns(data: Any, info: ValidationInfo, keys: tuple[str, str]) -> Any:
     """Return a table with both columns of its `file`, if it has one that is not read yet.
 

@@ -23,6 +23,7 @@ from .beams import BeamBody
 from .bodies import ImportedBody, PackageBody, RigidBody, Section, ShellBody, SolidBody
 from .kinds import CaseCoupling, CaseForce, CaseJoint, by_freedoms
 from .laws import FOLDER, RESOLVED, TablePoints
+from .rotor import Rotor
 from .signals import Signal
 from .solver import Solver
 
@@ -222,6 +223,7 @@ class Mechanism(Table):
         "curves through points that expressions call by name", default={}
     )
     masses: dict[Name, PointMass] = entry("point masses", default={})
+    rotor: Rotor | None = optional("blades in the wind")
     signals: dict[Name, Signal] = entry("what is measured", default={})
     solver: Solver = entry("time integration")
     fidelity: Fidelity | None = optional("the accuracy of a run, by which its model is chosen")

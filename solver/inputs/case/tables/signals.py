@@ -142,6 +142,15 @@ class ForceSignal(Measured):
     )
 
 
+class RotorSignal(Measured):
+    """`[signals.NAME]` with kind = "rotor": what the air does on the blades of `[rotor]`."""
+
+    kind: Literal["rotor"]
+    quantity: Literal["thrust", "torque", "power"] = entry(
+        "force along the shaft [N]; torque about it [N m]; torque times the speed of the hub [W]"
+    )
+
+
 class SectionSignal(Measured):
     """A signal of a section of a beam."""
 
@@ -216,6 +225,7 @@ Signal = Annotated[
     | JointSignal
     | ReactionSignal
     | ForceSignal
+    | RotorSignal
     | ResultantSignal
     | PlyStressSignal
     | StrengthSignal

@@ -1,0 +1,191 @@
+"""`[rotor]` of a case file: blades in the wind."""
+
+import csv
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pydantic import ValidationInfo, model_validator
+
+from ...common.table import Axis, FilePath, Name, Table, entry, optional, usable_path
+from ...common.text_file import numbered_lines
+from .laws import FOLDER, RESOLVED, WindLaw
+
+SECTION = ("chord", "width", "offset", "twist_deg")  # numbers of a row of `table`
+POLAR = ("alpha_deg", "cl", "cd", "cm")
+WIND = ("times", "speeds", "directions_deg")
+
+
+class RotorSection(Table):
+    """A strip of a blade, about an interface; a row of the file `table`."""
+
+    place: Name = entry("interface of the blades")
+    chord: float = entry("of the airfoil", "m", gt=0)
+    width: float = entry("of the strip along the blade", "m", gt=0)
+    offset: float = entry("aerodynamic centre ahead of the interface, to the leading edge", "m")
+    twist_deg: float = entry("about the line to the tip, from body y to the leading edge", "deg")
+    polar: Name = entry("name of a polar")
+
+
+class Polar(Table):
+    """Coefficients of an airfoil over the angle of attack; rows of the file `polars`."""
+
+    alpha_deg: list[float] = entry("rising, from -180 to 180", "deg", min_length=3)
+    cl: list[float] = entry("lift")
+    cd: list[float] = entry("drag")
+    cm: list[float] = entry("moment about the aerodynamic centre, nose up")
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        angles = np.array(self.alpha_deg)
+        if (np.diff(angles) <= 0.0).any():
+            raise ValueError("alpha_deg: expected rising angles")
+        if len({len(getattr(self, key)) for key in POLAR}) > 1:
+            raise ValueError("expected as many of cl, cd and cm as angles")
+        return self
+
+
+class Wind(Table):
+    """`[rotor.wind]`: the wind, the same at all points of one height."""
+
+    speed: WindLaw | None = optional("at the reference height over time; or `file`", "m/s")
+    file: FilePath | None = optional(
+        "text file with the columns time [s], speed [m/s], direction [deg], separated by commas; "
+        "path relative to the case file. Between its rows, straight lines"
+    )
+    times: list[float] | None = optional("filled from the file", "s")
+    speeds: list[float] | None = optional("filled from the file", "m/s")
+    directions_deg: list[float] | None = optional("filled from the file", "deg")
+    direction: Axis = entry("to which it blows, global, across `up`", "-", [1.0, 0.0, 0.0])
+    direction_deg: float = entry("turns `direction` about `up`", "deg", 0.0)
+    up: Axis = entry("global; the ground is at height 0 of the origin", "-", [0.0, 0.0, 1.0])
+    shear_exponent: float = entry("of the power law of speed over height", default=0.0, ge=0)
+    reference_height: float = entry("height of the given speed", "m", 100.0, gt=0)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
+        file = _file_of(data, info, "file")
+        if file is None:
+            return data
+        _check_alone(data, "file", WIND)
+        rows = [row for _, row in _rows(file, WIND, (), any_head=True)]
+        return {**data, **{key: [row[key] for row in rows] for key in WIND}}
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.speed is None) == (self.file is None):
+            raise ValueError("expected either `speed` or `file`")
+        if self.file is not None:
+            times = np.array(self.times or [])
+            if len(times) < 2 or (np.diff(times) <= 0.0).any() or times[0] > 0.0:
+                raise ValueError(f'file = "{self.file}": expected rising times from 0 or before')
+        up, along = (np.array(v) / np.linalg.norm(v) for v in (self.up, self.direction))
+        if abs(float(up @ along)) > 1e-6:
+            raise ValueError(f"direction = {self.direction}: expected a right angle to `up`")
+        return self
+
+
+class Rotor(Table):
+    """`[rotor]`: a rotor in the wind, by blade element momentum theory.
+
+    Sections of all blades are loads on their interfaces. Induced velocities and separation are
+    auxiliary states (docs/rotor.md).
+    """
+
+    hub: str = entry('"BODY.INTERFACE" at the centre of the rotor')
+    axis: Axis = entry("of the shaft at the start, global", "-")
+    blades: list[Name] = entry(
+        "bodies with the interfaces of the sections: x to the tip, y to the leading edge, z to the "
+        "suction side",
+        min_length=1,
+    )
+    table: FilePath | None = optional(
+        "instead of `sections`: a text file with the columns place, chord, width, offset, "
+        "twist_deg and polar, separated by commas; path relative to the case file"
+    )
+    sections: list[RotorSection] = entry("from root to tip; or `table`", default=[], min_length=2)
+    polar_table: FilePath | None = optional(
+        "instead of `polars`: a text file with the columns polar, alpha_deg, cl, cd and cm"
+    )
+    polars: dict[Name, Polar] = entry("by name; or `polar_table`", default={})
+    air_density: float = entry("of the air", "kg/m3", 1.225, gt=0)
+    wind: Wind = entry("the wind")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_files(cls, data: Any, info: ValidationInfo) -> Any:
+        found = dict(data) if isinstance(data, dict) else data
+        if (file := _file_of(data, info, "table")) is not None:
+            _check_alone(data, "table", ("sections",))
+            rows = _rows(file, SECTION, ("place", "polar"))
+            found["sections"] = [row for _, row in rows]
+        if (file := _file_of(data, info, "polar_table")) is not None:
+            _check_alone(data, "polar_table", ("polars",))
+            polars: dict[str, dict[str, list[float]]] = {}
+            for _, row in _rows(file, POLAR, ("polar",)):
+                polar = polars.setdefault(row["polar"], {key: [] for key in POLAR})
+                for key in POLAR:
+                    polar[key].append(row[key])
+            found["polars"] = polars
+        return found
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        if not self.sections:
+            raise ValueError("expected `table` or `sections`")
+        return self
+
+
+def _file_of(data: Any, info: ValidationInfo, key: str) -> Path | None:
+    """Return the file that a table names by `key`, if it is to be read now."""
+    context = info.context or {}
+    if context.get(RESOLVED) or not isinstance(data, dict) or not isinstance(data.get(key), str):
+        return None
+    return Path(context.get(FOLDER, ".")) / usable_path(data[key])
+
+
+def _check_alone(data: dict[str, Any], key: str, others: tuple[str, ...]) -> None:
+    if given := [other for other in others if other in data]:
+        raise ValueError(f"expected no `{given[0]}` beside `{key}`")
+
+
+def _rows(
+    file: Path, numbers: tuple[str, ...], words: tuple[str, ...], *, any_head: bool = False
+) -> list[tuple[int, dict[str, Any]]]:
+    """Return the rows of a file by column, with their lines.
+
+    any_head : columns are in the order of `numbers`, whatever they are called
+
+    Raises
+    ------
+    ValueError : a missing column, a line without its numbers.
+    """
+    lines = numbered_lines(file)
+    table = list(csv.reader(line for _, line in lines))
+    columns = (*words, *numbers)
+    head = list(columns) if any_head else [name.strip() for name in table[0]] if table else []
+    if missing := [name for name in columns if name not in head]:
+        raise ValueError(f"{file}: column {missing[0]!r} is missing; expected {', '.join(columns)}")
+    found = []
+    for (line, _), row in zip(lines, table, strict=True):
+        cells = dict(zip(head, (cell.strip() for cell in row), strict=False))
+        if line == lines[0][0] and not _is_number(cells.get(numbers[0], "")):
+            continue  # names of the columns
+        try:
+            values = {key: float(cells[key]) for key in numbers}
+        except (KeyError, ValueError) as error:
+            text = f"expected numbers for {', '.join(numbers)}, found {','.join(row)!r}"
+            raise ValueError(f"{file} line {line}: {text}") from error
+        if len(row) != len(head) or not np.isfinite(list(values.values())).all():
+            raise ValueError(f"{file} line {line}: expected {len(head)} finite values")
+        found.append((line, {**{key: cells[key] for key in words}, **values}))
+    return found
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
