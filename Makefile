@@ -342,6 +342,17 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchma
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
 
+# Pinocchio and robots of others, in an environment of their own: wheels of 150 MB.
+ROBOTS := build/robots
+$(ROBOTS)/installed: Makefile | $(EMPTY)
+	$(PY) -m venv $(ROBOTS)
+	$(ROBOTS)/bin/python -m pip install --quiet pin==4.1.0 example-robot-data==6.0.0
+	@touch $@
+
+.PHONY: robots
+robots: $(ROBOTS)/installed | $(COMPILED) ## Robots from URDF files compared with Pinocchio: build/benchmarks/robots.json, docs/robots.md
+	$(BENCH) benchmarks/robots.py --python $(ROBOTS)/bin/python --out build/benchmarks/robots.json
+
 .PHONY: fidelity
 fidelity: $(FENICSX) | $(COMPILED) ## Accuracy asked, estimated and true of planned runs, scene by scene: build/benchmarks/fidelity.json
 	. ./$(FENICSX) && export FENICSX_PYTHON && \

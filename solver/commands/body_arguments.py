@@ -223,19 +223,43 @@ def add_blade(parser: Any) -> None:
 
 @command("import", "bodies.packages:run_import")
 def add_import(parser: Any) -> None:
-    """Make a modal package from a body of another code, or from measured modes.
+    """Make a package from a body of another code or measured modes, or a case from a robot (URDF).
 
     Make a modal package from a body of another code. FILE (TOML, docs/exchange.md) names the files,
     their units, the interfaces and the modes. With --from measured, FILE has nodes, modes and
-    places of a test (docs/modes.md).
+    places of a test (docs/modes.md). A FILE.urdf becomes a folder with case.toml and meshes of the
+    links for pictures (docs/robots.md).
 
     ---
     """
-    parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML")
+    parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML; or a URDF")
     text = "the other code, or measured (default: the key `from` of FILE)"
     parser.add_argument("--from", dest="source", metavar="CODE", help=text)
-    parser.add_argument("--out", "-o", type=Path, required=True, metavar="PACKAGE", help=PACKAGE)
+    text = f"{PACKAGE}; of a robot the new folder (default: named like FILE)"
+    parser.add_argument("--out", "-o", type=Path, metavar="PACKAGE", help=text)
     flag(parser, "quiet", "no progress")
+    robot = parser.add_argument_group("of a robot")
+    text = "hold: drives hold all joints (default); torque: an actuator in each; free: neither"
+    robot.add_argument("--joints", choices=["hold", "torque", "free"], default="hold", help=text)
+    text = "whether the root link is the ground (default), or a body that moves freely"
+    robot.add_argument("--base", choices=["fixed", "free"], default="fixed", help=text)
+    flag(robot, "keep-fixed", "links on fixed joints stay bodies if they have a mass")
+    flag(robot, "no-meshes", "no pictures of the links")
+    text = "folder of a ROS package (default: one of its name above FILE); may be repeated"
+    robot.add_argument(
+        "--package", action="append", default=[], type=_package, metavar="NAME=PATH", help=text
+    )
+    text = "take what looks wrong: inertia that no solid has, units that give odd sizes"
+    robot.add_argument(
+        "--allow", action="append", default=[], choices=["inertia", "units"], help=text
+    )
+
+
+def _package(text: str) -> tuple[str, Path]:
+    name, equals, path = text.partition("=")
+    if not (name and equals and path):
+        raise argparse.ArgumentTypeError(f"{text}: expected NAME=PATH")
+    return name, Path(path)
 
 
 def written_formats() -> list[str]:

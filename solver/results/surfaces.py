@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..errors import InputError
 from ..math.arrays import Array, IntArray
 from ..math.rotations import rotation_matrices, shortest_rotations
 from ..math.rows import ComputedRows, computed
@@ -150,6 +152,37 @@ def rigid_surface(
     parts.quads(first + _FACES, np.full(_FACES.shape, -1))
     add_bars(parts, nodes_B, width)
     return parts.surface()
+
+
+def stl_triangles(file: Path) -> Array:
+    """Return the triangles (f, 3, 3) of an STL file.
+
+    Raises
+    ------
+    InputError
+        The file is none.
+    """
+    import meshio  # takes 0.1 s
+
+    try:
+        mesh = meshio.read(file, file_format="stl")
+    except Exception as error:  # meshio raises many kinds
+        raise InputError(f"{file}: cannot be read as STL: {error}") from None
+    rows = mesh.cells_dict.get("triangle", np.zeros((0, 3), dtype=np.int64))
+    return np.asarray(mesh.points[rows], dtype=float)
+
+
+def picture_surface(nodes_B: Array, file: Path) -> Surface:
+    """Return the surface of a rigid body as an STL file in its axes has it [m]."""
+    points = stl_triangles(file).reshape(-1, 3)
+    triangles = np.arange(len(points)).reshape(-1, 3)
+    return Surface(
+        np.zeros(len(points), dtype=np.int64),
+        points - nodes_B[0],
+        triangles,
+        np.zeros(len(triangles), dtype=np.int64),
+        np.full(triangles.shape, -1),
+    )
 
 
 # Spheres on the surface of a body, which stand for point masses.

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from ..results.surfaces import (
     extruded,
     faces,
     frames_along,
+    picture_surface,
     rigid_surface,
     spokes,
     square,
@@ -50,6 +52,7 @@ def with_views(
     built: BuiltMechanism,
     y: Array | LongRows,
     balls: Mapping[int, Sequence[Ball]],
+    pictures: Mapping[str, Path],
 ) -> tuple[BodyGeometry, ...]:
     """Return the drawn bodies with what they need to be shown in motion.
 
@@ -57,6 +60,7 @@ def with_views(
     ----------
     y : (k, n_pos + n_vel) states at the output times
     balls : point masses by the number of their body
+    pictures : STL files of rigid bodies by name
     """
     model = built.model
     times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
@@ -76,9 +80,12 @@ def with_views(
             width = 2.0 * GLYPH * (max(_size(body.nodes_B), 0.5 * reach) or 0.1)
             centre_B = model.S0[i] / mass if mass else np.zeros(3)
             drawn = body.nodes_B, box_B, edges, axes_B, width, reach or np.inf
-            key = tuple(np.asarray(part).tobytes() for part in drawn)
+            key: Any = tuple(np.asarray(part).tobytes() for part in drawn)
+            draw = partial(rigid_surface, *drawn)
+            if body.name in pictures and pictures[body.name].is_file():
+                key, draw = body.name, partial(picture_surface, body.nodes_B, pictures[body.name])
             if key not in surfaces:
-                surfaces[key] = cache(partial(rigid_surface, *drawn))
+                surfaces[key] = cache(draw)
             view = BodyView(
                 first_position=first,
                 shapes_B=np.zeros((0, len(body.nodes_B), 6)),
@@ -95,8 +102,8 @@ def with_views(
                 surfaces[id(package)] = cache(partial(_surface, package))
             view = _flexible(package, first, q, surfaces[id(package)])
         if i in balls:
-            draw = partial(_with_balls, view.draw, body.nodes_B, balls[i], reach)
-            view = replace(view, draw=draw)
+            with_balls = partial(_with_balls, view.draw, body.nodes_B, balls[i], reach)
+            view = replace(view, draw=with_balls)
         found.append(replace(body, view=view))
     return tuple(found)
 
@@ -108,6 +115,12 @@ def point_masses(mechanism: "Mechanism", built: BuiltMechanism) -> dict[int, lis
         body, place = built.places[mass.at]
         found.setdefault(body, []).append((place.position_B, mass.mass))
     return found
+
+
+def pictures(mechanism: "Mechanism") -> dict[str, Path]:
+    """Return the STL files of rigid bodies by name."""
+    found = {name: getattr(body, "picture", None) for name, body in mechanism.bodies.items()}
+    return {name: Path(file) for name, file in found.items() if file is not None}
 
 
 def _with_balls(

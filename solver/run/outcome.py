@@ -32,7 +32,7 @@ from ..results.surfaces import MOST_STORED, all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
-from .drawing import drawn_loads, links, point_masses, with_views
+from .drawing import drawn_loads, links, pictures, point_masses, with_views
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -114,7 +114,7 @@ def collect(
     )
     geometry, points = drawn_shapes(finished.built, y)
     balls = point_masses(finished.mechanism, finished.built)
-    geometry = with_views(geometry, finished.built, y, balls)
+    geometry = with_views(geometry, finished.built, y, balls, pictures(finished.mechanism))
     multipliers = kept["", "multipliers"].all()
     result = RunResult(
         case=spec.case,

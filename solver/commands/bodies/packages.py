@@ -5,7 +5,7 @@ import math
 import sys
 from pathlib import Path
 
-from ...errors import InputError
+from ...errors import InputError, counted
 from ...extras.exchange import export_body, import_body
 from ...package import validate
 from ...package.body.io import read_package
@@ -63,7 +63,37 @@ def run_validate(options: argparse.Namespace) -> int:
 
 def run_import(options: argparse.Namespace) -> int:
     """Run `plymotion import`; returns the exit code."""
+    if options.file.suffix == ".urdf":
+        return import_urdf(options)
+    if options.out is None:
+        raise InputError("--out: missing; expected the package that is made, NAME.vtkhdf")
     return _told(*import_body(options.file, options.out, options.source, quiet=options.quiet))
+
+
+def import_urdf(options: argparse.Namespace) -> int:
+    """Write the case of a robot; return the exit code."""
+    from ...extras.robot.files import import_robot
+
+    out = options.out or Path(options.file.stem)
+    made = import_robot(
+        options.file,
+        out,
+        joints=options.joints,
+        base=options.base,
+        keep_fixed=options.keep_fixed,
+        meshes=not options.no_meshes,
+        packages=dict(options.package),
+        allow=options.allow,
+    )
+    for note in made.notes:
+        print(f"note: {note}", file=sys.stderr)
+    counts = [
+        counted(len(made.tables[group]), one, group)
+        for group, one in (("bodies", "body"), ("joints", "joint"), ("couplings", "coupling"))
+        if made.tables.get(group)
+    ]
+    print(f"{out / 'case.toml'}: {', '.join(counts)}")
+    return 0
 
 
 def run_export(options: argparse.Namespace) -> int:

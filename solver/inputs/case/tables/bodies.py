@@ -1,8 +1,9 @@
 """Keys of bodies of all kinds but beams; of their reference condition, modes and sections."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from ....errors import nearest
 from ....package.specification import (
@@ -18,6 +19,7 @@ from ...common.table import FilePath, Name, Oriented, Table, Vector, entry, opti
 from ...section.description import ShapeMesh, shape_or
 from ...shell import LINKS, MOST_REFINED, REFINE
 from ...solid import SolidInterface
+from .laws import FOLDER
 
 DEFAULT_PLACE = "root"  # of a clamped frame
 
@@ -335,6 +337,21 @@ class RigidBody(Placed):
         max_length=3,
     )
     interfaces: dict[Name, PointInterface] = entry("named places", default={})
+    picture: FilePath | None = optional(
+        "for pictures only: path of an STL file in body axes [m], relative to the case file; "
+        "absent: a box of the same inertia"
+    )
+
+    @field_validator("picture")
+    @classmethod
+    def _found(cls, value: str | None, info: ValidationInfo) -> str | None:
+        folder = (info.context or {}).get(FOLDER)
+        if value is None or folder is None:
+            return value
+        file = Path(folder) / value
+        if not file.is_file():
+            raise ValueError("no such file")
+        return str(file.resolve())
 
 
 class PackageBody(Reducible, Deformed):

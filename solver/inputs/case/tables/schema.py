@@ -199,8 +199,10 @@ class PointMass(Table):
 class Mechanism(Table):
     """Keys of one run; a variant may change any of them."""
 
-    allow: list[Literal["material-units", "size-units"]] = entry(
-        "warnings that are not shown, because the unusual numbers are meant", default=[]
+    allow: list[Literal["material-units", "size-units", "inertia"]] = entry(
+        "warnings that are not shown, because the unusual numbers are meant; inertia: rigid bodies "
+        "with principal moments that no solid has, as in files of robots",
+        default=[],
     )
     gravity: Vector = entry("acceleration of free fall, global", "m/s2", [0.0, 0.0, 0.0])
     materials: dict[Name, Material] = entry("elastic materials", default={})

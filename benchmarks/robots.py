@@ -1,0 +1,110 @@
+"""Robots of the wheel `example-robot-data`: equations in joint coordinates against Pinocchio's.
+
+    make robots      writes build/benchmarks/robots.json
+
+For each file, with its root fixed and free: the largest difference of mass matrix, bias and gravity
+forces over random states, relative to their largest entry. A file that the import refuses has its
+message. PYTHON is one with the wheels `pin` and `example-robot-data`.
+"""
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import plymotion as pm
+from plymotion.solver.dynamics.analysis.joint_coordinates import JointCoordinates
+from plymotion.solver.dynamics.model.model import state_size
+from plymotion.solver.errors import InputError
+from plymotion.solver.extras.robot.case import robot_case, start
+from plymotion.solver.extras.robot.urdf import read_urdf
+from plymotion.solver.math.rotations import matrix_to_vector
+from plymotion.solver.mechanism.build import build
+
+HERE = Path(__file__).parent
+ALLOWED = ("inertia", "units")  # files of others are taken as they are
+ROBOTS = "cmeel.prefix/share/example-robot-data/robots"  # in the site packages of the wheels
+WHERE = "import sysconfig; print(sysconfig.get_path('purelib'))"
+
+
+def compared(file: Path, base: str, peer: str, count: int, folder: str) -> dict[str, float]:
+    """Return the largest relative differences of a file."""
+    robot = read_urdf(file)
+    made = robot_case(robot, joints="free", base=base, allow=ALLOWED)
+    table = {k: v for k, v in made.tables.items() if k not in ("format", "title", "runs", "forces")}
+    mechanism = pm.Case("robot", **table).check().runs["base"]
+    built = build(mechanism, {})
+    offsets = {name: joint.shift for name, joint in built.joints.items()}
+    ours = JointCoordinates(built.model, built.body_names, built.joint_names, offsets)
+    y = np.zeros(state_size(built.model))
+
+    out = f"{folder}/peer.npz"
+    script = [peer, str(HERE / "robots_pinocchio.py"), out, str(file)]
+    done = subprocess.run(
+        [*script, "--root", base, "--states", str(count)], capture_output=True, text=True
+    )
+    if done.returncode:
+        raise RuntimeError(done.stderr.strip().splitlines()[-1])
+    theirs = np.load(out)
+    names = [str(name) for name in theirs["names"]]
+    column = {name.rsplit(".", 1)[0]: k for k, name in enumerate(ours.names)}
+    place = [column[made.names[f"joint {name}"]] for name in names]
+    zero = np.array([start(robot, robot.joints[name]) for name in names])
+    frame = [k for k in range(len(ours.names)) if k not in place]  # of a free root
+    order = np.array([*frame, *place], dtype=int)
+    n, worst = len(order), dict.fromkeys(("M", "bias", "gravity"), 0.0)
+    for k in range(count):
+        values, v = np.zeros(n), np.zeros(n)
+        values[place] = theirs["values"][k] - zero
+        T, turning = np.eye(n), np.zeros(n)  # Pinocchio's rates by ours
+        if frame:
+            A, u = theirs["A"][k], theirs["rates"][k]
+            values[frame] = [*theirs["r"][k], *matrix_to_vector(A)]
+            T[:3, :3] = A.T
+            turning[:3] = -np.cross(u[3:6], u[:3])
+        v[order] = np.linalg.solve(T, theirs["rates"][k])
+        found = ours.projected(0.0, ours.state(0.0, y, values, v))
+        still = ours.projected(0.0, ours.state(0.0, y, values, np.zeros(n)))
+        M = theirs["M"][k]
+        for key, a, b in (
+            ("M", found.M[np.ix_(order, order)], T.T @ M @ T),
+            ("bias", found.c[order], T.T @ (theirs["c"][k] + M @ turning)),
+            ("gravity", still.c[order], T.T @ theirs["g"][k]),
+        ):
+            gap = float(np.abs(a - b).max() / max(float(np.abs(b).max()), 1e-300))
+            worst[key] = max(worst[key], gap)
+    return {"coordinates": n, **worst}
+
+
+def main() -> None:
+    """Compare all files and write the JSON."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--python", required=True)
+    parser.add_argument("--out", type=Path, default=Path("build/benchmarks/robots.json"))
+    parser.add_argument("--states", type=int, default=100)
+    parser.add_argument("--only", default="", help="files with this in their path")
+    options = parser.parse_args()
+    package = subprocess.run([options.python, "-c", WHERE], capture_output=True, text=True)
+    root = Path(package.stdout.strip()) / ROBOTS
+    result = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for file in sorted(root.rglob("*.urdf")):
+            name = str(file.relative_to(root))
+            if options.only not in name:
+                continue
+            for base in ("fixed", "free"):
+                try:
+                    found = compared(file, base, options.python, options.states, folder)
+                except (InputError, RuntimeError) as error:
+                    found = {"refused": str(error).replace(f"{root}/", "")}
+                result[f"{name}, {base} root"] = found
+                print(name, base, found, flush=True)
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,389 @@
+"""The case of a robot: links as rigid bodies, joints, stops, friction, couplings, signals.
+
+Bodies have the axes of their links, and the case stands at q = 0 of all joints. Links on fixed
+joints are parts of the body that they are fixed to.
+"""
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ...errors import InputError, refuse
+from ...math.arrays import Array
+from ...math.rotations import matrix_to_vector
+from .urdf import HERE, Inertia, Pose, Robot, UrdfJoint, about
+
+Tables = dict[str, Any]
+Moved = Literal["hold", "torque", "free"]
+GROUND = "ground"
+SINGLE = ("revolute", "continuous", "prismatic")
+TRIANGLE = 1e-5  # relative, of principal moments: that of the check of a case
+# Radius of gyration over the distance from the centre to the farthest joint. Of 1045 moving links
+# of 60 robots with an inertia, the least is 0.15; a mass 1e3 too large divides it by 32.
+SLIM, WIDE, LONG = 0.05, 30.0, 100.0  # [m] of the last
+CLEAR = 0.02  # distance from which on a large ratio says something [m]
+STOP_DEPTH = 0.01  # at which a stop balances the effort of the drive [rad, m]
+REST = 0.01  # speed below which the direction of friction is smoothed [rad/s, m/s]
+
+
+@dataclass
+class Body:
+    """Links that are fixed to each other.
+
+    Attributes
+    ----------
+    head : link whose axes it has
+    pose : of the head at q = 0, global
+    links : link -> pose in the head
+    """
+
+    head: str
+    pose: Pose
+    inertia: Inertia
+    links: dict[str, Pose] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class RobotCase:
+    """A robot as tables of a case.
+
+    Attributes
+    ----------
+    tables : of the case file
+    bodies : by name in the case; "ground" is the base, where it stands
+    names : names in the case of links and joints
+    notes : what the case does not have of the file, one line each
+    """
+
+    tables: Tables
+    bodies: dict[str, Body]
+    names: dict[str, str]
+    notes: list[str]
+
+
+def robot_case(
+    robot: Robot,
+    *,
+    joints: Moved = "hold",
+    base: Literal["fixed", "free"] = "fixed",
+    keep_fixed: bool = False,
+    allow: Collection[str] = (),
+) -> RobotCase:
+    """Return the case of a robot.
+
+    Parameters
+    ----------
+    joints : hold: drives hold the coordinates; torque: an actuator in each joint; free: neither
+    base : whether the root link is the ground, or a body that moves freely
+    keep_fixed : links with mass on fixed joints stay bodies, with a fixed joint
+    allow : "inertia": principal moments that no solid has; "units": doubtful sizes
+
+    Raises
+    ------
+    InputError
+        One line per mistake: file and line, element, value, expectation.
+    """
+    heads, bodies = _bodies(robot, base == "free", keep_fixed)
+    found = [line for body in bodies.values() for line in _mistakes(robot, body, bodies, allow)]
+    names = _names(robot, bodies, found)
+    refuse(found)
+    made = _Writer(robot, heads, bodies, names, joints)
+    return made.case(allow)
+
+
+def _bodies(
+    robot: Robot, free: bool, keep_fixed: bool
+) -> tuple[dict[str, tuple[str, Pose]], dict[str, Body]]:
+    """Return head link and pose in it of each link, and the bodies by head; "" is the ground."""
+    at_zero = {name: HERE for name in robot.links}
+    heads = {robot.root: (robot.root if free else "", HERE)}
+    bodies = {heads[robot.root][0]: Body(robot.root, HERE, robot.links[robot.root].inertia)}
+    for joint in robot.joints.values():
+        link = robot.links[joint.child]
+        value = start(robot, joint)
+        inside = joint.pose
+        if value and joint.kind in SINGLE:
+            inside = inside @ _moved(joint, value)
+        at_zero[joint.child] = at_zero[joint.parent] @ inside
+        kept = keep_fixed and link.inertia.mass > 0.0
+        if joint.kind == "fixed" and not kept:
+            head, pose = heads[joint.parent]
+            heads[joint.child] = head, pose @ joint.pose
+            body = bodies[head]
+            body.inertia = body.inertia.plus(link.inertia.seen_from(heads[joint.child][1]))
+        else:
+            heads[joint.child] = joint.child, HERE
+            bodies[joint.child] = Body(joint.child, at_zero[joint.child], link.inertia)
+    for name, (head, pose) in heads.items():
+        bodies[head].links[name] = pose
+    return heads, bodies
+
+
+def start(robot: Robot, joint: UrdfJoint) -> float:
+    """Return the coordinate of a joint where all that mimic none are 0 [rad, m]."""
+    if joint.mimic is None or joint.kind == "fixed":
+        return 0.0
+    other = start(robot, robot.joints[joint.mimic.joint])
+    return joint.mimic.offset + joint.mimic.multiplier * other
+
+
+def _moved(joint: UrdfJoint, value: float) -> Pose:
+    if joint.kind == "prismatic":
+        return Pose(value * joint.axis, np.eye(3))
+    return Pose(np.zeros(3), about(joint.axis, value))
+
+
+def _mistakes(
+    robot: Robot, body: Body, bodies: Mapping[str, Body], allow: Collection[str]
+) -> list[str]:
+    """Return what is wrong with the inertia of a moving body, one line each."""
+    if bodies.get("") is body:
+        return []
+    link = robot.links[body.head]
+    at = f"{robot.file}:{link.line}: <link {link.name}>: "
+    mass, J = body.inertia.mass, body.inertia.about_centre
+    if mass == 0.0:
+        return [f"{at}moves without mass; expected <inertial> with a mass above 0 [kg]"]
+    a, b, c = (float(x) for x in np.linalg.eigvalsh(J))
+    if not a > 1e-14 * c:
+        return [
+            f"{at}principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected all above 0: with "
+            "one of 0 the body would turn without resistance"
+        ]
+    found = []
+    if c > (a + b) * (1.0 + TRIANGLE) and "inertia" not in allow:
+        found.append(
+            f"{at}no solid has principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected none "
+            "above the sum of the other two, or --allow inertia"
+        )
+    if "units" not in allow:
+        found += [f"{at}{text}; or --allow units" for text in _doubts(robot, body, mass, c)]
+    return found
+
+
+def _doubts(robot: Robot, body: Body, mass: float, largest: float) -> list[str]:
+    """Return what speaks for wrong units of a body."""
+    below = [j.pose.p for j in robot.joints.values() if j.parent == body.head]
+    centre = body.inertia.centre
+    reach = max(float(np.linalg.norm(p - centre)) for p in [np.zeros(3), *below])
+    radius = float(np.sqrt(largest / mass))
+    size = f"with its joints {reach:.3g} m from the mass centre"
+    if reach > LONG:
+        return [f"{size}: expected lengths in m, found some like mm"]
+    if radius < SLIM * reach:
+        return [
+            f"radius of gyration {radius:.3g} m {size}: the mass {mass:g} kg is too large, or the "
+            f"inertia too small; expected kg and kg m2, radius at least {SLIM:g} of that distance"
+        ]
+    if reach > CLEAR and radius > WIDE * reach:
+        return [
+            f"radius of gyration {radius:.3g} m {size}: the mass {mass:g} kg is too small, or the "
+            f"inertia too large; expected kg and kg m2, radius at most {WIDE:g} times that distance"
+        ]
+    return []
+
+
+def _word(name: str, prefix: str) -> str:
+    """Return a name of a case for one of a URDF."""
+    word = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:90]
+    return word if word[:1].isalpha() and word != GROUND else f"{prefix}_{word}"
+
+
+def _names(robot: Robot, bodies: Mapping[str, Body], found: list[str]) -> dict[str, str]:
+    """Return names of the case; `found` gets those that two elements share."""
+    names: dict[str, str] = {}
+    for what, elements in (("link", robot.links), ("joint", robot.joints)):
+        taken: dict[str, str] = {}
+        for name, element in elements.items():
+            word = _word(name, what)
+            if word in taken:
+                found.append(
+                    f"{robot.file}:{element.line}: <{what} {name}>: the same name in the case, "
+                    f'"{word}", as {what} "{taken[word]}"; expected names that differ in letters, '
+                    "digits, _ and -"
+                )
+            taken[word] = name
+            names[f"{what} {name}"] = word
+    return names
+
+
+class _Writer:
+    """Makes the tables of a case from a robot."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        heads: Mapping[str, tuple[str, Pose]],
+        bodies: Mapping[str, Body],
+        names: Mapping[str, str],
+        moved: Moved,
+    ) -> None:
+        self._robot, self._heads, self._bodies = robot, heads, bodies
+        self._names, self._way = dict(names), moved
+        self._notes: list[str] = []
+        self._points: dict[str, Tables] = {head: {} for head in bodies}
+        self._tables: Tables = {
+            group: {} for group in ("bodies", "ground", "joints", "couplings", "forces", "signals")
+        }
+
+    def case(self, allow: Collection[str]) -> RobotCase:
+        robot, tables = self._robot, self._tables
+        for joint in robot.joints.values():
+            self._joint(joint)
+        for head, body in self._bodies.items():
+            for link, pose in body.links.items():
+                if link != body.head:
+                    self._point(head, self._name("link", link), pose.p)
+        named: dict[str, Body] = {}
+        for head, body in self._bodies.items():
+            if head == "":
+                named[GROUND] = body
+                for name, point in self._points[""].items():
+                    tables["ground"][name] = point
+                continue
+            name = self._name("link", head)
+            named[name] = body
+            tables["bodies"][name] = {
+                "kind": "rigid",
+                "mass": body.inertia.mass,
+                "centre": _numbers(body.inertia.centre),
+                "inertia": [_numbers(row) for row in body.inertia.about_centre],
+                "position": _numbers(body.pose.p),
+                "rotation_deg": _numbers(np.degrees(matrix_to_vector(body.pose.A))),
+                "interfaces": self._points[head],
+            }
+        if not tables["bodies"]:
+            raise InputError(
+                f"{robot.file}: no link moves; expected a joint that is not fixed, or --base free"
+            )
+        top: Tables = {"format": 1, "title": robot.name, "gravity": [0.0, 0.0, -9.81]}
+        if "inertia" in allow:
+            top["allow"] = ["inertia"]
+        whole = {
+            **top,
+            **{group: table for group, table in tables.items() if table},
+            "solver": {"t_end": 1.0, "output_step": 0.01},
+            "runs": {"base": {}},
+        }
+        return RobotCase(whole, named, self._names, self._notes)
+
+    def _name(self, what: str, name: str) -> str:
+        return self._names[f"{what} {name}"]
+
+    def _point(self, head: str, name: str, p: Array) -> str:
+        """Add a place to a body; return its name."""
+        points = self._points[head]
+        while name in points:
+            name += "_link"
+        points[name] = {"position": _numbers(p)}
+        return f"{self._name('link', head) if head else GROUND}.{name}"
+
+    def _joint(self, joint: UrdfJoint) -> None:
+        (one, pose), (two, _) = self._heads[joint.parent], self._heads[joint.child]
+        if one == two or joint.kind == "floating":
+            return
+        name = self._name("joint", joint.name)
+        places = [
+            self._point(one, name, (pose @ joint.pose).p),
+            self._point(two, name, np.zeros(3)),
+        ]
+        kind = "revolute" if joint.kind == "continuous" else joint.kind
+        table: Tables = {"kind": kind, "between": places}
+        self._tables["joints"][name] = table
+        if kind == "fixed":
+            return
+        axis = table["axis"] = _numbers(self._bodies[two].pose.A @ joint.axis)
+        if kind == "planar":
+            return
+        of = {"joint": name}
+        angle = {"kind": "joint", **of, "coordinate": "angle" if kind == "revolute" else "z"}
+        self._tables["signals"][f"{name}_q"] = angle
+        mimic = joint.mimic
+        if mimic is not None and self._robot.joints[mimic.joint].kind != "fixed":
+            self._couple(joint, mimic.joint, mimic.multiplier)
+        elif self._way == "hold" or mimic is not None:
+            self._hold(joint, table)
+        else:
+            self._free(joint, places, axis)
+
+    def _couple(self, joint: UrdfJoint, other: str, ratio: float) -> None:
+        name, own = self._name("joint", joint.name), self._name("joint", other)
+        slides = [k.kind == "prismatic" for k in (joint, self._robot.joints[other])]
+        if slides == [True, False]:
+            table = {"kind": "rack", "joints": [own, name], "radius": ratio}
+        elif slides == [False, True]:
+            table = {"kind": "rack", "joints": [name, own], "radius": 1.0 / ratio}
+        else:
+            kind = "slide_pair" if slides[0] else "gear_pair"
+            table = {"kind": kind, "joints": [name, own], "ratio": ratio}
+        self._tables["couplings"][f"{name}_mimic"] = table
+
+    def _hold(self, joint: UrdfJoint, table: Tables) -> None:
+        name = self._name("joint", joint.name)
+        table["drive"] = {"polynomial": [0.0]}
+        signal: Tables = {
+            "kind": "reaction",
+            "joint": name,
+            "quantity": "force" if joint.kind == "prismatic" else "moment",
+            "component": "z",
+            "axes": "joint",
+        }
+        self._tables["signals"][f"{name}_drive"] = signal
+        reduction = abs(self._robot.reductions.get(joint.name, 1.0))
+        if reduction not in (0.0, 1.0):
+            self._tables["signals"][f"{name}_motor"] = {
+                **signal,
+                "divide_by": reduction,
+                "description": f"torque of the motor, before its reduction of {reduction:g}",
+            }
+
+    def _free(self, joint: UrdfJoint, places: list[str], axis: list[float]) -> None:
+        """Add what acts in a joint that no drive holds."""
+        name, forces = self._name("joint", joint.name), self._tables["forces"]
+        if self._way == "torque":
+            if joint.kind == "prismatic":
+                self._notes.append(f"{joint.name}: no actuator: only rotations have one")
+            else:
+                forces[f"{name}_motor"] = {
+                    "kind": "rotary_spring",
+                    "between": places,
+                    "axis": axis,
+                    "actuator": {"polynomial": [0.0]},
+                }
+        if joint.friction > 0.0:
+            forces[f"{name}_friction"] = {
+                "kind": "friction",
+                "joint": name,
+                "coulomb": joint.friction,
+                "viscous": joint.damping,
+                "rest_velocity": REST,
+            }
+        elif joint.damping > 0.0:
+            forces[f"{name}_damping"] = {
+                "kind": "controller",
+                "joint": name,
+                "setpoint": "0",
+                "derivative": joint.damping,
+            }
+        if joint.lower is not None and joint.upper is not None and joint.lower < joint.upper:
+            if joint.effort > 0.0:
+                first = start(self._robot, joint)
+                forces[f"{name}_stop"] = {
+                    "kind": "limit_stop",
+                    "joint": name,
+                    "lower": joint.lower - first,
+                    "upper": joint.upper - first,
+                    "stiffness": joint.effort / STOP_DEPTH,
+                    "exponent": 1.0,
+                    "restitution": 0.5,
+                }
+            else:
+                self._notes.append(f"{joint.name}: no stops: its <limit> has no effort above 0")
+
+
+def _numbers(values: Array) -> list[float]:
+    """Return numbers without noise of rounding around zero."""
+    return [0.0 if abs(x) < 1e-15 else float(x) for x in values]

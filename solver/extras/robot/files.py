@@ -1,0 +1,105 @@
+"""A URDF file to the folder of a case: case.toml, and a surface of each body for pictures."""
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from ...errors import InputError, refuse
+from ...package.common.files import temporary_sibling, write_text
+from .case import Moved, RobotCase, robot_case
+from .pictures import body_surface, stl
+from .urdf import read_urdf
+
+HEAD = """\
+# {title}: made by `plymotion import {file}`. The pose is that of all joints at 0.
+# Keys, units and bounds: docs/case-reference.md; flexible links: docs/robots.md.
+"""
+REMARKS = {
+    "joints": "Positions and axes are global, in the pose above; a place has the name of its joint",
+    "forces": "URDF has no stiffness and restitution of stops: the effort of the joint pushes one "
+    "in by 0.01 rad or m. Friction is smoothed below 0.01 rad/s or m/s",
+    "couplings": "Joints that mimic others, from the pose above",
+}
+
+
+def import_robot(
+    file: Path,
+    out: Path,
+    *,
+    joints: Moved = "hold",
+    base: Literal["fixed", "free"] = "fixed",
+    keep_fixed: bool = False,
+    meshes: bool = True,
+    packages: Mapping[str, Path] | None = None,
+    allow: Collection[str] = (),
+) -> RobotCase:
+    """Write the case of a robot into a new folder; see `robot_case`.
+
+    Parameters
+    ----------
+    out : folder
+    meshes : with pictures of the links
+    packages : folders of ROS packages by name, before those above the file
+
+    Raises
+    ------
+    InputError
+        One line per mistake; nothing is written.
+    """
+    robot = read_urdf(file)
+    made = robot_case(robot, joints=joints, base=base, keep_fixed=keep_fixed, allow=allow)
+    pictures, found = dict[str, bytes](), list[str]()
+    for name, body in made.bodies.items() if meshes else ():
+        try:
+            triangles = body_surface(robot, body, packages or {})
+        except InputError as error:
+            found.append(str(error))
+            continue
+        if len(triangles) and name in made.tables["bodies"]:
+            pictures[f"meshes/{name}.stl"] = stl(triangles)
+            made.tables["bodies"][name]["picture"] = f"meshes/{name}.stl"
+    refuse(found)
+    target = out / "case.toml"
+    if target.exists():
+        raise InputError(f"{target}: is there already; expected another folder, by --out")
+    for name, content in pictures.items():
+        path = out / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with temporary_sibling(path, own=False) as temporary:
+            temporary.write_bytes(content)
+    title = str(made.tables["title"])
+    head = HEAD.format(title=title.replace("\n", " "), file=file.name)
+    notes = "".join(f"# {note}\n" for note in made.notes)
+    write_text(target, head + notes + toml_text(made.tables), own=False)
+    return made
+
+
+def toml_text(tables: Mapping[str, Any]) -> str:
+    """Return a case as TOML: named tables by headings, what is in them inline."""
+    lines = [f"{key} = {_value(v)}" for key, v in tables.items() if not isinstance(v, dict)]
+    for group, table in tables.items():
+        if not isinstance(table, dict):
+            continue
+        if group in REMARKS:
+            lines += ["", f"# {REMARKS[group]}."]
+        if not any(isinstance(v, dict) for v in table.values()):
+            lines += ["", f"[{group}]", *(f"{k} = {_value(v)}" for k, v in table.items())]
+            continue
+        for name, entry in table.items():
+            lines += ["", f"[{group}.{name}]", *(f"{k} = {_value(v)}" for k, v in entry.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        text = value.replace("\\", "\\\\").replace('"', '\\"')
+        return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text) + '"'
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        if not value:
+            return "{}"
+        return "{ " + ", ".join(f"{key} = {_value(v)}" for key, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(item) for item in value) + "]"
+    return repr(value)

@@ -1,0 +1,159 @@
+"""Surfaces of links for pictures: boxes, cylinders, spheres, mesh files; one STL for a body."""
+
+import re
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError, refuse
+from ...math.arrays import Array
+from ...results.surfaces import stl_triangles
+from .case import Body
+from .urdf import Robot, Shape
+
+MOST_TRIANGLES = 800  # of a body: a report draws each in every frame
+ROUND = 24  # sides of cylinders and spheres
+INSTALL = "pip install 'plymotion[robot]'"
+
+
+def body_surface(robot: Robot, body: Body, packages: Mapping[str, Path]) -> Array:
+    """Return the triangles (f, 3, 3) of the links of a body, in its axes [m].
+
+    Raises
+    ------
+    InputError
+        One line for each mesh that is missing or cannot be read.
+    """
+    parts, found = [np.zeros((0, 3, 3))], list[str]()
+    for name, pose in body.links.items():
+        for shape in robot.links[name].shapes:
+            try:
+                triangles = _triangles(shape, robot.file, packages)
+            except InputError as error:
+                found.append(f"{robot.file}:{shape.line}: <link {name}>, <{shape.kind}>: {error}")
+                continue
+            at = pose @ shape.pose
+            parts.append(triangles @ at.A.T + at.p)
+    refuse(found)
+    return fewer(np.concatenate(parts), MOST_TRIANGLES)
+
+
+def fewer(triangles: Array, most: int) -> Array:
+    """Return at most about `most` triangles (f, 3, 3): corners of a cell of a grid become one."""
+    cells = 64.0
+    whole = triangles
+    while len(triangles) > most and cells > 2.0:
+        corners = whole.reshape(-1, 3)
+        low, span = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
+        cell = np.floor((corners - low) / (span / cells)).astype(np.int64)
+        _, number = np.unique(cell, axis=0, return_inverse=True)
+        number = number.reshape(-1)
+        count = np.bincount(number)
+        mean = np.column_stack([np.bincount(number, corners[:, k]) / count for k in range(3)])
+        faces = number.reshape(-1, 3)
+        faces = faces[
+            (faces[:, 0] != faces[:, 1])
+            & (faces[:, 1] != faces[:, 2])
+            & (faces[:, 2] != faces[:, 0])
+        ]
+        _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+        triangles = mean[faces[np.sort(first)]]
+        cells *= 0.8
+    return triangles
+
+
+def _triangles(shape: Shape, file: Path, packages: Mapping[str, Path]) -> Array:
+    if shape.kind == "mesh":
+        return _mesh(mesh_file(shape.file, file, packages)) * np.array(shape.sizes)
+    if shape.kind == "box":
+        one = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float) - 0.5
+        sides = [np.roll(one, k, axis=1) for k in range(3)]
+        quads = np.array([*[side[::-1] for side in sides], *[-side for side in sides]])
+        return _halved(quads * np.array(shape.sizes))
+    radius = shape.sizes[0]
+    half = 0.5 * shape.sizes[1] if shape.kind == "cylinder" else 0.0
+    polar = np.linspace(0.0, np.pi, 2 if half else ROUND // 2 + 1)
+    if half:  # down one face, along the side, back on the other face
+        r, z = np.array([0.0, radius, radius, 0.0]), np.array([half, half, -half, -half])
+    else:
+        r, z = radius * np.sin(polar), radius * np.cos(polar)
+    around = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
+    rings = np.stack(
+        [np.outer(r, np.cos(around)), np.outer(r, np.sin(around)), np.outer(z, around * 0.0 + 1.0)],
+        axis=-1,
+    )
+    corners = (rings[:-1, :-1], rings[1:, :-1], rings[1:, 1:], rings[:-1, 1:])
+    return _halved(np.stack(corners, axis=2).reshape(-1, 4, 3))
+
+
+def _halved(quads: Array) -> Array:
+    """Return triangles of quadrilaterals (n, 4, 3)."""
+    return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+
+
+def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
+    """Return the path of a mesh: relative to the URDF, or in a ROS package.
+
+    A package is a folder of that name above or beside a folder above the URDF, or one of
+    `packages`.
+
+    Raises
+    ------
+    InputError
+        No such file.
+    """
+    found = re.fullmatch(r"(?:package|model)://([^/]+)/(.+)", name)
+    if found is None:
+        path = urdf.parent / re.sub(r"^file://", "", name)
+        if not path.is_file():
+            raise InputError(f'filename = "{name}": {path}: no such file')
+        return path
+    package, rest = found.groups()
+    if package in packages:
+        places = [packages[package]]
+    else:
+        above = urdf.resolve().parents
+        places = [p if p.name == package else p / package for p in above]
+    for place in places:
+        if (place / rest).is_file():
+            return place / rest
+    if package in packages:
+        raise InputError(f'filename = "{name}": {places[0] / rest}: no such file')
+    raise InputError(
+        f'filename = "{name}": no folder "{package}" with this file above {urdf.parent}; expected '
+        f"--package {package}=PATH, or --no-meshes"
+    )
+
+
+def _mesh(path: Path) -> Array:
+    """Return the triangles (f, 3, 3) of a mesh file."""
+    if path.suffix.lower() == ".stl":
+        return stl_triangles(path)
+    try:
+        trimesh = import_module("trimesh")
+    except ImportError:
+        raise InputError(
+            f"{path}: {path.suffix} needs trimesh; expected `{INSTALL}`, or --no-meshes"
+        ) from None
+    try:
+        found = trimesh.load(path, force="mesh")
+        return np.asarray(found.triangles, dtype=float)
+    except ImportError as error:
+        raise InputError(f"{path}: {error}; expected `{INSTALL}`, or --no-meshes") from None
+    except Exception as error:  # of many kinds, by the format
+        raise InputError(f"{path}: cannot be read: {error}") from None
+
+
+STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("none", "<u2")])
+
+
+def stl(triangles: Array) -> bytes:
+    """Return triangles (f, 3, 3) as a binary STL file."""
+    rows = np.zeros(len(triangles), dtype=STL)
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    normal = np.cross(b - a, c - a)
+    size = np.linalg.norm(normal, axis=1, keepdims=True)
+    rows["normal"], rows["corners"] = normal / np.maximum(size, 1e-300), triangles
+    return b"plymotion".ljust(80) + np.uint32(len(rows)).tobytes() + rows.tobytes()

@@ -1,0 +1,469 @@
+"""A URDF file as links and joints; each mistake is a line with file, line number and element.
+
+The reader is our own (docs/adr, "URDF by a reader of our own"): libraries drop what they do not
+know, or raise without a place in the file. Entities are refused, so that a file cannot grow.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+from xml.parsers import expat
+
+import numpy as np
+
+from ...errors import InputError, nearest, printable, refuse
+from ...math.arrays import Array
+from ...math.rotations import vector_to_matrix
+
+Thing = TypeVar("Thing")
+MOVING = ("revolute", "continuous", "prismatic", "planar", "floating")
+TYPES = (*MOVING, "fixed")
+MOST_BYTES = 50_000_000
+
+
+@dataclass
+class Element:
+    """An element of an XML file."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list["Element"] = field(default_factory=list)
+    text: str = ""
+
+    def all(self, tag: str) -> list["Element"]:
+        """Return its children of a tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def one(self, tag: str) -> "Element | None":
+        """Return its first child of a tag."""
+        return next(iter(self.all(tag)), None)
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A frame in another one: x_other = p + A x."""
+
+    p: Array  # (3,) [m]
+    A: Array  # (3, 3)
+
+    def __matmul__(self, inner: "Pose") -> "Pose":
+        return Pose(self.p + self.A @ inner.p, self.A @ inner.A)
+
+
+HERE = Pose(np.zeros(3), np.eye(3))
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A `visual` of a link: box, cylinder, sphere or mesh, in the frame of the link."""
+
+    pose: Pose
+    kind: str
+    sizes: tuple[float, ...]  # edges; radius, length; radius; factors of a mesh
+    file: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Mass [kg], centre (3,) [m] and inertia (3, 3) about the centre [kg m2], axes of the link."""
+
+    mass: float
+    centre: Array
+    about_centre: Array
+
+    def seen_from(self, pose: Pose) -> "Inertia":
+        """Return the same in the frame in which the link has this pose."""
+        turned = pose.A @ self.about_centre @ pose.A.T
+        return Inertia(self.mass, pose.p + pose.A @ self.centre, turned)
+
+    def plus(self, other: "Inertia") -> "Inertia":
+        """Return the inertia of both together."""
+        mass = self.mass + other.mass
+        if mass == 0.0:
+            return Inertia(0.0, self.centre, self.about_centre + other.about_centre)
+        centre = (self.mass * self.centre + other.mass * other.centre) / mass
+        whole = np.zeros((3, 3))
+        for part in (self, other):
+            d = part.centre - centre
+            whole += part.about_centre + part.mass * (d @ d * np.eye(3) - np.outer(d, d))
+        return Inertia(mass, centre, whole)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link."""
+
+    name: str
+    line: int
+    inertia: Inertia
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint follows another one: q = multiplier q_other + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint between two links; its frame is that of the child at q = 0."""
+
+    name: str
+    line: int
+    kind: str
+    parent: str
+    child: str
+    pose: Pose  # in the parent
+    axis: Array  # (3,) unit vector in the frame of the joint
+    lower: float | None
+    upper: float | None
+    effort: float
+    damping: float
+    friction: float
+    mimic: Mimic | None
+
+
+@dataclass(frozen=True)
+class Robot:
+    """Links and joints of a file, parents before children."""
+
+    file: Path
+    name: str
+    root: str
+    links: dict[str, Link]
+    joints: dict[str, UrdfJoint]
+    reductions: dict[str, float]  # of joints with a transmission
+
+
+def read_urdf(file: Path) -> Robot:
+    """Read and check a URDF file.
+
+    Raises
+    ------
+    InputError
+        One line per mistake: file and line, element, value, expectation.
+    """
+    root = _tree(file)
+    if root.tag != "robot":
+        hint = "; an SDF file is another format" if root.tag == "sdf" else ""
+        raise InputError(f"{file}:{root.line}: <{root.tag}>: expected <robot>, a URDF file{hint}")
+    return _Reader(file, root).robot()
+
+
+def _tree(file: Path) -> Element:
+    """Return the root of an XML file without entities of its own."""
+    data = file.read_bytes()
+    if len(data) > MOST_BYTES:
+        raise InputError(f"{file}: {len(data)} bytes: expected at most {MOST_BYTES}")
+    parser = expat.ParserCreate()
+    stack = [Element("", {}, 0)]
+
+    def begin(tag: str, attributes: dict[str, str]) -> None:
+        if len(stack) > 100:
+            raise InputError(f"{file}:{parser.CurrentLineNumber}: elements too deep for a URDF")
+        if tag.startswith("xacro:"):
+            raise InputError(
+                f"{file}:{parser.CurrentLineNumber}: <{tag}>: a xacro file; expected the URDF "
+                "that `xacro FILE` makes of it"
+            )
+        stack[-1].children.append(Element(tag, attributes, parser.CurrentLineNumber))
+        stack.append(stack[-1].children[-1])
+
+    def no_entities(*_: object) -> None:
+        raise InputError(
+            f"{file}:{parser.CurrentLineNumber}: <!ENTITY>: expected a file without entities"
+        )
+
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = lambda _: stack.pop()
+
+    def more(text: str) -> None:
+        stack[-1].text += text
+
+    parser.EntityDeclHandler = no_entities
+    parser.CharacterDataHandler = more
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        text = expat.ErrorString(error.code)
+        raise InputError(f"{file}:{error.lineno}: no XML: {text}") from None
+    return stack[0].children[0]
+
+
+class _Reader:
+    """Reads the elements of one file and collects what is wrong."""
+
+    def __init__(self, file: Path, root: Element) -> None:
+        self._file, self._root = file, root
+        self._found: list[str] = []
+
+    def robot(self) -> Robot:
+        links = self._named("link", self._link)
+        joints = self._named("joint", self._joint)
+        for joint in joints.values():
+            for end in (joint.parent, joint.child):
+                if end and end not in links:
+                    self._wrong(joint, f'link "{end}": no such link{nearest(end, links)}')
+            if joint.mimic is not None:
+                self._check_mimic(joint, joint.mimic, joints)
+        refuse(self._found)
+        root, ordered = self._ordered(links, joints)
+        name = self._root.attributes.get("name") or self._file.stem
+        return Robot(self._file, name, root, links, ordered, self._reductions(joints))
+
+    def _named(self, tag: str, read: Callable[[str, Element], Thing]) -> dict[str, Thing]:
+        found: dict[str, Thing] = {}
+        for element in self._root.all(tag):
+            name = element.attributes.get("name", "")
+            if not name or printable(name) != name:
+                self._found.append(f"{self._at(element)}: expected a name")
+            elif name in found:
+                self._found.append(f'{self._at(element)}: a second {tag} "{name}"')
+            else:
+                found[name] = read(name, element)
+        if tag == "link" and not found:
+            self._found.append(f"{self._at(self._root)}: no link; expected one or more")
+        return found
+
+    def _at(self, element: Element) -> str:
+        name = element.attributes.get("name")
+        return f"{self._file}:{element.line}: <{element.tag}{f' {name}' if name else ''}>"
+
+    def _wrong(self, joint: UrdfJoint, text: str) -> None:
+        self._found.append(f"{self._file}:{joint.line}: <joint {joint.name}>: {text}")
+
+    def _numbers(
+        self,
+        where: str,
+        element: Element,
+        key: str,
+        count: int,
+        default: "tuple[float, ...] | None",
+    ) -> Array:
+        """Return the numbers of an attribute; None: it is required."""
+        text = element.attributes.get(key)
+        if text is None and default is not None:
+            return np.array(default)
+        words = (text or "").split()
+        try:
+            values = [float(word) for word in words]
+        except ValueError:
+            values = []
+        if len(values) != count or not all(map(math.isfinite, values)):
+            shown = "missing" if text is None else f'"{printable(text)}"'
+            what = "a number" if count == 1 else f"{count} numbers"
+            self._found.append(
+                f"{self._file}:{element.line}: {where}, <{element.tag} {key}>: {shown}; "
+                f"expected {what}"
+            )
+            return np.array(default if default is not None else (1.0,) * count)
+        return np.array(values)
+
+    def _number(self, where: str, element: "Element | None", key: str, default: float) -> float:
+        if element is None:
+            return default
+        return float(self._numbers(where, element, key, 1, (default,))[0])
+
+    def _pose(self, where: str, element: Element) -> Pose:
+        origin = element.one("origin")
+        if origin is None:
+            return HERE
+        p = self._numbers(where, origin, "xyz", 3, (0.0,) * 3)
+        roll, pitch, yaw = self._numbers(where, origin, "rpy", 3, (0.0,) * 3)
+        x, y, z = np.eye(3)
+        return Pose(p, about(z, yaw) @ about(y, pitch) @ about(x, roll))
+
+    def _link(self, name: str, element: Element) -> Link:
+        where = f"link {name}"
+        shapes = tuple(s for e in element.all("visual") for s in self._shape(where, e))
+        return Link(name, element.line, self._inertia(where, element), shapes)
+
+    def _inertia(self, where: str, element: Element) -> Inertia:
+        inertial = element.one("inertial")
+        if inertial is None:
+            return Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
+        pose = self._pose(where, inertial)
+        of_mass, moments = inertial.one("mass"), inertial.one("inertia")
+        mass, values = 0.0, np.zeros(6)
+        if of_mass is None:
+            self._found.append(f"{self._at(inertial)} of {where}: no <mass>; expected one [kg]")
+        else:
+            mass = float(self._numbers(where, of_mass, "value", 1, None)[0])
+            if mass < 0.0:
+                self._found.append(
+                    f"{self._file}:{of_mass.line}: {where}, <mass value>: {mass:g}; expected 0 or "
+                    "above [kg]"
+                )
+        if moments is not None:
+            for k, key in enumerate(("ixx", "iyy", "izz", "ixy", "ixz", "iyz")):
+                default = None if k < 3 else (0.0,)
+                values[k] = self._numbers(where, moments, key, 1, default)[0]
+        xx, yy, zz, xy, xz, yz = values
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return Inertia(mass, pose.p, pose.A @ matrix @ pose.A.T)
+
+    def _shape(self, where: str, visual: Element) -> Iterator[Shape]:
+        geometry = visual.one("geometry")
+        if geometry is None:
+            return
+        pose = self._pose(where, visual)
+        for child in geometry.children:
+            sizes: Array = np.zeros(0)
+            if child.tag == "box":
+                sizes = self._numbers(where, child, "size", 3, None)
+            elif child.tag == "cylinder":
+                keys = ("radius", "length")
+                sizes = np.array([self._numbers(where, child, k, 1, None)[0] for k in keys])
+            elif child.tag == "sphere":
+                sizes = self._numbers(where, child, "radius", 1, None)
+            elif child.tag == "mesh":
+                sizes = self._numbers(where, child, "scale", 3, (1.0,) * 3)
+                if not child.attributes.get("filename"):
+                    self._found.append(f"{self._at(child)} of {where}: expected a filename")
+            else:
+                continue
+            file = child.attributes.get("filename", "")
+            yield Shape(pose, child.tag, tuple(sizes.tolist()), file, child.line)
+
+    def _joint(self, name: str, element: Element) -> UrdfJoint:
+        where, kind = f"joint {name}", element.attributes.get("type", "")
+        if kind not in TYPES:
+            self._found.append(
+                f'{self._at(element)}: type = "{printable(kind)}"; expected one of '
+                f"{', '.join(TYPES)}{nearest(kind, TYPES)}"
+            )
+        ends = []
+        for tag in ("parent", "child"):
+            end = element.one(tag)
+            ends.append(end.attributes.get("link", "") if end is not None else "")
+            if not ends[-1]:
+                self._found.append(f'{self._at(element)}: expected <{tag} link="...">')
+        if ends[0] and ends[0] == ends[1]:
+            self._found.append(f'{self._at(element)}: expected two links, found "{ends[0]}" twice')
+        given, axis = element.one("axis"), np.array([1.0, 0.0, 0.0])
+        if given is not None:
+            axis = self._numbers(where, given, "xyz", 3, (1.0, 0.0, 0.0))
+        length = float(np.linalg.norm(axis))
+        if length == 0.0 and kind not in ("fixed", "floating"):
+            line = given.line if given is not None else element.line
+            self._found.append(
+                f"{self._file}:{line}: {where}, <axis xyz>: expected a vector of non-zero length"
+            )
+        limit, dynamics = element.one("limit"), element.one("dynamics")
+        lower = upper = None
+        if limit is not None and kind in ("revolute", "prismatic"):
+            lower = self._number(where, limit, "lower", 0.0)
+            upper = self._number(where, limit, "upper", 0.0)
+            if lower > upper:
+                self._found.append(
+                    f"{self._file}:{limit.line}: {where}, <limit>: lower = {lower:g}; expected at "
+                    f"most upper = {upper:g}"
+                )
+        mimic = element.one("mimic")
+        values = [self._number(where, dynamics, key, 0.0) for key in ("damping", "friction")]
+        if min(values) < 0.0:
+            self._found.append(f"{self._at(element)}, <dynamics>: expected values of 0 or above")
+        follows = None
+        if mimic is not None:
+            follows = Mimic(
+                mimic.attributes.get("joint", ""),
+                self._number(where, mimic, "multiplier", 1.0),
+                self._number(where, mimic, "offset", 0.0),
+            )
+        return UrdfJoint(
+            name=name,
+            line=element.line,
+            kind=kind,
+            parent=ends[0],
+            child=ends[1],
+            pose=self._pose(where, element),
+            axis=axis / (length or 1.0),
+            lower=lower,
+            upper=upper,
+            effort=max(self._number(where, limit, "effort", 0.0), 0.0),
+            damping=values[0],
+            friction=values[1],
+            mimic=follows,
+        )
+
+    def _check_mimic(self, joint: UrdfJoint, mimic: Mimic, joints: dict[str, UrdfJoint]) -> None:
+        where = f'<mimic joint="{mimic.joint}">'
+        one_way = ("revolute", "continuous", "prismatic")
+        if mimic.joint == joint.name:
+            self._wrong(joint, f"{where}: expected another joint")
+        elif mimic.joint not in joints:
+            self._wrong(joint, f"{where}: no such joint{nearest(mimic.joint, joints)}")
+        elif {joint.kind, joints[mimic.joint].kind} - {*one_way, "fixed"}:
+            self._wrong(joint, f"{where}: expected {', '.join(one_way)} joints on both sides")
+        elif mimic.multiplier == 0.0:
+            self._wrong(joint, f"{where}: multiplier = 0; expected another number, or type fixed")
+        else:
+            seen = {joint.name}
+            while (of := joints[mimic.joint].mimic) is not None and of.joint in joints:
+                if mimic.joint in seen:
+                    self._wrong(joint, f"{where}: joints that mimic each other in a circle")
+                    break
+                seen.add(mimic.joint)
+                mimic = of
+
+    def _ordered(
+        self, links: dict[str, Link], joints: dict[str, UrdfJoint]
+    ) -> tuple[str, dict[str, UrdfJoint]]:
+        """Return the root link and the joints, parents before children."""
+        above: dict[str, UrdfJoint] = {}
+        for joint in joints.values():
+            if joint.child in above:
+                other = above[joint.child].name
+                self._wrong(
+                    joint,
+                    f'link "{joint.child}" is the child of joint "{other}" too, which closes a '
+                    "loop; expected a tree: each link is the child of one joint at most",
+                )
+            above[joint.child] = joint
+        refuse(self._found)
+        roots = [name for name in links if name not in above]
+        if len(roots) != 1:
+            found = ", ".join(roots) or "none: the joints form a circle"
+            line = links[roots[1]].line if roots else next(iter(joints.values())).line
+            raise InputError(
+                f"{self._file}:{line}: links without a parent: {found}; expected one root"
+            )
+        below: dict[str, list[UrdfJoint]] = {}
+        for joint in joints.values():
+            below.setdefault(joint.parent, []).append(joint)
+        ordered, waiting = dict[str, UrdfJoint](), [roots[0]]
+        while waiting:
+            for joint in below.get(waiting.pop(), []):
+                ordered[joint.name] = joint
+                waiting.append(joint.child)
+        for joint in joints.values():
+            if joint.name not in ordered:
+                self._wrong(joint, "a circle of joints; expected a tree from the root link")
+        refuse(self._found)
+        return roots[0], ordered
+
+    def _reductions(self, joints: dict[str, UrdfJoint]) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for transmission in self._root.all("transmission"):
+            holders = [transmission, *transmission.all("joint"), *transmission.all("actuator")]
+            names = [j.attributes.get("name", "") for j in transmission.all("joint")]
+            own = (e for holder in holders for e in holder.all("mechanicalReduction"))
+            text = next((e.text or e.attributes.get("value", "") for e in own), "")
+            for name in names:
+                if name in joints and re.fullmatch(r"\s*-?[0-9.eE+-]+\s*", text):
+                    found[name] = float(text)
+        return found
+
+
+def about(axis: Array, angle: float) -> Array:
+    """Return the rotation (3, 3) by an angle [rad] about a unit vector (3,)."""
+    return vector_to_matrix(angle * np.asarray(axis))

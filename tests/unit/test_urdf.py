@@ -1,0 +1,187 @@
+"""`plymotion import ROBOT.urdf`: the case that it makes, and what it says of broken files."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import plymotion as pm
+from plymotion.solver.__main__ import main
+from plymotion.solver.extras.robot.pictures import fewer
+from plymotion.solver.results.surfaces import stl_triangles
+
+ROBOTS = Path(__file__).parents[1] / "samples/robots"
+ARM = (ROBOTS / "arm.urdf").read_text()
+
+
+def volume(triangles: np.ndarray) -> float:
+    """Return the volume that a closed surface encloses, outward triangles."""
+    return float(np.linalg.det(triangles).sum() / 6.0)
+
+
+def test_a_robot_becomes_a_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Bodies with the axes of links, joints, torque behind the reduction, pictures."""
+    out = tmp_path / "arm"
+    assert main(["import", str(ROBOTS / "arm.urdf"), "--out", str(out)]) == 0
+    assert "3 bodies, 3 joints" in capsys.readouterr().out
+    case = pm.load(out)
+    assert list(case.bodies) == ["upper_arm", "slider", "wrist"]
+    assert case.bodies.wrist.mass == pytest.approx(0.55)
+    assert set(case.bodies.wrist.interfaces) == {"wrist", "tool", "tip"}
+    assert case.signals.shoulder_motor.divide_by == 100.0
+    # the box keeps its volume and centre, the cylinder and sphere those of their polygons
+    box = stl_triangles(out / "meshes/upper_arm.stl")
+    assert volume(box) == pytest.approx(0.4 * 0.06 * 0.05, rel=1e-6)
+    assert np.allclose(box.reshape(-1, 3).min(axis=0), [0.0, -0.03, -0.025], atol=1e-7)
+    polygon = 0.5 * 24 * np.sin(2 * np.pi / 24) * 0.03**2
+    assert volume(stl_triangles(out / "meshes/wrist.stl")) == pytest.approx(polygon * 0.1, rel=1e-5)
+    ball = volume(stl_triangles(out / "meshes/slider.stl"))
+    assert ball == pytest.approx(4.0 / 3.0 * np.pi * 0.05**3, rel=0.03)
+    assert main(["import", str(ROBOTS / "arm.urdf"), "--out", str(out)]) == 2
+    assert "is there already" in capsys.readouterr().err
+
+
+def test_what_acts_in_free_joints(tmp_path: Path) -> None:
+    """Actuators, friction, damping and stops of joints that no drive holds."""
+    out = tmp_path / "arm"
+    words = ["import", str(ROBOTS / "arm.urdf"), "--out", str(out), "--joints", "torque"]
+    assert main(words) == 0
+    forces = pm.load(out).forces
+    assert forces.shoulder_friction == {
+        "kind": "friction",
+        "joint": "shoulder",
+        "coulomb": 0.2,
+        "viscous": 0.4,
+        "rest_velocity": 0.01,
+    }
+    assert (forces.shoulder_stop.lower, forces.shoulder_stop.upper) == (-1.5, 2.0)
+    assert forces.shoulder_stop.stiffness == pytest.approx(60.0 / 0.01)
+    assert forces.slide_damping.derivative == 3.0
+    assert forces.shoulder_motor.actuator == {"polynomial": [0.0]}
+
+
+def test_joints_that_mimic_others(tmp_path: Path) -> None:
+    """Displacements and rotations follow the jaw, from their offsets, in a run."""
+    out = tmp_path / "gripper"
+    words = ["import", str(ROBOTS / "gripper.urdf"), "--out", str(out), "--no-meshes"]
+    assert main(words) == 0
+    case = pm.load(out)
+    assert list(case.couplings) == ["jaw_2_mimic", "thumb_mimic"]
+    case.joints.jaw_1.drive = {"polynomial": [0.0, 0.1]}
+    case.joints["drive"] = {
+        "kind": "fixed",
+        "between": ["ground.drive", "cart.drive"],
+    }
+    case.solver.t_end = 0.2
+    found = pm.run(case, out=str(tmp_path / "build")).signals
+    assert found["jaw_1_q"].final == pytest.approx(0.02, abs=1e-9)
+    assert found["jaw_2_q"].final == pytest.approx(-0.02, abs=1e-7)
+    assert found["thumb_q"].final == pytest.approx(0.16, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            'type="prismatic"',
+            'type="prismatik"',
+            r':48: <joint slide>: type = "prismatik"; expected',
+        ),
+        (
+            'name="slide" type',
+            'name="shoulder" type',
+            r':48: <joint shoulder>: a second joint "shoulder"',
+        ),
+        (
+            '<child link="wrist"/>',
+            '<child link="wrst"/>',
+            r'link "wrst": no such link; did you mean',
+        ),
+        (
+            '<parent link="slider"/>',
+            '<parent link="tip"/>',
+            r"links without a parent: base, slider; expected one root|circle",
+        ),
+        (
+            '<parent link="tool"/><child link="tip"/>',
+            '<parent link="tool"/><child link="slider"/>',
+            r'link "slider" is the child of joint "slide" too, which closes a loop',
+        ),
+        (
+            '<mass value="0.8"/>',
+            '<mass value="0"/>',
+            r"<link slider>: moves without mass; expected",
+        ),
+        ('<mass value="0.8"/>', '<mass value="800"/>', r"<link slider>: radius of gyration .*kg"),
+        (
+            '<mass value="0.8"/>',
+            '<mass value="a lot"/>',
+            r'<mass value>: "a lot"; expected a number',
+        ),
+        ('<mass value="0.8"/>', "", r"of link slider: no <mass>; expected one"),
+        ('izz="0.0025"', 'izz="0.02"', r"<link slider>: no solid has principal moments"),
+        (
+            'ixx="0.002" iyy="0.003"',
+            'ixx="0" iyy="0"',
+            r"<link slider>: principal moments 0, .*expected all above 0",
+        ),
+        ('xyz="1 0 1"', 'xyz="0 0 0"', r"joint slide, <axis xyz>: expected a vector of non-zero"),
+        ('lower="-1.5"', 'lower="2.5"', r"joint shoulder, <limit>: lower = 2.5; expected at most"),
+        ('name="tool"', 'name="wri/st"', r"no such link"),
+        ('<link name="tip"/>', '<link name="tip"/><link name="x"/>', r"without a parent: base, x;"),
+        ("</robot>", "", r"no XML: no element found"),
+        ("<robot", "<sdf><robot", r"no XML"),
+        (
+            '<box size="0.4 0.06 0.05"/>',
+            '<mesh filename="no.stl"/>',
+            r"<mesh>: .*no.stl: no such file",
+        ),
+        (
+            '<box size="0.4 0.06 0.05"/>',
+            '<mesh filename="package://arm_data/no.stl"/>',
+            r'no folder "arm_data" with this file .* expected --package arm_data=PATH',
+        ),
+    ],
+)
+def test_broken_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, message: str
+) -> None:
+    """File, line, element and what was expected; exit code 2; nothing is written."""
+    assert old in ARM
+    file = tmp_path / "broken.urdf"
+    file.write_text(ARM.replace(old, new, 1))
+    out = tmp_path / "case"
+    assert main(["import", str(file), "--out", str(out)]) == 2
+    text = capsys.readouterr().err
+    assert text.startswith(f"error: {file}:"), text
+    assert re.search(message, text), text
+    assert not out.exists()
+
+
+def test_names_that_clash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two links that have one name in the case."""
+    file = tmp_path / "clash.urdf"
+    file.write_text(ARM.replace("upper arm", "a b").replace('"slider"', '"a.b"'))
+    assert main(["import", str(file), "--out", str(tmp_path / "case")]) == 2
+    text = capsys.readouterr().err
+    assert re.search(r'<link a\.b>: the same name in the case, "a_b", as link "a b"', text), text
+
+
+def test_entities_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file cannot grow by its own entities."""
+    file = tmp_path / "bomb.urdf"
+    file.write_text('<!DOCTYPE r [<!ENTITY a "aaaa">]><robot name="&a;"><link name="l"/></robot>')
+    assert main(["import", str(file), "--out", str(tmp_path / "case")]) == 2
+    assert "expected a file without entities" in capsys.readouterr().err
+
+
+def test_meshes_are_thinned() -> None:
+    """A fine sphere keeps its size with at most the wanted triangles."""
+    u, v = np.meshgrid(np.linspace(0, np.pi, 80), np.linspace(0, 2 * np.pi, 160))
+    p = np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)], axis=-1)
+    one = np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:]], axis=2).reshape(-1, 3, 3)
+    two = np.stack([p[:-1, :-1], p[1:, 1:], p[:-1, 1:]], axis=2).reshape(-1, 3, 3)
+    found = fewer(np.concatenate([one, two]), 800)
+    assert 100 < len(found) <= 800
+    assert abs(volume(found)) == pytest.approx(4.0 / 3.0 * np.pi, rel=0.1)
