@@ -6,11 +6,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...solver.errors import coded
+from ...solver.package.common.design import Derivative
 from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
+from .derivatives import Recovered, derivatives
 from .estimate import error_of_edges, worst_cells
 from .guards import (
     REVERSAL,
@@ -26,12 +29,27 @@ from .guards import (
     taper_error,
 )
 from .helical import CentralSolutions, TwistedStrains
+from .parameters import Targets, parameters, rates
 from .problem import LAST_DIGITS, SectionProblem, Solved, compared, resolved, section_problem, solve
-from .recovery import mesh_data, nodal_displacements, section_recovery, unit_strains, unit_warping
+from .recovery import (
+    end_compliance,
+    mesh_data,
+    nodal_displacements,
+    section_recovery,
+    unit_strains,
+    unit_warping,
+)
 from .space.cells import refined
 from .space.layers import layup
 from .spec import check_spec, curvature_of, degree_of
-from .timoshenko import mass_centre, mass_matrix, scaled, shear_centre, tension_centre
+from .timoshenko import (
+    SectionStiffness,
+    mass_centre,
+    mass_matrix,
+    scaled,
+    shear_centre,
+    tension_centre,
+)
 from .verification import verified
 
 MOST_STEPS = 25  # of refinement
@@ -48,6 +66,7 @@ def analyse(
     accuracy: float | None = None,
     recovery_degree: int | None = None,
     verify: bool = False,
+    design: Mapping[str, Targets] | None = None,
     team: fenicsx.Team = fenicsx.ALONE,
     progress: Progress | None = None,
 ) -> SectionFile:
@@ -64,6 +83,7 @@ def analyse(
     recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
         instead of all integration points
     verify : compute K by a second method as well (verification.py)
+    design : parameters by whose change everything is differentiated, see `parameters`
     team : processes that all call this with the same arguments and share the matrices, unless the
         beam is twisted or curved; each gets the whole result
     progress : called with one line at the beginning of each step
@@ -79,8 +99,10 @@ def analyse(
     begin = progress or (lambda _line: None)
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
-    if curvature_of(spec) is not None:
+    asked = parameters(spec, design or {}, where)
+    if curvature_of(spec) is not None or asked:
         team = fenicsx.ALONE  # each process solves the whole section
+    divided: list[NDArray[np.bool_]] = []
     problem = section_problem(spec["mesh"], where, degree_of(spec), team)
     edges = 0.0
     while True:
@@ -150,7 +172,8 @@ def analyse(
             )
             break
         assert solved.indicator is not None
-        cells = refined(problem.mesh.cells, worst_cells(solved.indicator))
+        divided.append(worst_cells(solved.indicator))
+        cells = refined(problem.mesh.cells, divided[-1])
         cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
         if cost > MOST_DOFS or len(steps) > MOST_STEPS:
             warnings += coded(
@@ -189,7 +212,18 @@ def analyse(
         diagonal = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))
         doubts = [*described_doubts(spec), *section_doubts(diagonal, float(M[0, 0]))]
         warnings += [doubt.warning for doubt in not_allowed(spec, doubts)]
-    of_ends = problem.end_compliance(result, lay.stiffness)
+    strain = unit_strains(points, result)
+    factorised = problem.factorised(result, lay.stiffness)
+    of_ends = None
+    if isinstance(result, SectionStiffness) and factorised is not None:
+        of_ends = end_compliance(result, factorised, lay.stiffness[problem.space.own])
+    of_design: tuple[Derivative, ...] = ()
+    if asked:
+        begin("derivatives")
+        at = Recovered(points, lay_points, strain)
+        mesh, space = problem.mesh, problem.space
+        by = [rates(parameter, mesh, space, lay, divided) for parameter in asked]
+        of_design = derivatives(result, factorised, by, at)
     seconds = time.perf_counter() - start
     return SectionFile(
         name=str(spec.get("name", "section")),
@@ -206,10 +240,11 @@ def analyse(
         recovery=section_recovery(
             points,
             lay_points,
-            points.team.stacked(unit_strains(points, result)),
+            points.team.stacked(strain),
             dict(spec["materials"]),
         ),
         warnings=tuple(warnings),
+        design=of_design,
         provenance={
             "spec": dict(spec),
             "dofs": problem.space.n_dof,

@@ -4,6 +4,7 @@ Of a displacement w of the section and a beam strain e they are G_k w + G_l (w' 
 space/strains.py. DOLFINx evaluates G_k at the points, as the 6x9 matrix S of (w, w,2, w,3).
 """
 
+import copy
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from scipy.linalg import null_space
 from scipy.sparse.linalg import LinearOperator, gmres
 from ufl import SpatialCoordinate
 
-from ...solver.math.arrays import REGULAR, Array, is_positive_definite
+from ...solver.math.arrays import REGULAR, Array, IntArray, is_positive_definite
 from ...solver.math.rotations import skew
 from .. import fenicsx
 from .space.numbering import Restriction
@@ -53,6 +54,12 @@ class TwistedStrains:
     def Z(self) -> Array:
         """Rigid motions (n_dof, 6) whose change along the beam is a unit beam strain."""
         return motions_of_beam(self.space)
+
+    def of_some(self, cells: IntArray) -> "TwistedStrains":
+        """The operators of the points of some cells only."""
+        other = copy.copy(self)
+        other.space, other.g, other.S = self.space.of_some(cells), self.g[cells], self.S[cells]
+        return other
 
     def strain_in_section(self, W: Array) -> Array:
         """G_k W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""

@@ -22,7 +22,7 @@ from .estimate import (
     singular_error,
 )
 from .helical import CentralSolutions, central_solutions
-from .recovery import Result, end_compliance
+from .recovery import Result
 from .space.cells import turned
 from .space.layers import Layup, layup
 from .space.mesh import SectionMesh, section_mesh
@@ -138,14 +138,13 @@ class SectionProblem:
         self._by_waves_for = coarser._by_waves_for
         return self
 
-    def end_compliance(self, result: Result, C: Array) -> Array | None:
-        """See `end_effects`; None of twisted and curved beams. `C` is that of `result`."""
+    def factorised(self, result: Result, C: Array) -> WarpingSolver | None:
+        """The solver of a result with its factors; None of twisted and curved beams."""
         if isinstance(result, CentralSolutions):
             return None
         solver = self.solver_of(result.space)
-        C = C[self.space.own]
-        solver.factorise(result.space.E(C))  # another material may have been solved since
-        return end_compliance(result, solver, C)
+        solver.factorise(result.space.E(C[self.space.own]))  # another material may be in it
+        return solver
 
     def _solve(self, C: Array, k: Array | None, doubtful: bool) -> Result:
         """The stiffness, by the unknowns that the condition requires."""

@@ -108,14 +108,9 @@ def mesh_data(mesh: SectionMesh, space: SectionSpace, lay: Layup) -> SectionMesh
     """The mesh with region, ply and directions of every cell."""
     cells = mesh.cells
     c = cells.n_cell
-    points, tables, types = _numbered(cells)
+    points, tables, types = numbered(cells)
     connectivity = [table[table >= 0] for table in tables]
-    # the integration point nearest to the centre represents the cell
-    areas = space.weights[..., None]
-    centre = (areas * space.points).sum(axis=1, keepdims=True) / areas.sum(axis=1, keepdims=True)
-    away = np.linalg.norm(space.points - centre, axis=-1)
-    middle = np.argmin(np.where(space.weights > 0.0, away, np.inf), axis=1)
-    every = np.arange(c)
+    every, middle = np.arange(c), middles(space)
     A_BM = lay.A_BM[every, middle if lay.A_BM.shape[1] > 1 else 0]
     return SectionMeshData(
         nodes=points,
@@ -130,9 +125,17 @@ def mesh_data(mesh: SectionMesh, space: SectionSpace, lay: Layup) -> SectionMesh
     )
 
 
+def middles(space: SectionSpace) -> IntArray:
+    """The point of each cell that represents it: the nearest to its centre, (c,)."""
+    areas = space.weights[..., None]
+    centre = (areas * space.points).sum(axis=1, keepdims=True) / areas.sum(axis=1, keepdims=True)
+    away = np.linalg.norm(space.points - centre, axis=-1)
+    return np.asarray(np.argmin(np.where(space.weights > 0.0, away, np.inf), axis=1))
+
+
 def nodal_displacements(space: SectionSpace, W: Array) -> Array:
     """Displacement columns (n_dof, m) at the nodes of `mesh_data`, (m, n, 3)."""
-    points, tables, _ = _numbered(space.mesh)
+    points, tables, _ = numbered(space.mesh)
     out = np.zeros((len(points), 3, W.shape[1]))
     for (kind, rows), values in zip(
         space.mesh.of_kinds, space.at_corners_and_middles(W), strict=True
@@ -142,7 +145,7 @@ def nodal_displacements(space: SectionSpace, W: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(out, 2, 0))
 
 
-def _numbered(mesh: CellMesh) -> tuple[Array, IntArray, IntArray]:
+def numbered(mesh: CellMesh) -> tuple[Array, IntArray, IntArray]:
     """Positions of the nodes in use, nodes of each cell (c, 9) with -1 for none, VTK's types."""
     used, compact = np.unique(mesh.nodes, return_inverse=True)
     absent = int(used[0] < 0)

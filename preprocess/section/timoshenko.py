@@ -222,7 +222,7 @@ def mass_matrix(space: SectionSpace, density: Array) -> Array:
     [kg/m, kg, kg m].
     """
     x2, x3 = np.moveaxis(space.points, -1, 0)
-    rigid = np.zeros((*x2.shape, 3, 6))  # velocity of a point
+    rigid = np.zeros((*x2.shape, 3, 6), dtype=np.result_type(x2, density))  # velocity of a point
     rigid[..., [0, 1, 2], [0, 1, 2]] = 1.0
     rigid[..., 0, 4], rigid[..., 0, 5] = x3, -x2
     rigid[..., 1, 3], rigid[..., 2, 3] = -x3, x2

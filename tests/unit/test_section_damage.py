@@ -146,7 +146,7 @@ def test_newer_versions(file: Path) -> None:
         h5.attrs["format_version"] = [1, 3]
         h5["section"].create_dataset("novelty", data=[1.0])
         del h5.attrs["content_sha256"]
-    with pytest.warns(UserWarning, match=r"format 1\.3 is newer than 1\.1"):
+    with pytest.warns(UserWarning, match=r"format 1\.3 is newer than 1\.2"):
         assert same(rectangle(), read_section(file))
 
 

@@ -87,13 +87,7 @@ class Layup:
     def A_BM(self) -> Array:
         """Ply axes in section axes, (c, 1, 3, 3) or (c, q, 3, 3): v_B = A_BM v_M."""
         y2, ply = (self.y2[:, :1], self.ply[:, :1]) if self.uniform else (self.y2, self.ply)
-        angle = np.radians([p.angle_deg for p in self.plies])[ply]
-        cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
-        A = np.zeros((*ply.shape, 3, 3))
-        A[..., 0, :1], A[..., 0, 1:2] = cos, -sin
-        A[..., 1:, 0], A[..., 1:, 1] = sin * y2, cos * y2
-        A[..., 1, 2], A[..., 2, 2] = -y2[..., 1], y2[..., 0]
-        return A
+        return ply_axes(np.radians([p.angle_deg for p in self.plies])[ply], y2)
 
     def reversed_there(self) -> "Layup":
         """The plies with the other sense of the layer direction in the cells `reversing`."""
@@ -115,6 +109,19 @@ class Layup:
     def density(self) -> Array:
         """(c, q) [kg/m3]."""
         return np.array([material.rho for material in self.materials])[self.ply]
+
+
+def ply_axes(angle: Any, y2: Any) -> Array:
+    """Axes (..., 3, 3) of plies at an angle (...) [rad] from x1 towards the directions y2 (..., 2).
+
+    Also of complex numbers, whose imaginary parts are derivatives.
+    """
+    cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
+    A = np.zeros((*angle.shape, 3, 3), dtype=np.result_type(angle, y2))
+    A[..., 0, :1], A[..., 0, 1:2] = cos, -sin
+    A[..., 1:, 0], A[..., 1:, 1] = sin * y2, cos * y2
+    A[..., 1, 2], A[..., 2, 2] = -y2[..., 1], y2[..., 0]
+    return A
 
 
 def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where: str) -> Layup:

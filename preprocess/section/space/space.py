@@ -54,7 +54,8 @@ class SectionSpace:
         quadrature_degree: int | None = None,
         team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
-        self.mesh, self.team, self.own = mesh, team, team.share(mesh.n_cell)
+        self.mesh, self.team = mesh, team
+        self.own: slice | IntArray = team.share(mesh.n_cell)
         self._given, self.degree = degree, mesh.degree if degree is None else degree
         # curved cells need two degrees more than straight ones; with the functions of the nodes,
         # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
@@ -144,6 +145,17 @@ class SectionSpace:
         other = SectionSpace(self.mesh, self._given, quadrature_degree, self.team)
         return other if self.over is None else other.expressed(self.over)
 
+    def of_some(self, cells: IntArray) -> "SectionSpace":
+        """The same unknowns with the points of some of the own cells only."""
+        other = copy.copy(self)
+        for name in ("pattern", "weighted_gradients", "_products"):
+            other.__dict__.pop(name, None)
+        other.own = np.arange(self.mesh.n_cell)[self.own][cells]
+        other.gradients = self.gradients[cells]
+        other.values = self.values if self.values.ndim == 2 else self.values[cells]
+        other._finish()
+        return other
+
     @property
     def n_cell(self) -> int:
         """Number of cells."""
@@ -221,7 +233,8 @@ class SectionSpace:
 
     def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
         """Unknowns of fields (w1, w2, w3), each a number or (n_node,), as columns."""
-        out = np.zeros((self.x2.size, 3, len(fields)))
+        kind = np.result_type(float, *(c for field in fields for c in field))
+        out = np.zeros((self.x2.size, 3, len(fields)), dtype=kind)
         for column, components in enumerate(fields):
             for i, component in enumerate(components):
                 out[:, i, column] = component

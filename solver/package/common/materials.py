@@ -145,7 +145,7 @@ def bond(A_BM: Array) -> Array:
     """
     A_BM = np.asarray(A_BM)
     pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-    T = np.empty((*A_BM.shape[:-2], 6, 6))
+    T = np.empty((*A_BM.shape[:-2], 6, 6), dtype=np.result_type(A_BM, float))
     for row, (i, j) in enumerate(pairs):
         for column, (k, m) in enumerate(pairs):
             T[..., row, column] = A_BM[..., i, k] * A_BM[..., j, m]

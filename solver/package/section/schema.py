@@ -18,7 +18,7 @@ from ..common.dataset import Data, Part, Reported, Rows
 from ..common.design import Derivative
 
 SECTION_FORMAT = "plymotion section"
-SECTION_FORMAT_VERSION = (1, 1)
+SECTION_FORMAT_VERSION = (1, 2)
 
 RESULTANTS = ("F1", "F2", "F3", "M1", "M2", "M3")
 STRESSES = ("11", "22", "33", "23", "13", "12")

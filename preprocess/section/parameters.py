@@ -1,0 +1,311 @@
+"""Parameters of a section's description: what their change brings about at the points.
+
+A parameter moves some numbers of the specification, its targets, each by a factor. Angles and
+constants of materials leave the mesh alone. Sizes move its nodes: the mesh is made anew for
+neighbouring values, with the same cells, and the velocity of a node is a difference quotient.
+"""
+
+import copy
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.errors import few
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common.materials import elastic_from_dict, rotated
+from .space.cells import CellMesh, refined
+from .space.layers import ALL, Layup, layup, ply_axes
+from .space.mesh import SectionMesh, section_mesh
+from .space.space import SectionSpace
+from .spec import SectionError
+
+Targets = Sequence[Mapping[str, Any]]  # {"of": path, "factor": number}
+Key = str | int
+Marked = NDArray[np.bool_]
+
+ALLOWED = {  # by the kind of a parameter that has such a target
+    "angle": r"regions\.[^.]+\.plies\.\d+\.angle_deg",
+    "thickness": r"regions\.[^.]+\.plies\.\d+\.thickness",
+    "number": r"materials\.[^.]+\.(E\w*|G\w+|nu\w*|rho|C\.\d+)|mesh\.(scale|parameters\..+)",
+}
+STEP = 5e-4  # of the values, for difference quotients of fourth order
+OF_NODES = 20.0  # times this step for the mesh, whose nodes gmsh places with an error of 1e-8
+TINY = 1e-30  # imaginary step
+SMOOTH = 1e-2  # relative difference of two quotients, of first order, from nodes that jump
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter with the value that the specification has.
+
+    Attributes
+    ----------
+    kind : angle, thickness or number
+    targets : as given
+    at : keys in the specification of each target, and its factor
+    """
+
+    name: str
+    kind: str
+    targets: tuple[dict[str, Any], ...]
+    spec: Mapping[str, Any]
+    at: tuple[tuple[tuple[Key, ...], float], ...]
+    where: str  # for messages
+
+    def moved(self, t: float) -> dict[str, Any]:
+        """The specification with the parameter greater by t."""
+        spec = copy.deepcopy(dict(self.spec))
+        for (*path, last), factor in self.at:
+            place = _place(spec, path)
+            place[last] = place[last] + t * factor
+        return spec
+
+    @cached_property
+    def step(self) -> float:
+        """A small change, in the unit of the parameter."""
+        sizes = []
+        for (*path, last), factor in self.at:
+            size = 60.0 if last == "angle_deg" else abs(_place(self.spec, path)[last])
+            sizes.append((size or 1.0) / abs(factor))
+        return STEP * min(sizes)
+
+    def quotient(self, value: Callable[[float], Array], step: float = 1.0) -> Array:
+        """Derivative of an array as a function of the change of the parameter."""
+        h = self.step * step
+        first, second = (value(i * h) - value(-i * h) for i in (1, 2))
+        return np.asarray(8.0 * first - second) / (12.0 * h)
+
+    @property
+    def moves(self) -> bool:
+        """True if nodes may move."""
+        return any(keys[0] == "mesh" or keys[-1] == "thickness" for keys, _ in self.at)
+
+    def refused(self, why: str) -> SectionError:
+        """The error that it has no derivative."""
+        targets = few(".".join(map(str, keys)) for keys, _ in self.at)
+        return SectionError(f"{self.where}.design.{self.name} ({targets}): {why}")
+
+
+def _place(spec: Any, path: Sequence[Key]) -> Any:
+    for key in path:
+        spec = spec[key]
+    return spec
+
+
+def parameters(
+    spec: Mapping[str, Any], design: Mapping[str, Targets], where: str
+) -> list[Parameter]:
+    """Check the parameters of a specification.
+
+    Parameters
+    ----------
+    design : name -> targets {"of": "regions.top.plies.0.angle_deg" or a list of such keys,
+        "factor": change of the target per unit of the parameter, 1 by default}
+
+    Raises
+    ------
+    SectionError : a target that does not exist, or by which nothing is differentiated.
+    """
+    found = []
+    for name, targets in design.items():
+        kinds, at = set(), []
+        for target in targets:
+            keys = target["of"].split(".") if isinstance(target["of"], str) else target["of"]
+            place = f"{where}.design.{name}: {'.'.join(map(str, keys))}"
+            kind = next((k for k, p in ALLOWED.items() if re.fullmatch(p, _joined(keys))), None)
+            if kind is None:
+                raise SectionError(
+                    f"{place}: a section has no derivative by it; expected regions.R.plies.I."
+                    "angle_deg or .thickness, materials.M.KEY (not of its strength), "
+                    "mesh.parameters.KEY"
+                )
+            at.append((_existing(spec, keys, place), float(target.get("factor", 1.0))))
+            kinds.add(kind)
+        at = [one for one in at if one[1]]
+        if not at:
+            raise SectionError(f"{where}.design.{name}: expected a target with a factor")
+        kind = next(k for k in ("thickness", "number", "angle") if k in kinds)
+        found.append(Parameter(name, kind, tuple(map(dict, targets)), spec, tuple(at), where))
+    return found
+
+
+def _joined(keys: Sequence[Any]) -> str:
+    return ".".join(str(key).replace(".", "_") for key in keys)
+
+
+def _existing(spec: Any, keys: Sequence[Any], place: str) -> tuple[Key, ...]:
+    """The keys, as numbers where they index lists, of a number of the specification."""
+    path: list[Key] = []
+    for key in keys:
+        known = range(len(spec)) if isinstance(spec, list) else spec
+        one = int(key) if isinstance(spec, list) and str(key).isdecimal() else key
+        if not isinstance(spec, list | Mapping) or one not in known:
+            names = few(map(str, known)) if isinstance(spec, list | Mapping) else "no keys"
+            raise SectionError(f"{place}: no such key {key!r}; expected {names}")
+        path.append(one)
+        spec = spec[one]
+    if isinstance(spec, bool) or not isinstance(spec, int | float):
+        raise SectionError(f"{place} = {spec!r}: expected a number")
+    if path[0] == "mesh" and isinstance(spec, int):
+        raise SectionError(f"{place} = {spec!r}: expected a length, not a number of cells")
+    return tuple(path)
+
+
+class MovedMesh:
+    """The mesh of a section for neighbouring values of a parameter, with the same cells.
+
+    Parameters
+    ----------
+    divided : cells that were divided to refine it, step by step
+    """
+
+    def __init__(self, parameter: Parameter, mesh: SectionMesh, divided: Sequence[Marked]) -> None:
+        self._parameter, self.mesh, self._divided = parameter, mesh, divided
+        self._made: dict[float, SectionMesh] = {}
+        self.velocity = parameter.quotient(lambda t: self.at(t).cells.points, OF_NODES)
+        h = parameter.step * OF_NODES
+        one = (self.at(h).cells.points - self.at(-h).cells.points) / (2.0 * h)
+        size = np.abs(self.velocity).max()
+        if not size > 0.0:
+            raise parameter.refused("the mesh does not follow; also move the sizes of the mesh")
+        if np.abs(one - self.velocity).max() > SMOOTH * size:
+            raise parameter.refused("the nodes of the mesh do not follow smoothly")
+
+    def at(self, t: float) -> SectionMesh:
+        """The mesh with the parameter greater by t."""
+        if t not in self._made:
+            parameter = self._parameter
+            mesh = section_mesh(parameter.moved(t)["mesh"], parameter.where)
+            cells = mesh.cells
+            for marked in self._divided:
+                cells = refined(cells, marked)
+            if not _same_cells(cells, self.mesh.cells):
+                raise parameter.refused("the mesh of a neighbouring value has other cells")
+            self._made[t] = replace(mesh, cells=cells)
+        return self._made[t]
+
+    def turning(self, space: SectionSpace, lay: Layup) -> Array:
+        """Rate of the layer direction at the points of a space, (c, q, 2)."""
+        parameter = self._parameter
+        here = places(space, self.mesh.cells)
+
+        def direction(t: float) -> Array:
+            mesh, other = self.at(t), copy.copy(space)
+            motion = space.displacements((0, *(places(space, mesh.cells) - here).T))
+            other.points = space.points + space.at_points(motion)[:, :, 1:, 0]
+            found = layup(parameter.moved(t), mesh, other, parameter.where)
+            if not np.array_equal(found.ply, lay.ply):
+                raise parameter.refused("points change their ply: let mesh lines follow the plies")
+            return found.y2
+
+        return parameter.quotient(direction, OF_NODES)
+
+
+def _same_cells(one: CellMesh, other: CellMesh) -> bool:
+    names = ("nodes", "kind", "region", "hanging")
+    return one.points.shape == other.points.shape and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in names
+    )
+
+
+def places(space: SectionSpace, cells: CellMesh) -> Array:
+    """Positions (n_node, 2) of the nodes of a space on a mesh with its cells, also complex."""
+    out = np.zeros((len(space.x2), 2), dtype=cells.points.dtype)
+    shapes = {kind: (rows, s) for (kind, rows), s in zip(cells.of_kinds, cells.shapes, strict=True)}
+    for part, _ in space.rules:
+        rows, shape = shapes[part.kind]
+        out[part.nodes] = replace(part, shape=shape[np.searchsorted(rows, part.rows)]).places()
+    return out
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Derivatives by a parameter of what the solution is made of.
+
+    Attributes
+    ----------
+    angle, C_M, density : of each ply, (k,) [rad], (k, 6, 6) [Pa], (k,) [kg/m3]
+    y2 : (c, q, 2) of the layer direction, None if it does not change
+    moved : None if the mesh does not move
+    """
+
+    parameter: Parameter
+    lay: Layup
+    angle: Array
+    C_M: Array
+    density: Array
+    y2: Array | None = None
+    moved: MovedMesh | None = None
+
+    def at(self, space: SectionSpace, lay: Layup) -> "Rates":
+        """The rates at the points of another rule."""
+        y2 = None if self.moved is None else self.moved.turning(space, lay)
+        return replace(self, lay=lay, y2=y2)
+
+    @cached_property
+    def cells(self) -> IntArray:
+        """Cells whose stiffness or ply axes change."""
+        if self.moved is not None:
+            return np.arange(len(self.lay.ply))
+        changing = (self.angle != 0.0) | np.any(self.C_M != 0.0, axis=(1, 2))
+        return np.flatnonzero(np.any(changing[self.lay.ply], axis=1))
+
+    def axes(self) -> Array:
+        """A_BM + i h dA_BM in `cells`."""
+        lay, cells = self.lay, self.cells
+        some = np.s_[:, :1] if lay.uniform else np.s_[:, :]
+        y2 = lay.y2[cells] + (0.0 if self.y2 is None else 1j * TINY * self.y2[cells])
+        angle = np.radians([p.angle_deg for p in lay.plies]) + 1j * TINY * self.angle
+        return ply_axes(angle[lay.ply[cells][some]], y2[some])
+
+    def stiffness(self) -> Array:
+        """C + i h dC at the points of `cells`, section axes, (s, 1 or q, 6, 6) [Pa]."""
+        axes = self.axes()
+        ply = self.lay.ply[self.cells][:, : axes.shape[1]]
+        return rotated((self.lay.stiffness_M + 1j * TINY * self.C_M)[ply], axes)
+
+
+def rates(
+    parameter: Parameter,
+    mesh: SectionMesh,
+    space: SectionSpace,
+    lay: Layup,
+    divided: Sequence[Marked],
+) -> Rates:
+    """Derivatives of the lay-up of a section by a parameter.
+
+    Parameters
+    ----------
+    divided : cells of the mesh that were divided, step by step
+
+    Raises SectionError if the cells of the mesh cannot follow.
+    """
+
+    def plies(t: float) -> Array:
+        spec, rows = parameter.moved(t), []
+        materials = {
+            name: elastic_from_dict(table, f"{parameter.where}.materials.{name}", massless=True)
+            for name, table in spec["materials"].items()
+        }
+        stiffness = {name: material.stiffness_M.ravel() for name, material in materials.items()}
+        for ply in lay.plies:
+            region = spec["regions"].get(ply.region) or spec["regions"][ALL]
+            angle = np.radians(region["plies"][ply.index].get("angle_deg", 0.0))
+            name = ply.material
+            rows.append(np.concatenate([[angle, materials[name].rho], stiffness[name]]))
+        return np.array(rows)
+
+    found = parameter.quotient(plies)
+    angle, density, C_M = found[:, 0], found[:, 1], found[:, 2:].reshape(-1, 6, 6)
+    fixed = Rates(parameter, lay, angle, C_M, density)
+    if not parameter.moves:
+        return fixed
+    if any(warning["code"] == "plies-not-resolved" for warning in lay.warnings):
+        raise parameter.refused("cells contain more than one ply: let mesh lines follow the plies")
+    moved = MovedMesh(parameter, mesh, divided)
+    return replace(fixed, moved=moved).at(space, lay)
