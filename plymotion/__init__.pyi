@@ -15,6 +15,8 @@ from .api.modes import Campbell as Campbell
 from .api.modes import Modes as Modes
 from .api.modes import campbell as campbell
 from .api.modes import modes as modes
+from .api.optimising import Optimum as Optimum
+from .api.optimising import optimise as optimise
 from .api.planning import Plan as Plan
 from .api.planning import plan as plan
 from .api.result import Result as Result

@@ -144,6 +144,7 @@ class Case:
     gravity = _Entry()
     allow = _Entry()
     fidelity = _Entry()
+    design = _Entry()
     materials = _Group()
     sections = _Group()
     bodies = _Group()

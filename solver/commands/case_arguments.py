@@ -240,3 +240,28 @@ def add_sweep(parser: Any) -> None:
     text, action = "draw a figure for each signal (default: yes)", argparse.BooleanOptionalAction
     parser.add_argument("--figures", action=action, default=True, help=text)
     flag(parser, "quiet", "no progress bar")
+
+
+@command("optimise", "optimise:run_optimise")
+def add_optimise(parser: Any) -> None:
+    """Search for the best design of a study.
+
+    The case needs [design.parameters] and [design.studies.NAME] (docs/design.md). Every design has
+    packages of its own, built in the Python with FEniCSx, and is run. Writes
+    DIR/studies/STUDY/design.json (the best design, before and after, all starts), study.jsonl (what
+    was computed of each design) and optimum.toml (the best design as a variant of the case).
+    The same command goes on where an earlier one was interrupted.
+
+    exit code: 0 done; 2 something is wrong with the input; 3 the best design breaks a limit or
+    could not be verified; 130, 143, 129 interrupted, finished designs are kept.
+    """
+    parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
+    parser.add_argument("--study", metavar="NAME", help="study of the case (default: the only one)")
+    text = "folder of the case (default: build/CASE)"
+    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add_executor(parser, "starts")
+    flag(parser, "coarse", "apply the [coarse] variant")
+    flag(parser, "fresh", "compute all designs again")
+    add_no_scripts(parser)
+    flag(parser, "json", "print design.json, not the table")
+    flag(parser, "quiet", "no progress bar")

@@ -56,7 +56,7 @@ COMMANDS = (
     *(bodies.add_section, bodies.add_shell, bodies.add_solid, bodies.add_blade),
     *(bodies.add_import, bodies.add_export),
     *(bodies.add_info, bodies.add_validate),
-    *(cases.add_packages_command, cases.add_sweep),
+    *(cases.add_packages_command, cases.add_sweep, cases.add_optimise),
     *(add_materials, add_compile, add_schema, add_completion),
 )
 

@@ -15,6 +15,7 @@ from ..common.text_file import read_toml
 from ..section.description import shape
 from .bodies.specifications import BodySpec, BodySpecs
 from .checks import check_elsewhere, in_parts
+from .design import CheckedStudy, check_study
 from .expressions import drives, law
 from .messages import Findings
 from .record import case_name
@@ -78,6 +79,9 @@ RESERVED = {
 }
 
 
+_APART = ("sweeps", "design")  # of [coarse]: not keys of a mechanism
+
+
 @dataclass(frozen=True)
 class Case:
     """A checked case.
@@ -90,6 +94,7 @@ class Case:
     runs : mechanism by run
     bodies : specifications of the flexible bodies by run and name
     sweeps : those that were asked for, with all their members
+    studies : of the design
     """
 
     name: str
@@ -98,6 +103,7 @@ class Case:
     runs: dict[str, Mechanism]
     bodies: dict[str, dict[str, BodySpec]]
     sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
+    studies: dict[str, CheckedStudy] = field(default_factory=dict)
 
 
 def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> Case:
@@ -147,8 +153,9 @@ def checked_case(
     table = deepcopy(table)
     top_keys = set(CaseFile.model_fields)
     over = table.get("coarse")
-    if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
-        merge(table, {"sweeps": over["sweeps"]})
+    apart = {k: v for k, v in over.items() if k in _APART} if isinstance(over, dict) else {}
+    if coarse and all(isinstance(value, dict) for value in apart.values()):
+        merge(table, apart)
     top = validated(CaseFile, {k: v for k, v in table.items() if k in top_keys}, file)
     base = {k: v for k, v in table.items() if k not in top_keys}
     for key in base:
@@ -156,7 +163,7 @@ def checked_case(
             known = [*CaseFile.model_fields, *Mechanism.model_fields]
             raise InputError(f"{file}: {key}: unknown key{meant(key, known)}")
     findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
-    quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
+    quick = {k: v for k, v in top.coarse.items() if k not in _APART} if coarse else {}
 
     def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
         merged = deepcopy(base)
@@ -205,9 +212,24 @@ def checked_case(
                 findings.of_sweep(key, checked)
             else:
                 checked_sweeps[name] = checked
+    studies: dict[str, CheckedStudy] = {}
+    for name, study in (top.design.studies if top.design else {}).items():
+        key = f"design.studies.{name}"
+        findings.add(unknown(f"{file}: {key}.run", study.run, "run", top.runs))
+        if study.run in runs and top.design is not None:
+
+            def of_run(run: str) -> dict[str, Any] | None:
+                known = top.runs.get(run)
+                return None if known is None else merged_with(f"runs.{run}", known.variants)
+
+            found_study = check_study(f"{file}: {key}", name, top.design, specs, of_run)
+            if isinstance(found_study, list):
+                findings.of_sweep(key, found_study)
+            else:
+                studies[name] = found_study
     if findings:
         raise InputError("\n".join(findings.lines()))
-    return Case(case_name(file), file, top, runs, bodies, checked_sweeps)
+    return Case(case_name(file), file, top, runs, bodies, checked_sweeps, studies)
 
 
 def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:

@@ -21,6 +21,7 @@ from ...common.materials import Material
 from ...common.table import Name, Table, Vector, Word, entry, follow, is_number, optional, validated
 from .beams import BeamBody
 from .bodies import ImportedBody, PackageBody, RigidBody, Section, ShellBody, SolidBody
+from .design import Design
 from .kinds import CaseCoupling, CaseForce, CaseJoint, by_freedoms
 from .laws import FOLDER, RESOLVED, TablePoints
 from .rotor import Rotor
@@ -28,7 +29,7 @@ from .signals import Signal
 from .solver import Solver
 
 MOST = 100_000  # members of one sweep
-Design = Literal["grid", "list", "random", "latin-hypercube"]
+Points = Literal["grid", "list", "random", "latin-hypercube"]
 
 
 class Variation(Table):
@@ -104,7 +105,7 @@ class Sweep(Table):
     title: str = entry("words for figures", default="")
     run: Name = entry("name of the run that is varied")
     variants: list[Name] = entry("names of variants, applied after those of the run", default=[])
-    design: Design = entry(
+    design: Points = entry(
         "grid: all combinations; list: the first values of all parameters, the second ones, ...; "
         "random, latin-hypercube: `count` points drawn from the ranges",
         default="grid",
@@ -277,11 +278,12 @@ class CaseFile(Table):
         "partial cases: tables that are merged into the case", default={}
     )
     coarse: dict[str, Any] = entry(
-        "a variant for quick checks (`make CASE COARSE=1`), sweeps included", default={}
+        "a variant for quick checks (`make CASE COARSE=1`), sweeps and design included", default={}
     )
     runs: dict[Name, Run] = entry("what is computed", min_length=1)
     figures: dict[Name, Figure] = entry("pictures that compare runs", default={})
     sweeps: dict[Name, Sweep] = entry("runs varied by numbers", default={})
+    design: Design | None = optional("parameters of the design and studies")
 
 
 RIGID = 13  # coordinates and velocities of a body without modes, kept at each output

@@ -1,0 +1,49 @@
+"""The command `plymotion optimise`: the best design of a study."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from ..errors import InputError, few, nearest
+from ..inputs.case.record import case_file
+from ..inputs.common.text_file import read_toml
+from ..report.table import json_text
+from ..studies.cases import build_folder, turn
+from ..studies.design.problem import FEASIBLE
+from ..studies.design.show import outcome_lines
+from ..studies.design.study import optimise
+from ..studies.design.trials import Order
+from ..studies.exit_codes import INCOMPLETE
+from ..system.interrupts import INTERRUPTED, ending_words
+from ..workers.executors import executor_of
+
+
+def run_optimise(options: argparse.Namespace) -> int:
+    """Compute a study; return the exit code."""
+    file = case_file(options.case)
+    table = read_toml(file, "case file")
+    design = table.get("design")
+    studies = list(design.get("studies", {})) if isinstance(design, dict) else []
+    name: str = options.study or (studies[0] if len(studies) == 1 else "")
+    if name not in studies:
+        if options.study:
+            raise InputError(f"--study {name}: {file} has no such study{nearest(name, studies)}")
+        known = f"--study: expected one of {few(studies)}" if studies else ""
+        raise InputError(known or f"{file}: expected [design.studies.NAME] (docs/design.md)")
+    folder: Path = options.out or build_folder(file, coarse=options.coarse)
+    order = Order(table, file, options.coarse, name, folder / "studies" / name)
+    with turn(folder):
+        try:
+            found = optimise(
+                order, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
+            )
+        except KeyboardInterrupt:
+            words = f"{name}: {ending_words()}; the same command continues"
+            print(words, file=sys.stderr)
+            return INTERRUPTED
+    if options.json:
+        print(json_text(found))
+    else:
+        print("\n".join(outcome_lines(found, order.folder)))
+    refused = found.get("verified", {}).get("why")
+    return INCOMPLETE if refused or found["optimum"]["violation"] > FEASIBLE else 0

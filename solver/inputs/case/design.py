@@ -1,0 +1,233 @@
+"""The studies of `[design]`: parameters found in the mechanism, designs as members of a sweep."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import ValidationError
+
+from ...errors import InputError, nearest, unknown
+from ...math.arrays import Array
+from ...package.specification import ModeKind
+from ..common.table import lines, plain_table
+from .bodies.specifications import BodySpecs, rich_bodies
+from .sweeps import CheckedSweep, Misplaced, check_sweep, unit_at
+from .tables.beams import BeamBody
+from .tables.bodies import RigidBody
+from .tables.design import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
+from .tables.schema import Mechanism, Sweep, Variation, mechanism_of, split_key
+
+UNITS = {"angle": "deg", "thickness": "m"}  # of the keys of a kind
+VIBRATIONS = get_args(ModeKind)
+MergedOf = Callable[[str], dict[str, Any] | None]
+
+
+@dataclass(frozen=True)
+class CheckedStudy:
+    """A study with checked parameters.
+
+    Attributes
+    ----------
+    name : of the study
+    table : its keys
+    parameters : those that vary, by name; p of them
+    targets : keys of each, with factor and offset
+    base : the run without changes
+    start : (p,) values at the start, in the unit that the user writes
+    merged : the run as the user wrote it, for the digest of what was read
+    """
+
+    name: str
+    table: Study
+    parameters: dict[str, DesignParameter]
+    targets: dict[str, list[Target]]
+    base: Mechanism
+    start: Array
+    merged: dict[str, Any]
+    _where: str
+    _specs: BodySpecs
+    _merged_of: MergedOf
+
+    def designs(self, points: Sequence[Array]) -> CheckedSweep:
+        """Return designs (p,) as members of a sweep. Raises InputError: a value that is refused."""
+        columns = dict(zip(self.parameters, np.array(points, dtype=float).T, strict=True))
+        vary, texts = dict[str, Variation](), dict[str, str]()
+        for name, values in columns.items():
+            plain = [t.key for t in self.targets[name] if (t.factor, t.offset) == (1.0, 0.0)]
+            texts |= {
+                t.key: f"({t.factor!r})*{name}+({t.offset!r})"
+                for t in self.targets[name]
+                if t.key not in plain
+            }
+            own = {"keys": plain} if plain else {}
+            vary[name] = Variation.model_validate({**own, "values": values.tolist()})
+        sweep = Sweep.model_validate(
+            {"run": self.table.run, "design": "list", "vary": vary, "set": texts}
+        )
+        found = check_sweep(self._where, sweep, self._specs, self._merged_of)
+        if isinstance(found, list):
+            raise InputError("\n".join(found))
+        return found
+
+    def keys(self, p: Array) -> dict[str, float]:
+        """Return the values of the keys of a design (p,)."""
+        return {
+            t.key: t.factor * float(value) + t.offset
+            for name, value in zip(self.parameters, p, strict=True)
+            for t in self.targets[name]
+        }
+
+    def richer(self) -> "CheckedStudy":
+        """Return the study of finer bodies: twice the elements, half as many modes again.
+
+        A shell is refined once. A run with `[fidelity]` takes all modes of its check.
+        """
+
+        def merged_of(run: str) -> dict[str, Any] | None:
+            table = self._merged_of(run)
+            bodies = table.get("bodies", {}) if table else {}
+            planned = table.pop("fidelity", None) if table else None
+            for name, body in bodies.items():
+                kind = body.get("kind")
+                if kind not in ("beam", "shell") or body.get("rigid"):
+                    continue
+                if kind == "beam":
+                    body["elements"] = 2 * body.get(
+                        "elements", BeamBody.model_fields["elements"].default
+                    )
+                else:
+                    body["refine"] = body.get("refine", 0) + 1
+                if planned:
+                    rich = rich_bodies(name, self.base)[1].modes
+                    body["modes"] = [plain_table(mode) for mode in rich]
+                for mode in [] if planned else body.get("modes", []):
+                    if "count" in mode and mode["kind"] in VIBRATIONS:
+                        mode["count"] = -(-3 * mode["count"] // 2)
+            return table
+
+        return replace(self, _merged_of=merged_of)
+
+
+def check_study(
+    where: str, name: str, design: Design, specs: BodySpecs, merged_of: MergedOf
+) -> CheckedStudy | list[str]:
+    """Return a study, or one line per finding.
+
+    Parameters
+    ----------
+    where : file and key of the study
+    specs : of the case
+    merged_of : mechanism of a run by its name, as the user wrote it, with its variants
+    """
+    study = design.studies[name]
+    merged = merged_of(study.run)
+    if merged is None:
+        return []
+    try:
+        base, _ = mechanism_of(merged, specs.folder)
+    except ValidationError as error:
+        return lines(error, Mechanism, where)
+    found: list[str] = []
+    for wanted in study.parameters or ():
+        found += unknown(
+            f"{where}.parameters", wanted, "parameter of the design", design.parameters
+        )
+    names = study.parameters or list(design.parameters)
+    parameters = {n: design.parameters[n] for n in names if n in design.parameters}
+    if not design.parameters:
+        found.append(f"{where}: expected [design.parameters] in the case")
+    targets, start = dict[str, list[Target]](), list[float]()
+    for parameter_name, parameter in parameters.items():
+        at = f"{where.partition(':')[0]}: design.parameters.{parameter_name}"
+        listed = [Target(key=t) if isinstance(t, str) else t for t in parameter.of]
+        targets[parameter_name] = listed
+        wrong = [line for t in listed for line in _misplaced(at, parameter, t, base, specs)]
+        found += wrong
+        if not wrong:
+            value = parameter.start
+            if value is None:
+                value = (_value_at(base, listed[0].key, specs) - listed[0].offset) / (
+                    listed[0].factor or 1.0
+                )
+            low, high = parameter.range()
+            if not low - 1e-12 * abs(low) <= value <= high + 1e-12 * abs(high):
+                found.append(
+                    f"{at}: the case has {value:g}, outside {low:g} to {high:g}; expected `start`, "
+                    "or bounds around it"
+                )
+            start.append(float(np.clip(value, low, high)))
+    for k, quantity in enumerate(study.quantities()):
+        key = f"{where}.subject_to.{k - 1}" if k else f"{where}.objective"
+        found += _unknown_subject(key, quantity, base)
+    if found:
+        return found
+    checked = CheckedStudy(
+        name, study, parameters, targets, base, np.array(start), merged, where, specs, merged_of
+    )
+    try:
+        checked.designs([checked.start])
+    except InputError as error:
+        return str(error).splitlines()
+    return checked
+
+
+def _misplaced(
+    at: str, parameter: DesignParameter, target: Target, base: Mechanism, specs: BodySpecs
+) -> list[str]:
+    """Return what is wrong with a target, one line each."""
+    try:
+        unit = unit_at(base, target.key, specs.folder)
+        owner = split_key(target.key)
+    except Misplaced as error:
+        return [f"{at}.of: {error}"]
+    wanted = UNITS.get(parameter.kind)
+    if wanted is not None and unit != wanted:
+        return [
+            f'{at}.of: {target.key} has the unit "{unit}"; expected {wanted}, as its kind is '
+            f'{parameter.kind}, or kind = "number"'
+        ]
+    if owner[0] == "bodies" and getattr(base.bodies.get(owner[1]), "rigid", False):
+        return [
+            f"{at}.of: {target.key}: body {owner[1]} is rigid in this run; nothing depends on it"
+        ]
+    return []
+
+
+def _value_at(base: Mechanism, key: str, specs: BodySpecs) -> float:
+    """Return the number at a key of the case or of a description."""
+    from .bodies.descriptions import described
+
+    owner, colon, inner = key.partition(":")
+    here: Any = described(owner.split("."), base, specs.folder) if colon else base
+    for part in (inner if colon else key).split("."):
+        if isinstance(here, list):
+            here = here[int(part)]
+        else:
+            here = here[part] if isinstance(here, dict) else getattr(here, part)
+    return float(here)
+
+
+def _unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
+    """Return what a quantity names and the run does not have, or cannot give."""
+    name = quantity.name
+    if quantity.subject == "signal":
+        return list(unknown(f"{key}.signal", name, "signal", base.signals))
+    whole = quantity.subject in ("frequency", "mass", "deformation_energy")
+    if whole and name == MECHANISM:
+        return []
+    at = f"{key}.{quantity.subject}"
+    if name not in base.bodies:
+        return [f"{at} = {name!r}: no such body{nearest(name, [*base.bodies, MECHANISM])}"]
+    body = base.bodies[name]
+    if quantity.subject != "mass" and (isinstance(body, RigidBody) or body.rigid):
+        return [f"{at} = {name!r}: the body is rigid in this run"]
+    if quantity.subject == "section" and not isinstance(body, BeamBody):
+        return [f"{at} = {name!r}: expected a beam"]
+    divided = isinstance(body, BeamBody) and body.segments > 1
+    if divided and quantity.subject not in ("mass", "section"):
+        return [f'{at} = {name!r}: expected a body in one segment, or "{MECHANISM}"']
+    least = quantity.least if isinstance(quantity, Limit) else None
+    if quantity.subject == "strength" and least is not None and least <= 0.0:
+        return [f"{at}: min = {least:g}: expected a ratio above 0"]
+    return []

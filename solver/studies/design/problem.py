@@ -1,0 +1,223 @@
+"""One problem for all optimisers: minimise fun(x) with bounds and cons(x) >= 0.
+
+x are the free parameters, each scaled to -1 to 1. If the objective is a largest value, over time or
+plies, x has one more entry: a bound of all its local peaks, which is minimised.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from ...errors import InputError
+from ...inputs.case.tables.design import Limit, Study
+from ...math.arrays import Array
+from .measures import Measure
+from .rules import Space
+from .trials import Values
+
+BARRIER = 10.0  # by which an invalid design is worse than the last valid one, scaled
+FEASIBLE = 1e-4  # largest violation of limits, relative, of a design that counts as one
+
+
+class Designs(Protocol):
+    """Gives values and slopes of designs: trials with their memory."""
+
+    def values(self, p: Array) -> Values:
+        """Return values of a design (p,), or why it is invalid."""
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        """Return derivatives of values of a valid design, by measure, value and parameter."""
+
+
+@dataclass
+class Point:
+    """A design that was computed, and how good it is."""
+
+    p: list[float]
+    merit: float  # objective, negative where it is made large; of strength the exposure
+    violation: float  # largest one of all limits, relative; 0: none
+    shown: list[float]  # what a user reads of each measure
+
+    def better_than(self, other: "Point | None") -> bool:
+        """Tell whether it is nearer to feasible, or as feasible and of a better objective."""
+        if other is None:
+            return True
+        mine, theirs = (max(each.violation - FEASIBLE, 0.0) for each in (self, other))
+        return (mine, self.merit) < (theirs, other.merit)
+
+
+@dataclass
+class Problem:
+    """The problem of one start.
+
+    Attributes
+    ----------
+    x0 : (n,) where it begins; bounds (n, 2)
+    best : the best valid design so far
+    history : a point for each gradient that was asked for: the iterations
+    invalid : designs that had no value, and the first reason
+    """
+
+    designs: Designs
+    study: Study
+    measures: list[Measure]
+    space: Space
+    z0: Array
+    best: Point | None = None
+    history: list[Point] = field(default_factory=list)
+    invalid: list[str] = field(default_factory=list)
+    told: Callable[[Point], None] = lambda _: None
+
+    def __post_init__(self) -> None:
+        self._good: tuple[Array, Array, Array | None] | None = None
+        first = self.designs.values(self.space.p(self.z0))
+        if first.why:
+            raise InputError(f"the design of the start is invalid: {first.why}")
+        self._mid = 0.5 * (self.space.lower + self.space.upper)
+        self._half = 0.5 * (self.space.upper - self.space.lower)
+        self.sign = 1.0 if self.study.minimise is not None else -1.0
+        if self.study.objective.subject == "strength":
+            self.sign = 1.0  # of exposures, which are the values
+        self.bounded = self.measures[0].peaks != 0
+        sizes = [float(np.abs(v).max()) for v in first.values]
+        self._scale = sizes[0] or 1.0
+        self._sizes = [s or 1.0 for s in sizes]
+        u0 = (self.z0 - self._mid) / self._half
+        top = self.sign * np.array(first.values[0]) / self._scale
+        self.x0 = np.r_[u0, top.max()] if self.bounded else u0
+        self.bounds = np.repeat([[-1.0, 1.0]], u0.size, axis=0)
+        if self.bounded:
+            self.bounds = np.r_[self.bounds, [[-1e6, 1e6]]]
+
+    def z(self, x: Array) -> Array:
+        """Return the free parameters of x, in their units."""
+        u = np.clip(x[: self.z0.size], -1.0, 1.0)
+        return np.asarray(self._mid + self._half * u)
+
+    def fun(self, x: Array) -> float:
+        """Return the objective, scaled."""
+        f, _ = self._values(x)
+        return float(x[-1]) if self.bounded else f
+
+    def jac(self, x: Array) -> Array:
+        """Return its gradient (n,)."""
+        if self.bounded:
+            return np.eye(x.size)[-1]
+        return self._slopes(x)[0]
+
+    def cons(self, x: Array) -> Array:
+        """Return what must not be negative (m,)."""
+        return self._values(x)[1]
+
+    def cons_jac(self, x: Array) -> Array:
+        """Return its derivative (m, n)."""
+        return self._slopes(x)[1:]
+
+    def _values(self, x: Array) -> tuple[float, Array]:
+        p = self.space.p(self.z(x))
+        found = self.designs.values(p)
+        if found.why:
+            if found.why not in self.invalid:
+                self.invalid.append(found.why)
+            assert self._good is not None
+            good = self._good[1]  # the line search comes back
+            return float(good[0] + BARRIER), good[1:] - BARRIER
+        values = self._rows(x, [np.array(v) for v in found.values], None)
+        self._good = x.copy(), values, self._good[2] if self._good is not None else None
+        self._note(p, found)
+        return float(values[0]), values[1:]
+
+    def _slopes(self, x: Array) -> Array:
+        """Return the gradient of the objective, then those of the constraints (1 + m, n)."""
+        p = self.space.p(self.z(x))
+        found = self.designs.values(p)
+        if found.why:
+            assert self._good is not None
+            if self._good[2] is None:
+                return self._slopes(self._good[0])
+            return self._good[2]
+        by_z = [np.array(s) @ self.space.T for s in self.designs.slopes(p)]
+        rows = self._rows(x, [np.array(v) for v in found.values], by_z)
+        rows[:, : self.z0.size] *= self._half
+        if self._good is None or not np.array_equal(self._good[0], x):
+            self._values(x)
+        assert self._good is not None
+        self._good = x.copy(), self._good[1], rows
+        point = self.point(p, found)
+        if not self.history or self.history[-1].p != point.p:
+            self.history.append(point)
+            self.told(point)
+        return rows
+
+    def _rows(self, x: Array, values: list[Array], slopes: list[Array] | None) -> Array:
+        """Return objective and constraints (1 + m,), or their derivatives (1 + m, n) by z.
+
+        The rows are linear in values; `slopes` None asks for values.
+        """
+        n = x.size
+        rows: list[Array] = []
+
+        def add(k: int, offset: float, factor: float, *, of_bound: float = 0.0) -> None:
+            if slopes is None:
+                rows.extend(offset + factor * values[k] + (of_bound * x[-1] if of_bound else 0.0))
+                return
+            table = np.zeros((values[k].size, n))
+            table[:, : self.z0.size] = factor * slopes[k]
+            table[:, -1] += of_bound
+            rows.extend(table)
+
+        if self.bounded:
+            rows.append(np.asarray(x[-1]) if slopes is None else np.eye(n)[-1])
+            add(0, 0.0, -self.sign / self._scale, of_bound=1.0)
+        else:
+            add(0, 0.0, self.sign / self._scale)
+        for k, limit in enumerate(self.study.subject_to, 1):
+            for offset, factor in self._limits(k, limit):
+                add(k, offset, factor)
+        for row, b in zip(self.space.A, self.space.b, strict=True):
+            size = float(np.abs(row * self._half).max())
+            if slopes is None:
+                rows.append(np.asarray((b - row @ self.z(x)) / size))
+            else:
+                rows.append(np.r_[-row / size, np.zeros(n - row.size)])
+        return np.array(rows)
+
+    def _limits(self, k: int, limit: Limit) -> list[tuple[float, float]]:
+        """Return offsets and factors: offset + factor value >= 0."""
+        if limit.subject == "strength":
+            return [] if limit.least is None else [(1.0, -limit.least)]
+        found = []
+        for value, sign in ((limit.least, 1.0), (limit.most, -1.0)):
+            if value is not None:
+                size = abs(value) or self._sizes[k]
+                found.append((-sign * value / size, sign / size))
+        return found
+
+    def violation(self, p: Array, values: list[list[float]]) -> float:
+        """Return the largest violation of all limits by a design, relative."""
+        x = np.r_[(self.space.z(p) - self._mid) / self._half, [0.0] * self.bounded]
+        rows = self._rows(x, [np.array(v) for v in values], None)[1:]
+        rows = rows[len(values[0]) :] if self.bounded else rows
+        return float(max(0.0, -rows.min())) if rows.size else 0.0
+
+    def point(self, p: Array, found: Values) -> Point:
+        """Return how good a design is."""
+        merit = float((self.sign * np.array(found.values[0])).max())
+        return Point(p.tolist(), merit, self.violation(p, found.values), found.shown)
+
+    def _note(self, p: Array, found: Values) -> None:
+        point = self.point(p, found)
+        if point.better_than(self.best):
+            self.best = point
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a driver is asked for."""
+
+    iterations: int
+    tolerance: float
+    seed: int
+    more: dict[str, Any] = field(default_factory=dict)

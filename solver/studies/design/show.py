@@ -1,0 +1,79 @@
+"""What a study tells in text: the table of a command, and the best design as a variant."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from ...errors import counted
+from ...inputs.case.tables.schema import split_key
+from .problem import FEASIBLE
+
+
+def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
+    """Return the lines that the command prints: measures before and after, then parameters."""
+    starts, best = found["starts"], found["optimum"]
+    total = sum(s["computed"] for s in starts)
+    agreeing = sum(
+        s["best"] is not None
+        and s["best"]["violation"] <= FEASIBLE
+        and abs(s["best"]["merit"] - best["merit"]) <= 1e-3 * abs(best["merit"])
+        for s in starts
+    )
+    lines = [
+        f"{found['study']}: {counted(len(starts), 'start')}, {counted(total, 'design')} computed; "
+        f"{agreeing} of them end within 0.1 % of the best; {os.path.relpath(folder)}"
+    ]
+    verified = found.get("verified", {})
+    head = ["", "start", "best", "verified", "limit"]
+    rows = [head]
+    for k, measure in enumerate(found["measures"]):
+        unit = f" [{measure['unit']}]" if measure["unit"] else ""
+        sense = f"{found['sense']} " if k == 0 else ""
+        values = [found["start"]["shown"], best["shown"], verified.get("shown")]
+        limits = ((">=", measure["least"]), ("<=", measure["most"]))
+        limit = [f"{sign} {value:g}" for sign, value in limits if value is not None]
+        told = [f"{v[k]:.6g}" if v else "-" for v in values]
+        rows.append([f"{sense}{measure['words']}{unit}", *told, ", ".join(limit)])
+    rows.append([""] * 5)
+    for k, (name, value) in enumerate(best["values"].items()):
+        rows.append([name, f"{found['start']['p'][k]:.6g}", f"{value:.6g}", "", ""])
+    widths = [max(len(row[i]) for row in rows) for i in range(5)]
+    lines += [
+        "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+    if best["violation"] > FEASIBLE:
+        lines.append(
+            f"no design satisfies all limits: this one breaks one by {best['violation']:.3g} of it"
+        )
+    if verified.get("why"):
+        lines.append(f"not verified: {verified['why']}")
+    if "plan" in found:
+        words = f"the plan of the study: accuracy {found['plan']['verdict']} at the best design"
+        same = "the same" if found["plan"]["same"] else "another one"
+        lines.append(f"{words}; made anew there it is {same}")
+    invalid = list(dict.fromkeys(why for s in starts for why in s["invalid"]))
+    if invalid:
+        lines.append(f"{counted(len(invalid), 'kind')} of invalid designs, such as: {invalid[0]}")
+    lines.append(f"gradient: {found['gradient']}")
+    return lines
+
+
+def variant_text(found: dict[str, Any]) -> str:
+    """Return the best design as a variant of the case, in TOML."""
+    lines = [
+        f"# The best design of study {found['study']}: a variant for the case, to be named in",
+        "# `variants` of a run. Keys of lists are comments: write those into the list itself.",
+    ]
+    tables: dict[str, list[str]] = {}
+    for key, value in found["optimum"]["keys"].items():
+        *way, last = split_key(key)
+        listed = last.isdecimal() or any(part.isdecimal() for part in way)
+        text = f'"{last}" = {value!r}' if "." in last else f"{last} = {value!r}"
+        if listed:
+            tables.setdefault("", []).append(f"# {key} = {value!r}")
+        else:
+            tables.setdefault(".".join(("variants", found["study"], *way)), []).append(text)
+    for table, entries in sorted(tables.items()):
+        lines += ["", *([f"[{table}]"] if table else []), *entries]
+    return "\n".join(lines) + "\n"

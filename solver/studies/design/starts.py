@@ -1,0 +1,231 @@
+"""One start of a study: gradient steps, a turn away from a saddle, then the discrete search."""
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from ...errors import InputError
+from ...inputs.case.design import CheckedStudy
+from ...math.arrays import Array
+from .drivers.table import driver_of
+from .memory import FILE, Memory
+from .problem import Options, Point, Problem
+from .rules import Space, broken, space_of
+from .trials import Order, Trials, Values
+
+QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero
+SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
+TURN = 3.0  # [deg] out of a saddle
+
+
+class Known:
+    """Designs whose values and slopes are kept in the memory of a study."""
+
+    def __init__(self, trials: Trials, memory: Memory) -> None:
+        self.trials, self.memory = trials, memory
+        self.computed = 0
+
+    def values(self, p: Array) -> Values:
+        """Return the values of a design."""
+        found = self.memory.get("values", p)
+        if found is None:
+            found = asdict(self.trials.values(p))
+            self.memory.put("values", p, found)
+            self.computed += 1
+        return Values(**found)
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        """Return the slopes of a design. Raises InputError."""
+        found: list[list[list[float]]] | None = self.memory.get("slopes", p)
+        if found is None:
+            found = self.trials.slopes(p)
+            self.memory.put("slopes", p, found)
+        return found
+
+
+@dataclass
+class Start:
+    """What became of one start."""
+
+    number: int
+    best: Point | None = None
+    continuous: Point | None = None  # before the discrete search
+    history: list[Point] = field(default_factory=list)
+    converged: bool = False
+    message: str = ""
+    left_saddle: bool = False
+    invalid: list[str] = field(default_factory=list)
+    computed: int = 0  # designs that were built and run, not those known before
+
+
+def first_points(study: CheckedStudy, space: Space) -> Array:
+    """Return the free parameters (k, z) at which starts begin: the case, then Sobol points."""
+    count = study.table.starts
+    own = space.z(study.start)[None]
+    if count == 1:
+        return own
+    sobol = qmc.Sobol(len(space.names), rng=np.random.default_rng(study.table.seed))
+    shares = sobol.random_base2(int(np.ceil(np.log2(count - 1))) if count > 2 else 0)[: count - 1]
+    return np.r_[own, space.lower + shares * (space.upper - space.lower)]
+
+
+_opened: dict[str, tuple[Trials, Space, Memory]] = {}
+
+
+def opened(order: Order, key: str) -> tuple[Trials, Space, Memory]:
+    """Return the study of a process, read once."""
+    if key not in _opened:
+        _opened.clear()
+        trials = Trials(order)
+        _opened[key] = trials, space_of(trials.study), Memory(order.folder / FILE, key)
+    return _opened[key]
+
+
+def compute_start(order: Order, key: str, number: int) -> Start:
+    """Compute a start, or what is missing of it: a task of an executor."""
+    trials, space, memory = opened(order, key)
+    study = trials.study
+    z0 = first_points(study, space)[number]
+    known, start = Known(trials, memory), Start(number)
+    try:
+        problem = Problem(known, study.table, trials.measures, space, z0)
+        _descend(problem, start, study)
+        turned = _beside_saddle(problem, study, number)
+        if turned is not None:
+            again = Problem(known, study.table, trials.measures, space, turned)
+            _descend(again, start, study)
+            start.left_saddle = True
+        start.continuous = start.best
+        if start.best is not None and any(space.allowed):
+            start.best = discrete(problem, study, start.best)
+    except InputError as error:
+        start.message = str(error).splitlines()[0]
+    start.computed = known.computed
+    return start
+
+
+def _descend(problem: Problem, start: Start, study: CheckedStudy) -> None:
+    table = study.table
+    driver = driver_of(table.driver, f"design.studies.{study.name}")
+    ending = driver.minimise(problem, Options(table.iterations, table.tolerance, table.seed))
+    start.converged, start.message = ending.converged, ending.message
+    start.history += problem.history
+    start.invalid += [why for why in problem.invalid if why not in start.invalid]
+    if problem.best is not None and problem.best.better_than(start.best):
+        start.best = problem.best
+
+
+def _beside_saddle(problem: Problem, study: CheckedStudy, number: int) -> Array | None:
+    """Return a point beside the best one if symmetry may hold the optimiser there; else None.
+
+    At 0 and 90 deg the derivative by an angle is zero if the design mirrors itself, whether it is
+    a minimum or not. Angles there whose derivative is zero are turned by a few degrees. One that
+    has reached a bound at 90 deg goes on from -90 deg, which is the same ply.
+    """
+    space, best = problem.space, problem.best
+    if best is None:
+        return None
+    z = space.z(np.array(best.p))
+    slopes = [np.array(s) @ space.T for s in problem.designs.slopes(np.array(best.p))]
+    random = np.random.default_rng([study.table.seed, number])
+    turned = z.copy()
+    for k, name in enumerate(space.names):
+        if study.parameters[name].kind != "angle":
+            continue
+        low, high = space.lower[k], space.upper[k]
+        flat = all(
+            np.abs(s[:, k]).max() * QUARTER <= FLAT * (np.abs(v).max() or 1.0)
+            for s, v in zip(slopes, problem.designs.values(np.array(best.p)).values, strict=True)
+        )
+        away = abs(z[k] - QUARTER * round(z[k] / QUARTER))
+        sign = random.choice([-1.0, 1.0])
+        whole = high - low >= 2.0 * QUARTER
+        if whole and (z[k] >= high - SYMMETRIC or z[k] <= low + SYMMETRIC):
+            turned[k] = low + TURN if z[k] > 0.0 else high - TURN
+        elif away < SYMMETRIC and flat:
+            turned[k] = np.clip(z[k] + sign * TURN * random.uniform(0.5, 1.0), low, high)
+    return None if np.array_equal(turned, z) else turned
+
+
+def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
+    """Return the best design of allowed values near a continuous one.
+
+    Each parameter goes to the nearest allowed value. Then, layer by layer, its neighbours are
+    computed and the best one is kept; exchanges of two layers follow, until nothing is better.
+    Continuous parameters keep their values.
+    """
+    space, seen = problem.space, dict[bytes, Point]()
+    z = space.z(np.array(start.p))
+    layers = [k for k, values in enumerate(space.allowed) if values]
+    for k in layers:
+        values = np.array(space.allowed[k])
+        z[k] = values[np.abs(values - z[k]).argmin()]
+
+    def point(z: Array) -> Point:
+        key = z.tobytes()
+        if key not in seen:
+            p = space.p(z)
+            wrong = len(broken(study, p)) + _outside(study, p)
+            found = problem.designs.values(p) if not wrong else None
+            if found is None or found.why:
+                seen[key] = Point(p.tolist(), np.inf, 1e3 * (wrong or 1), [])
+            else:
+                seen[key] = problem.point(p, found)
+        return seen[key]
+
+    def improved(candidates: list[Array]) -> bool:
+        nonlocal z
+        best = min(candidates, key=lambda c: (max(point(c).violation, 1e-4), point(c).merit))
+        if point(best).better_than(point(z)):
+            z = best
+            return True
+        return False
+
+    better = True
+    while better:
+        better = any([improved(_neighbours(study, space, z, k)) for k in layers])
+        pairs = [(i, j) for i in layers for j in layers if i < j and z[i] != z[j]]
+        for i, j in pairs if not better else ():
+            better = improved([_exchanged(space, z, i, j)]) or better
+    return point(z)
+
+
+def _neighbours(study: CheckedStudy, space: Space, z: Array, k: int) -> list[Array]:
+    """Return points with the next allowed values of one parameter; of a choice all others."""
+    values = list(space.allowed[k])
+    kind, at = study.parameters[space.names[k]].kind, values.index(float(z[k]))
+    around = kind == "angle" and values[-1] - values[0] + values[1] - values[0] >= 2.0 * QUARTER
+    near: Any = {at - 1, at + 1}
+    if kind == "choice":
+        near = set(range(len(values))) - {at}
+    elif around:
+        near = {i % len(values) for i in near}
+    found = []
+    for i in sorted(i for i in near if 0 <= i < len(values) and i != at):
+        found.append(z.copy())
+        found[-1][k] = values[i]
+    return found or [z]
+
+
+def _exchanged(space: Space, z: Array, i: int, j: int) -> Array:
+    """Return a point with two values exchanged, if both are allowed there."""
+    if z[j] not in space.allowed[i] or z[i] not in space.allowed[j]:
+        return z
+    found = z.copy()
+    found[[i, j]] = z[[j, i]]
+    return found
+
+
+def _outside(study: CheckedStudy, p: Array) -> int:
+    """Return how many linked parameters have values that they may not have."""
+    found = 0
+    for parameter, value in zip(study.parameters.values(), p, strict=True):
+        allowed = parameter.allowed()
+        low, high = parameter.range()
+        near = 1e-9 * (high - low)
+        if allowed and min(abs(v - value) for v in allowed) > near:
+            found += 1
+        found += not low - near <= value <= high + near
+    return found

@@ -1,0 +1,194 @@
+"""A study from its first design to the verified best one, and the file that it leaves."""
+
+import json
+import logging
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from ...errors import InputError
+from ...math.arrays import Array
+from ...math.compiled import tell_if_slow
+from ...package.common.files import refuse_foreign, write_text
+from ...workers.executors import Executor, Task, distribute
+from .drivers.table import driver_of
+from .memory import FILE, Memory
+from .planning import plan_again, with_plan
+from .rules import layups, space_of
+from .show import variant_text
+from .starts import Start, compute_start, first_points
+from .trials import BODIES, Order, Trials
+
+LOGGER = logging.getLogger(__name__)
+RESULT, VARIANT = "design.json", "optimum.toml"
+FORMAT = "plymotion design"
+
+
+class _Starts:
+    """The source of an executor (workers/executors.py): the starts of a study."""
+
+    def __init__(self, order: Order, key: str, count: int, took: Callable[[Start], None]) -> None:
+        self._order, self._key, self._took = order, key, took
+        self._left = list(range(count))[::-1]
+
+    def next(self, lane: int, width: int) -> Task | None:
+        """Return the next start."""
+        if not self._left:
+            return None
+        number = self._left.pop()
+        return Task(compute_start, (self._order, self._key, number), number)
+
+    def took(self, task: Task, result: Start) -> None:
+        """Take a start that has ended."""
+        self._took(result)
+
+    def lost(self, task: Task) -> None:
+        """Take a start whose worker died; what it had computed is known."""
+        self._took(Start(task.content, message="its worker process died (out of memory?)"))
+
+
+def optimise(
+    order: Order, executor: Callable[[], Executor], *, fresh: bool = False, show: bool = False
+) -> dict[str, Any]:
+    """Compute a study, or what is missing of it; write and return the content of design.json.
+
+    Raises
+    ------
+    InputError
+        A study that cannot be computed, or no start that gave a valid design.
+    KeyboardInterrupt
+        Ctrl-C or TERM; the same call continues.
+    """
+    trials = Trials(order)
+    study = trials.study
+    where = f"{order.file}: design.studies.{study.name}"
+    driver_of(study.table.driver, where)
+    space = space_of(study)
+    shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
+    for name in (RESULT, VARIANT):
+        refuse_foreign(order.folder / name)
+    order = with_plan(trials)
+    trials = Trials(order)
+    key = trials.digest()
+    Memory(order.folder / FILE, key, fresh=fresh)
+    tell_if_slow()
+    found: list[Start] = []
+    count = len(first_points(study, space))
+    with tqdm(total=count, desc=study.name, unit="start", disable=None if show else True) as bar:
+
+        def took(start: Start) -> None:
+            found.append(start)
+            bar.update()
+
+        distribute(executor(), _Starts(order, key, count, took))
+    found.sort(key=lambda start: start.number)
+    memory = Memory(order.folder / FILE, key)
+    best = _best(found)
+    if best is None or best.best is None:
+        reasons = list(dict.fromkeys(start.message for start in found))
+        raise InputError("\n".join(f"{where}: {reason}" for reason in reasons))
+    result = _content(trials, key, found, best, memory)
+    if study.table.verify:
+        p = np.array(best.best.p)
+        result["verified"] = _verified(trials, p, best.best.shown)
+        if order.plan is not None:
+            result["plan"] = plan_again(trials, p)
+    shutil.rmtree(order.folder / BODIES, ignore_errors=True)
+    write_text(order.folder / VARIANT, variant_text(result))
+    write_text(order.folder / RESULT, json.dumps(result, indent=1) + "\n")
+    return result
+
+
+def _best(found: Sequence[Start]) -> Start | None:
+    """Return the start with the best design; merits of different starts have their own scale."""
+    best: Start | None = None
+    for start in found:
+        if start.best is not None and (best is None or start.best.better_than(best.best)):
+            best = start
+    return best
+
+
+def _verified(trials: Trials, p: Array, shown: list[float]) -> dict[str, Any]:
+    """Return what a richer model says of the best design, and the relative differences."""
+    found = trials.richer().values(p)
+    return {
+        "why": found.why,
+        "shown": found.shown,
+        "difference": [
+            (b - a) / (abs(b) or 1.0) for a, b in zip(shown, found.shown, strict=bool(found.shown))
+        ],
+    }
+
+
+def _sensitivities(memory: Memory, p: list[float]) -> list[list[float]]:
+    """Return derivatives of the governing value of each measure by the parameters, if known."""
+    values, slopes = (memory.get(kind, np.array(p)) for kind in ("values", "slopes"))
+    if slopes is None:
+        return []
+    return [s[int(np.abs(v).argmax())] for v, s in zip(values["values"], slopes, strict=True)]
+
+
+def _content(
+    trials: Trials, key: str, found: Sequence[Start], best: Start, memory: Memory
+) -> dict[str, Any]:
+    study, table = trials.study, trials.study.table
+    assert best.best is not None
+    names = list(study.parameters)
+    first = found[0].history[0] if found[0].history else None
+    p0, p = study.start, np.array(best.best.p)
+    return {
+        "format": FORMAT,
+        "case": trials.case,
+        "study": study.name,
+        "title": table.title or study.name,
+        "run": table.run,
+        "inputs_sha256": key,
+        "driver": table.driver,
+        "sense": "minimise" if table.minimise is not None else "maximise",
+        "measures": [
+            {
+                "words": q.words(),
+                "least": getattr(q, "least", None),
+                "most": getattr(q, "most", None),
+                "unit": m.unit,
+            }
+            for q, m in zip(table.quantities(), trials.measures, strict=True)
+        ],
+        "parameters": {
+            name: {
+                "kind": q.kind,
+                "range": q.range(),
+                "targets": [t.key for t in study.targets[name]],
+            }
+            for name, q in study.parameters.items()
+        },
+        "gradient": trials.words_of_gradient(),
+        "start": {"p": p0.tolist(), "shown": first.shown if first else []},
+        "optimum": {
+            **asdict(best.best),
+            "values": dict(zip(names, best.best.p, strict=True)),
+            "keys": study.keys(p),
+            "start": best.number,
+        },
+        "layups": [
+            {"name": a.name, "before": _layup(b), "after": _layup(a)}
+            for b, a in zip(layups(study, p0).values(), layups(study, p).values(), strict=False)
+        ],
+        "sensitivities": {
+            "start": _sensitivities(memory, first.p) if first else [],
+            "optimum": _sensitivities(memory, (best.continuous or best.best).p),
+        },
+        "starts": [asdict(start) for start in found],
+    }
+
+
+def _layup(layup: Any) -> dict[str, Any]:
+    return {
+        "angles_deg": layup.angles.tolist(),
+        "thicknesses": layup.thicknesses.tolist(),
+        "materials": list(layup.materials),
+    }

@@ -1,0 +1,295 @@
+"""Designs of a study: built and run as members of a sweep are, with packages of their own."""
+
+import logging
+import os
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plymotion import __version__
+
+from ...checks.judge import judge
+from ...errors import InputError, PackageError, few
+from ...inputs.case.bodies.segments import in_segments
+from ...inputs.case.bodies.specifications import BodySpec, model_and_check
+from ...inputs.case.design import CheckedStudy
+from ...inputs.case.load import checked_case
+from ...inputs.case.messages import ERRORS
+from ...inputs.case.record import solver_sha256, with_parts
+from ...inputs.case.sweeps import Members
+from ...inputs.case.tables.bodies import PackageBody
+from ...inputs.case.tables.schema import Mechanism, changed_mechanism
+from ...inputs.case.write import dump
+from ...math.arrays import Array
+from ...package import ModalPackage, read_package
+from ...package.common.files import write_text
+from ...package.common.plain_data import data_sha256
+from ...package.specification import fingerprint
+from ...run.execution import package_of
+from ...run.outcome import RunSpec
+from ...run.preparation import histories_of, integrated, prepare
+from ...signals import Recording
+from ...workers.executors import Local
+from ...workers.launch import keep_preprocessors
+from ...workers.packages import build_packages
+from ..sweep.member import INTERRUPTED, LOOK
+from .measures import Made, Measure, measure_of
+
+LOGGER = logging.getLogger(__name__)
+BODIES = "bodies"  # folder of packages, a folder for each process
+STATE = 1  # version of what is kept of a design: raised when its numbers change their meaning
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a process needs to compute designs of a study; it can be pickled."""
+
+    table: dict[str, Any]  # the case as the user wrote it
+    file: Path  # of the case
+    coarse: bool
+    study: str
+    folder: Path  # of the study, for packages and state
+    plan: Any = None  # of a run with [fidelity], frozen (planning.py)
+
+
+@dataclass(frozen=True)
+class Values:
+    """What was computed of a design: values of every measure, or why there are none."""
+
+    why: str  # of a design that is invalid
+    values: list[list[float]]  # by measure
+    shown: list[float]
+    units: list[str]
+
+
+class Trials:
+    """The designs of a study in this process."""
+
+    def __init__(self, order: Order) -> None:
+        case = checked_case(order.table, order.file, coarse=order.coarse, sweeps=())
+        self.order, self.case = order, case.name
+        self.study: CheckedStudy = case.studies[order.study]
+        self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
+        self.runs = any(m.runs for m in self.measures)
+        self._plan = order.plan
+        self._last: tuple[bytes, Made, list[Array]] | None = None
+        keep_preprocessors()
+
+    def digest(self) -> str:
+        """Return the hash of all that the numbers of a design depend on."""
+        study = self.study
+        designs = study.designs([study.start])
+        bodies = [*designs.own.bodies, *(b for m in designs.others.values() for b in m.bodies)]
+        fingerprints = [fingerprint(dict(s.content)) for each in bodies for s in each.values()]
+        others = [members.base.model_dump() for members in designs.others.values()]
+        targets = {n: [t.model_dump() for t in ts] for n, ts in study.targets.items()}
+        own: list[Any] = [study.merged, study.table.model_dump(), targets, others, fingerprints]
+        own += [p.model_dump() for p in study.parameters.values()]
+        own.append(self._plan.table() if self._plan is not None else None)
+        return data_sha256([STATE, __version__, solver_sha256(), *own])
+
+    # Values and slopes of designs.
+
+    def values(self, p: Array) -> Values:
+        """Return the values of a design (p,), or why it is invalid."""
+        made = self._made([p])[0]
+        if isinstance(made, str):
+            return Values(made, [], [], [])
+        try:
+            raws = [measure.raw(made) for measure in self.measures]
+            found = [
+                m.reduce(raw, made.t)[0].tolist()
+                for m, raw in zip(self.measures, raws, strict=True)
+            ]
+            shown = [m.shown(raw, made.t) for m, raw in zip(self.measures, raws, strict=True)]
+        except (InputError, *ERRORS) as error:
+            return Values(_line(error), [], [], [])
+        self._last = p.tobytes(), made, raws
+        return Values("", found, shown, [m.unit for m in self.measures])
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        """Return the derivatives of the values of a valid design: by measure, value, parameter."""
+        if self._last is None or self._last[0] != p.tobytes():
+            why = self.values(p).why
+            if why:
+                raise InputError(why)
+        assert self._last is not None
+        _, made, raws = self._last
+        weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
+        columns = self._differences(p)
+        return [
+            np.stack(
+                [np.tensordot(w, column[k], axes=column[k].ndim) for column in columns], axis=1
+            ).tolist()
+            for k, w in enumerate(weights)
+        ]
+
+    def words_of_gradient(self) -> str:
+        """Return how derivatives are computed, and how exact they are."""
+        steps = ", ".join(
+            f"{name} {h:.3g}" for name, h in zip(self.study.parameters, self.steps(), strict=True)
+        )
+        return (
+            f"central differences of designs that are built anew, steps {steps}; runs at rtol "
+            f"{self.study.table.rtol:g}: noise of about {self.study.table.rtol:g} of a signal "
+            "over two steps"
+        )
+
+    def richer(self) -> "Trials":
+        """Return trials of finer bodies, without a plan."""
+        found = copy(self)
+        found.study, found._plan, found._last = self.study.richer(), None, None
+        return found
+
+    def steps(self) -> Array:
+        """Return the steps of differences (p,), in the units of the parameters."""
+        ranges = [p.range() for p in self.study.parameters.values()]
+        return np.array([self.study.table.difference * (high - low) for low, high in ranges])
+
+    def _differences(self, p: Array) -> list[list[Array]]:
+        """Return central differences of the arrays of all measures, by parameter.
+
+        A design beside p whose run is invalid is replaced by p itself: a one-sided difference.
+        """
+        assert self._last is not None
+        own, steps = self._last[2], self.steps()
+        points = [
+            p + sign * h * e for h, e in zip(steps, np.eye(p.size), strict=True) for sign in (1, -1)
+        ]
+        found: list[tuple[float, list[Array]]] = []
+        for sign, made in zip([1.0, -1.0] * p.size, self._made(points), strict=True):
+            raws = None if isinstance(made, str) else [m.raw(made) for m in self.measures]
+            same = raws is not None and all(
+                a.shape == b.shape for a, b in zip(raws, own, strict=True)
+            )
+            found.append((sign, raws) if same and raws is not None else (0.0, own))
+        columns = []
+        for k, h in enumerate(steps):
+            (up, high), (down, low) = found[2 * k : 2 * k + 2]
+            if up == down:
+                raise InputError("no design beside this one can be run: its derivative is unknown")
+            columns.append([(a - b) / (h * (up - down)) for a, b in zip(high, low, strict=True)])
+        return columns
+
+    # How a design is made.
+
+    def _made(self, points: Sequence[Array]) -> list[Made | str]:
+        """Return designs that were built and run; of an invalid one, why."""
+        try:
+            designs = self.study.designs(points)
+        except InputError as error:
+            if len(points) > 1:
+                return [each for p in points for each in self._made([p])]
+            return [_line(error)]
+        everyone = [designs.own, *designs.others.values()]
+        specs = [s for m in everyone for each in m.bodies for s in model_and_check(each)[0].items()]
+        files = self.build(specs)
+        try:
+            return [self._run(designs.own, designs.others, k, files) for k in range(len(points))]
+        finally:
+            self.forget(files)
+
+    def forget(self, files: Mapping[str, Path]) -> None:
+        """Remove packages that `build` has made: those of all designs would fill a disk."""
+        for file in files.values():
+            file.unlink(missing_ok=True)
+            file.with_suffix(".json").unlink(missing_ok=True)
+
+    def build(self, specs: Sequence[tuple[str, BodySpec]]) -> dict[str, Path]:
+        """Build packages; return their files by the digest of their inputs.
+
+        A body that cannot be built has none.
+        """
+        # Two processes may come to the same design, such as one at a bound.
+        folder = self.order.folder / BODIES / str(os.getpid())
+        folder.mkdir(parents=True, exist_ok=True)
+        files: dict[str, Path] = {}
+        for name, spec in specs:
+            if spec.inputs_sha256 not in files:
+                file = folder / f"{name}.{spec.inputs_sha256[:16]}.vtkhdf"
+                table = {**spec.content, "inputs_sha256": spec.inputs_sha256}
+                write_text(file.with_suffix(".json"), dump(table))
+                files[spec.inputs_sha256] = file
+        level, logger = LOGGER.getEffectiveLevel(), logging.getLogger("plymotion")
+        logger.setLevel(logging.CRITICAL)  # a line for each package of each design
+        try:
+            wanted = [f.with_suffix(".json") for f in files.values()]
+            build_packages(wanted, folder, executor=lambda: Local(1, threads=True))
+        except InputError as error:
+            if "not built" not in str(error):
+                raise
+        finally:
+            logger.setLevel(level)
+        return files
+
+    def _run(
+        self, own: Members, others: Mapping[str, Members], k: int, files: Mapping[str, Path]
+    ) -> Made | str:
+        """Return the design k of some, run; why if that is impossible or invalid."""
+        try:
+            spec = self.spec(self.study.table.run, own, k, files)
+            elsewhere = {run: self.spec(run, m, k, files) for run, m in others.items()}
+            return self.run(spec, elsewhere)
+        except (InputError, PackageError, *ERRORS) as error:
+            return _line(error)
+
+    def spec(self, run: str, members: Members, k: int, files: Mapping[str, Path]) -> RunSpec:
+        """Return a run of a design with its packages. Raises PackageError."""
+        rtol = min(members.base.solver.rtol, self.study.table.rtol)
+        mechanism = changed_mechanism(members.base, {**members.changes[k], "solver.rtol": rtol})
+        return self.read(run, in_segments(mechanism), model_and_check(members.bodies[k])[0], files)
+
+    def read(
+        self,
+        run: str,
+        mechanism: Mechanism,
+        specs: Mapping[str, BodySpec],
+        files: Mapping[str, Path],
+    ) -> RunSpec:
+        """Return a run with its packages. Raises PackageError."""
+        packages: dict[str, ModalPackage] = {
+            name: package_of(files[s.inputs_sha256], s.inputs_sha256, f"body {name}", "run")
+            for name, s in specs.items()
+        }
+        for name, body in mechanism.bodies.items():
+            if isinstance(body, PackageBody):
+                packages[name] = read_package(self.order.file.parent / body.package)
+        return RunSpec(self.case, run, mechanism, packages)
+
+    def run(self, spec: RunSpec, others: Mapping[str, RunSpec]) -> Made | str:
+        """Integrate a run if a measure needs it; return why it is invalid if it is.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            A signal has ended it.
+        """
+        if not self.runs:
+            return Made(spec, None, {}, None)
+        if self._plan is not None:
+            from ..fidelity.execution import member_spec  # most studies need no planner
+
+            spec = member_spec(spec, self._plan)
+        kept = {q.name for q in self.study.table.quantities() if q.subject == "signal"}
+        read = with_parts(kept, spec.mechanism.signals)
+        prepared = prepare(
+            spec.mechanism, spec.packages, kept, histories=histories_of(read, dict(others))
+        )
+        finished = integrated(prepared, look=LOOK)
+        if finished.solution.status == INTERRUPTED:
+            raise KeyboardInterrupt
+        if finished.solution.status != "finished":
+            return f"the run ended at {finished.solution.t[-1]:.4g} s: {finished.solution.message}"
+        wrong = [f.text for f in judge(finished).findings if f.level == "error"]
+        if wrong:
+            return few(wrong[:1])
+        recording = Recording(finished.model, finished.solution.t, finished.solution.y)
+        return Made(spec, finished, prepared.measured, recording)
+
+
+def _line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
