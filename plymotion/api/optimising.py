@@ -34,16 +34,7 @@ class Optimum:
     Examples
     --------
     >>> import plymotion as pm
-    >>> case = pm.load("pendulum.toml")
-    >>> case.table["design"] = {
-    ...     "parameters": {
-    ...         "m": {"of": ["bodies.rod.mass"], "kind": "number", "bounds": [0.5, 3.0]}},
-    ...     "studies": {"light": {
-    ...         "run": "base", "minimise": {"mass": "mechanism"},
-    ...         "subject_to": [{"mass": "mechanism", "min": 1.5}], "starts": 1}},
-    ... }
-    >>> best = pm.optimise(case, "light", out="build/light")
-    >>> best
+    >>> pm.optimise("pendulum.toml", "light")
     <Optimum pendulum/light: m = 1.5>
     """
 
@@ -56,30 +47,57 @@ class Optimum:
 
     @cached_property
     def parameters(self) -> ByName[float]:
-        """Values of the parameters at the best design, by name."""
+        """Values of the parameters at the best design, by name.
+
+        >>> import plymotion as pm
+        >>> round(pm.optimise("pendulum.toml").parameters["m"], 6)
+        1.5
+        """
         return ByName("parameters", self.data["optimum"]["values"])
 
     @property
     def measures(self) -> dict[str, tuple[float, float]]:
-        """Objective and limits by their words: values at the start and at the best design."""
+        """Objective and limits by their words: values at the start and at the best design.
+
+        >>> import plymotion as pm
+        >>> start, best = pm.optimise("pendulum.toml").measures["mass mechanism"]
+        >>> start, round(best, 6)
+        (2.0, 1.5)
+        """
         words = [measure["words"] for measure in self.data["measures"]]
         pairs = zip(self.data["start"]["shown"], self.data["optimum"]["shown"], strict=True)
         return dict(zip(words, pairs, strict=True))
 
     @property
     def history(self) -> list[Array]:
-        """The objective at the iterations of each start."""
+        """The objective at the iterations of each start.
+
+        >>> import plymotion as pm
+        >>> float(pm.optimise("pendulum.toml").history[0][0])
+        2.0
+        """
         return [
             np.array([point["shown"][0] for point in start["history"]])
             for start in self.data["starts"]
         ]
 
     def changed(self, case: Case) -> Case:
-        """Return a case with the best design."""
+        """Return a case with the best design.
+
+        >>> import plymotion as pm
+        >>> case = pm.optimise("pendulum.toml").changed(pm.load("pendulum.toml"))
+        >>> round(case.bodies["rod"]["mass"], 6)
+        1.5
+        """
         return case.changed(self.data["optimum"]["keys"])
 
     def plot(self, axes: Any = None, **style: Any) -> Any:
-        """Draw the objective over the iterations of all starts with matplotlib; return the axes."""
+        """Draw the objective over the iterations of all starts with matplotlib; return the axes.
+
+        >>> import plymotion as pm
+        >>> pm.optimise("pendulum.toml").plot().get_ylabel()
+        'mass mechanism [kg]'
+        """
         axes = pyplot().gca() if axes is None else axes
         for k, values in enumerate(self.history):
             axes.plot(values, **{"marker": "o", "label": f"start {k}", **style})
@@ -127,6 +145,13 @@ def optimise(
         A mistake in the case or the study; a first design that is invalid.
     KeyboardInterrupt
         Ctrl-C; designs that were computed are kept.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.optimise("pendulum.toml", "heavy")
+    Traceback (most recent call last):
+    plymotion.solver.errors.InputError: pendulum: expected the name of a study; known: light
     """
     case = as_case(case)
     design = case.table.get("design", {})
@@ -134,7 +159,7 @@ def optimise(
     study = study or (studies[0] if len(studies) == 1 else "")
     if study not in studies:
         known = f": {few(studies)}" if studies else "; the case has none"
-        hint = nearest(study, studies) if study else known
+        hint = nearest(study, studies) if study and studies else known
         raise InputError(f"{case.name}: expected the name of a study{hint}")
     folder = folder_of(case, out, coarse=coarse)
     file = case.folder / case.name if case._file is None else case._file

@@ -74,6 +74,7 @@ RESERVED = {
         "bodies": "a folder of this name",
         "runs": "a folder of this name",
         "sweeps": "a folder of this name",
+        "studies": "a folder of this name",
     },
     "sweeps": {"bodies": "a folder sweeps/bodies"},
 }

@@ -22,9 +22,8 @@ def designed_bodies(trials: Trials) -> list[str]:
     points = [study.start]
     for k, parameter in enumerate(study.parameters.values()):
         low, high = parameter.range()
-        moved = study.start.copy()
-        moved[k] = low if abs(low - moved[k]) > abs(high - moved[k]) else high
-        points.append(moved)
+        inside = 1.0 if study.start[k] < 0.5 * (low + high) else -1.0
+        points.append(study.start + 0.01 * inside * (high - low) * np.eye(study.start.size)[k])
     own, *others = [model_and_check(b)[0] for b in study.designs(points).own.bodies]
     return [n for n, s in own.items() if any(o[n].inputs_sha256 != s.inputs_sha256 for o in others)]
 

@@ -13,9 +13,8 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.case.tables.design import Limit, Study
 from ...math.arrays import Array
-from .measures import Measure
+from .measures import Measure, Values
 from .rules import Space
-from .trials import Values
 
 BARRIER = 10.0  # by which an invalid design is worse than the last valid one, scaled
 FEASIBLE = 1e-4  # largest violation of limits, relative, of a design that counts as one

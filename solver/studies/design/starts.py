@@ -1,6 +1,8 @@
 """One start of a study: gradient steps, a turn away from a saddle, then the discrete search."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,10 +12,11 @@ from ...errors import InputError
 from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
 from .drivers.table import driver_of
+from .measures import Values
 from .memory import FILE, Memory
 from .problem import Options, Point, Problem
 from .rules import Space, broken, space_of
-from .trials import Order, Trials, Values
+from .trials import Order, Trials
 
 QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
@@ -71,16 +74,22 @@ def first_points(study: CheckedStudy, space: Space) -> Array:
     return np.r_[own, space.lower + shares * (space.upper - space.lower)]
 
 
-_opened: dict[str, tuple[Trials, Space, Memory]] = {}
+_opened: dict[tuple[Path, str], tuple[Trials, Space, Memory]] = {}
+
+
+def forget() -> None:
+    """Forget the study of this process: the file of its memory may have been begun anew."""
+    _opened.clear()
 
 
 def opened(order: Order, key: str) -> tuple[Trials, Space, Memory]:
     """Return the study of a process, read once."""
-    if key not in _opened:
+    at = order.folder, key
+    if at not in _opened:
         _opened.clear()
         trials = Trials(order)
-        _opened[key] = trials, space_of(trials.study), Memory(order.folder / FILE, key)
-    return _opened[key]
+        _opened[at] = trials, space_of(trials.study), Memory(order.folder / FILE, key)
+    return _opened[at]
 
 
 def compute_start(order: Order, key: str, number: int) -> Start:
@@ -90,20 +99,26 @@ def compute_start(order: Order, key: str, number: int) -> Start:
     z0 = first_points(study, space)[number]
     known, start = Known(trials, memory), Start(number)
     try:
-        problem = Problem(known, study.table, trials.measures, space, z0)
-        _descend(problem, start, study)
-        turned = _beside_saddle(problem, study, number)
-        if turned is not None:
-            again = Problem(known, study.table, trials.measures, space, turned)
-            _descend(again, start, study)
-            start.left_saddle = True
-        start.continuous = start.best
-        if start.best is not None and any(space.allowed):
-            start.best = discrete(problem, study, start.best)
+        search(start, study, lambda z: Problem(known, study.table, trials.measures, space, z), z0)
     except InputError as error:
         start.message = str(error).splitlines()[0]
     start.computed = known.computed
     return start
+
+
+def search(
+    start: Start, study: CheckedStudy, problem_at: Callable[[Array], Problem], z0: Array
+) -> None:
+    """Go from free parameters (z,) to the best design; what becomes of it goes into `start`."""
+    problem = problem_at(z0)
+    _descend(problem, start, study)
+    turned = _beside_saddle(problem, study, start.number)
+    if turned is not None:
+        _descend(problem_at(turned), start, study)
+        start.left_saddle = True
+    start.continuous = start.best
+    if start.best is not None and any(problem.space.allowed):
+        start.best = discrete(problem, study, start.best)
 
 
 def _descend(problem: Problem, start: Start, study: CheckedStudy) -> None:

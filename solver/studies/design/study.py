@@ -20,7 +20,7 @@ from .memory import FILE, Memory
 from .planning import plan_again, with_plan
 from .rules import layups, space_of
 from .show import variant_text
-from .starts import Start, compute_start, first_points
+from .starts import Start, compute_start, first_points, forget
 from .trials import BODIES, Order, Trials
 
 LOGGER = logging.getLogger(__name__)
@@ -75,6 +75,7 @@ def optimise(
     trials = Trials(order)
     key = trials.digest()
     Memory(order.folder / FILE, key, fresh=fresh)
+    forget()
     tell_if_slow()
     found: list[Start] = []
     count = len(first_points(study, space))

@@ -12,6 +12,7 @@ import numpy as np
 
 from plymotion import __version__
 
+from ...checks.finished import Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError, few
 from ...inputs.case.bodies.segments import in_segments
@@ -36,10 +37,10 @@ from ...signals import Recording
 from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import build_packages
-from ..sweep.member import INTERRUPTED, LOOK
-from .measures import Made, Measure, measure_of
+from .measures import Made, Measure, Values, measure_of
 
 LOGGER = logging.getLogger(__name__)
+LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)  # as in a sweep
 BODIES = "bodies"  # folder of packages, a folder for each process
 STATE = 1  # version of what is kept of a design: raised when its numbers change their meaning
 
@@ -54,16 +55,6 @@ class Order:
     study: str
     folder: Path  # of the study, for packages and state
     plan: Any = None  # of a run with [fidelity], frozen (planning.py)
-
-
-@dataclass(frozen=True)
-class Values:
-    """What was computed of a design: values of every measure, or why there are none."""
-
-    why: str  # of a design that is invalid
-    values: list[list[float]]  # by measure
-    shown: list[float]
-    units: list[str]
 
 
 class Trials:
@@ -280,7 +271,7 @@ class Trials:
             spec.mechanism, spec.packages, kept, histories=histories_of(read, dict(others))
         )
         finished = integrated(prepared, look=LOOK)
-        if finished.solution.status == INTERRUPTED:
+        if finished.solution.status == "interrupted":
             raise KeyboardInterrupt
         if finished.solution.status != "finished":
             return f"the run ended at {finished.solution.t[-1]:.4g} s: {finished.solution.message}"
