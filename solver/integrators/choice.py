@@ -192,7 +192,7 @@ def make_integrator(
     subject = model if kind.takes == "model" else right_hand_side(model)
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
     if fixed_step is None and (unseen := HiddenForces(model, made.points)):
-        made.hidden = unseen.first
+        made.hidden, made.chattering = unseen.stops, unseen.chattering
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = found.unsearched
     made.vibrates = bool(

@@ -6,6 +6,10 @@ contact within one step leaves nothing in its error estimate. Each accepted step
 at: the quantities that an expression reads are polynomials between its ends, and interval
 arithmetic bounds every part of the expression inside. A part that goes beyond its values at the
 points that the method evaluates was not seen, and the step has to end there (docs/adr/0053).
+
+Over a jump of a force the error estimate of a step may be a tenth of the error or less, whatever
+the method: it compares sums over the same few points. Such a step may be only so long that the
+jump changes the motion by less than the tolerance.
 """
 
 from typing import NamedTuple
@@ -20,11 +24,15 @@ from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
 from ..math.expressions.program import Programs
 from ..math.expressions.ranges import bound_parts
-from .breakpoints import SPLIT, VARIES, programs_read
+from .breakpoints import JUMPING, JUMPS, SPLIT, VARIES, programs_read
+from .generic.base import Over
 
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
 MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fast everywhere
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
+HALVES = 48  # of a step, in which a jump is located
+# Longest steps over a jump within which it comes back; attempts to pass it that are no motion.
+AHEAD, OFTEN = 20.0, 30
 SUMS = frozenset((op.ADD, op.SUBTRACT, op.NEGATE))
 
 
@@ -39,6 +47,7 @@ class Watched(NamedTuple):
     loads: IntArray  # (l,) quantities that it reads
     cubic: IntArray  # (l,) 1: the rate of a quantity follows it among all quantities
     curved: IntArray  # (n,) 1: a part is not linear in them
+    jumping: IntArray  # (n,) 1: a part jumps
     points: Array  # (s,) parts of a step at which forces are evaluated
     span: Array  # (n, 2) least and largest value of each part so far
     quiet: Array  # (1 + l, 2) bounds of time and quantities within which no part varies much
@@ -68,20 +77,63 @@ class HiddenForces:
         )
         self._watched = [each for each in found if each is not None]
 
+        self._switching = [each for each in self._watched if each.jumping.any()]
+        self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
+        self.chattering: dict[int, float] = {}  # expressions, and since when [s]
+
     def __bool__(self) -> bool:
         return bool(self._watched)
 
-    def first(self, t: Array, y: Array) -> float | None:
-        """Return the earliest instant [s] at which a force was not seen; None if there is none.
+    def stops(self, t: Array, y: Array, over: Over) -> list[float]:
+        """Return the instants [s] at which steps have to end, for the earliest cause; or none.
 
+        Parameters
+        ----------
         t, y : (k + 1,), (k + 1, n) ends of k steps
+        over : of the ends (2,), (2, n) of a step with a jump: see `Over`
         """
-        found = np.inf
-        values = quantities(self._model, t, y)
+        found, values = np.inf, quantities(self._model, t, y)
         with np.errstate(all="ignore"):
             for each in self._watched:
                 found = first_hidden(each, t, values, found)
-        return found if np.isfinite(found) else None
+            stops = [found] if np.isfinite(found) else []
+            for each in list(self._switching):
+                i, at = first_switch(each, t, values, 0)
+                while i >= 0 and at < found:
+                    most, rate = over(t[i : i + 2], y[i : i + 2])
+                    most = max(most, 1e3 * np.spacing(abs(at)))
+                    if t[i + 1] - t[i] > most:
+                        if not self._chatters(each, at):
+                            found = at
+                            stops = [max(at - 0.4 * most, float(t[i])), at + 0.4 * most]
+                        break
+                    later = AHEAD * most
+                    onwards = np.stack([y[i], y[i + 1] + later * rate])
+                    self._pass(each, np.array([t[i], t[i + 1] + later]), onwards)
+                    i, at = first_switch(each, t, values, i + 1)
+        return stops
+
+    def _chatters(self, watched: Watched, at: float) -> bool:
+        """Count an attempt to step up to a jump at time `at`; tell whether it is one too many."""
+        p = watched.program
+        last, count = self._last.get(p, (-np.inf, 0))
+        self._last[p] = last, count + 1
+        if count == OFTEN:
+            self.chattering[p] = at
+            self._switching = [each for each in self._switching if each.program != p]
+        return count == OFTEN
+
+    def _pass(self, watched: Watched, t: Array, y: Array) -> None:
+        """Note a step over a jump, which is behind the motion if the motion does not come back.
+
+        If it does, both forces push towards the jump and hold the state there. t, y : (2,), (2, n)
+        before the jump, and a little later on the straight line on which the state leaves it.
+        """
+        last, count = self._last.get(watched.program, (-np.inf, 0))
+        if t[0] > last:  # not taken again
+            values = quantities(self._model, t, y)
+            count = 0 if first_switch(watched, t, values, 0)[0] == 0 else count
+            self._last[watched.program] = float(t[0]), count
 
 
 def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Watched | None:
@@ -105,6 +157,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         loads,
         cubic.astype(np.int64),
         curved.astype(np.int64),
+        np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(JUMPING)).astype(np.int64),
         points,
         np.tile(nothing, (parts, 1)),
         np.tile(nothing, (read, 1)),
@@ -160,6 +213,50 @@ def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> fl
         else:
             _widen(watched)
     return before
+
+
+@lean
+def first_switch(watched: Watched, t: Array, values: Array, first: int) -> tuple[int, float]:
+    """Return the first step, from step `first` on, over which an expression jumps; and when [s].
+
+    t, values : as of `first_hidden`. Step -1: there is none.
+    """
+    limits, bounds = watched.limits, watched.bounds
+    for i in range(first, t.shape[0] - 1):
+        _set_path(watched, t, values, i)
+        _set_box(watched, 0.0, 0.0)
+        _bound(watched)
+        for k in range(bounds.shape[0]):
+            limits[k, 0] = bounds[k, 0]
+        if not _switched(watched, 1.0):
+            continue
+        last = bounds.shape[0] - 1  # the whole expression
+        size = max(abs(bounds[last, 0]), abs(limits[last, 0]))
+        size = max(size, watched.span[last, 1] - watched.span[last, 0])
+        low, high = 0.0, 1.0
+        for _ in range(HALVES):
+            middle = 0.5 * (low + high)
+            if _switched(watched, middle):
+                high = middle
+            else:
+                low = middle
+        _switched(watched, low)
+        before = bounds[last, 0]
+        _switched(watched, high)
+        if abs(bounds[last, 0] - before) > JUMPS * size:
+            return i, t[i] + high * (t[i + 1] - t[i])
+    return -1, 0.0
+
+
+@lean
+def _switched(watched: Watched, at: float) -> bool:
+    """Tell whether a part that jumps is at a part of a step not what it was at its begin."""
+    _set_box(watched, at, at)
+    _bound(watched)
+    found = False
+    for k in range(watched.jumping.shape[0]):
+        found = found or (watched.jumping[k] > 0 and watched.bounds[k, 0] != watched.limits[k, 0])
+    return found
 
 
 @inlined

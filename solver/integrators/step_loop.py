@@ -255,8 +255,8 @@ class StepLoop(StrideMemory):
             begun = self._begun if keep or self.hidden is None else self._mark()
             code, reached = self._call(most, times, rows, filled, self._ends)
             self._take_over(code)
-            unseen = None if self.hidden is None else self.hidden(*self._ends_since(begun))
-            if unseen is None:
+            unseen = [] if self.hidden is None else self._unseen(*self._ends_since(begun))
+            if not unseen:
                 return reached
             self._go_back(begun)
             self._stop_also(unseen)

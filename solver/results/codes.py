@@ -89,6 +89,7 @@ GROWS = _run("motion-grows", limit=10.0)
 REFUSED = _run("steps-refused", "note", 0.2)
 # solver/integrators/breakpoints.py has the limit.
 BREAKS_UNSEARCHED = _run("breaks-not-searched", limit=50000.0)
+CHATTERS = _run("law-chatters")
 # Singular positions on the way.
 SINGULAR = _run("singular-position", "error")
 BRANCH = _run("branch-change", "error")

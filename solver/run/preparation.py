@@ -14,6 +14,7 @@ from ..checks.stability import BucklingMonitor, SpinMonitor
 from ..dynamics.analysis.recovery import scales
 from ..dynamics.elements.constraints.treatment import Treatment, treated
 from ..dynamics.model.model import Model
+from ..errors import few
 from ..inputs.case.expressions import is_smooth
 from ..inputs.case.record import needed
 from ..integrators.choice import make_integrator, treatment_of
@@ -27,7 +28,7 @@ from ..mechanism.equilibrium import given_spin
 from ..mechanism.python_functions import Called, python_functions, require_permission
 from ..mechanism.start import moved_findings, starting_state
 from ..package import ModalPackage
-from ..results.codes import BREAKS_UNSEARCHED, SINGULAR, Finding
+from ..results.codes import BREAKS_UNSEARCHED, CHATTERS, SINGULAR, Finding
 from ..signals import Histories, Sensor, Turns, recorded, sensors
 from .outcome import RunSpec
 
@@ -252,6 +253,8 @@ def integrated(
         )
         if integrator.most_hidden <= 0:
             prepared.notes.append(_unseen(type(integrator).most_hidden))
+        for program, t in integrator.chattering.items():
+            prepared.notes.append(_chatters(prepared.built, program, t))
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -272,6 +275,21 @@ def _unseen(count: int) -> Finding:
         "rtol"
     )
     return replace(BREAKS_UNSEARCHED.finding(text, value=count), limit=float(count))
+
+
+def _chatters(built: BuiltMechanism, program: int, t: float) -> Finding:
+    """Return what to say of an expression that has begun to chatter at time t [s]."""
+    model, read = built.model, built.model.quantities
+    of_law = np.flatnonzero(read.law == program)
+    forces = np.flatnonzero((read.force == program) | np.isin(model.force_law, of_law))
+    whose = few([built.force_names[k] for k in forces]) if forces.size else "an expression"
+    text = (
+        f"{whose}: from t = {t:.6g} s on the force jumps back and forth as fast as the tolerance "
+        "lets steps see it: its jump holds the motion (sliding), and the run takes tiny steps or "
+        "is inaccurate. Give the jump a width, as clip(s / width, -1, 1) in place of sign(s), or "
+        "sample the law (`sample_time` of a controller)"
+    )
+    return CHATTERS.finding(text, t=t)
 
 
 def complete(prepared: Prepared) -> FinishedRun:

@@ -6,8 +6,9 @@ be compiled later without changing the contract.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,7 +23,9 @@ Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
 Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
-Hidden = Callable[[Array, Array], "float | None"]
+# The longest step [s] over a jump of f between states (2, n) at times (2,), and f behind it (n,).
+Over = Callable[[Array, Array], tuple[float, Array]]
+Hidden = Callable[[Array, Array, Over], list[float]]
 
 MAX_REFUSALS_NOT_FINITE = 25
 ROUNDING = 1e-14  # of the end of a run: what breaks there does so after it
@@ -105,8 +108,9 @@ class Integrator(ABC):
     limited_above: ClassVar[float | None] = None
 
     points: ClassVar[tuple[float, ...]] = (0.0, 1.0)  # of a step at which f is evaluated
-    hidden: Hidden | None = None  # instant in steps (t, y) at which f varies unseen: hidden.py
+    hidden: Hidden | None = None  # looks for instants at which f varies unseen: hidden.py
     most_hidden = 1000  # such instants of a run
+    chattering: Mapping[int, float] = MappingProxyType({})  # expressions, and since when [s]
     unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
     bounded_to = 0  # steps after which a bound by the fastest vibration is found anew
     vibrates = True  # whether anything in the system stores energy and could vibrate
@@ -200,10 +204,21 @@ class Integrator(ABC):
                 self._go_behind(jump=jumps)
             self._advance()
 
-    def _stop_also(self, t: float) -> None:
-        """Let a step end at t [s], too, where f varies without having been seen."""
-        self._kinks = np.union1d(self._kinks, t)
-        self.most_hidden -= 1
+    def _unseen(self, t: Array, y: Array) -> list[float]:
+        """Return where steps with the ends t (k + 1,), y (k + 1, n) have to end, too."""
+        return [] if self.hidden is None else self.hidden(t, y, self._over_jump)
+
+    def _over_jump(self, t: Array, y: Array) -> tuple[float, Array]:
+        """See `Over`: wherever the jump is in the step, its error is within the tolerance."""
+        before = self.derivative(float(t[0]), y[0]).copy()
+        behind = self.derivative(float(t[1]), y[1]).copy()
+        size = self.norm((behind - before) * self.norm.weight(y[0], y[1]))
+        return 1.0 / max(size, 1e-300), behind
+
+    def _stop_also(self, times: list[float]) -> None:
+        """Let steps end at these times [s], too: one of a force that has not been seen, or two."""
+        self._kinks = np.union1d(self._kinks, times)
+        self.most_hidden -= len(times) == 1
         if self.most_hidden == 0:
             self.hidden = None
 
@@ -307,9 +322,9 @@ class Integrator(ABC):
             self._trouble = "the step cannot be projected onto the constraints"
             return None
         if self.hidden is not None and t > self.t:
-            unseen = self.hidden(np.array([self.t, t]), np.stack([self.y, nearest]))
-            if unseen is not None:
-                self._trouble = f"a force varies inside the step, at t = {unseen:.9g} s"
+            unseen = self._unseen(np.array([self.t, t]), np.stack([self.y, nearest]))
+            if unseen:
+                self._trouble = f"a force varies inside the step, at t = {unseen[0]:.9g} s"
                 self._stop_also(unseen)
                 self._find_stop()
                 return None

@@ -1,0 +1,74 @@
+"""Forces that jump with the state: each jump costs a motion no more than the tolerance.
+
+Motions between jumps are parabolas or harmonic, so all numbers are closed forms.
+"""
+
+from math import atan2, cos, hypot, log, pi, sqrt
+
+import pytest
+from samples.coordinate_samples import carriage, force, run
+
+RTOL = 1e-5  # the default
+INTEGRATORS = ("radau", "rk8", "rk5", "gear")
+
+
+def solved(folder, expression, speed, t_end, integrator):
+    law = force("law", "coordinate_force", joint="rail", expression=expression)
+    solver = f'integrator = "{integrator}"'
+    _, found, summary = run(folder, carriage(law, speed=speed), t_end, t_end / 8, solver)
+    return found["x"][-1], found["v"][-1], summary
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_force_towards_the_middle(tmp_path, integrator):
+    """-C sign(x): parabolas; each half swing takes 2 v / C. Seven jumps."""
+    c, v = 2.0, 1.3
+    x, w, summary = solved(tmp_path, f"-{c} * sign(x)", v, 7.5 * 2 * v / c, integrator)
+    assert -x == pytest.approx(v**2 / (2 * c), rel=20 * RTOL)
+    assert w == pytest.approx(0.0, abs=20 * RTOL * v)
+    assert not summary["warnings"]
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_dry_friction_on_a_spring(tmp_path, integrator):
+    """-k x - C sign(v): half swings are harmonic about C / k on either side."""
+    k, c, v = 25.0, 1.0, 3.0
+    w, middle = sqrt(k), c / k
+    first = hypot(middle, v / w) - middle  # where it turns the first time
+    begin = (pi / 2 - atan2(middle, v / w)) / w
+    third = first - 4 * middle  # two half swings later
+    x, _, summary = solved(
+        tmp_path, f"-{k} * x - {c} * sign(v)", v, begin + 2.3 * pi / w, integrator
+    )
+    assert x == pytest.approx(middle + (third - middle) * cos(0.3 * pi), abs=20 * RTOL * first)
+    assert not summary["warnings"]
+
+
+@pytest.mark.parametrize("integrator", ["radau", "rk5"])
+def test_a_law_that_is_continuous_needs_no_stop(tmp_path, integrator):
+    """A wall by a condition costs what the one by `max` does."""
+    found = [
+        solved(tmp_path, wall, 1.0, 3.0, integrator)
+        for wall in ("-1e3 * max(x - 1, 0)", "-1e3 * (x - 1) if x > 1 else 0")
+    ]
+    for _, v, _ in found:
+        assert v == pytest.approx(-1.0, abs=20 * RTOL)
+    steps = [summary["cost"]["steps"] for *_, summary in found]
+    assert steps[1] <= 1.1 * steps[0]
+
+
+@pytest.mark.provokes("law-chatters")
+def test_a_law_that_holds_the_state_at_its_jump_is_named(tmp_path):
+    """-C sign(x + T v) from x = 0 with v: reaches its line and slides along it, x' = -x / T."""
+    c, period, v = 2.0, 0.5, 1.0
+    # x + T v = 0 on the first parabola, x = v t - C t^2 / 2
+    rate = v - c * period
+    reached = (rate + sqrt(rate**2 + 2 * c * period * v)) / c
+    later = 0.03
+    law = f"-{c} * sign(x + {period} * v)"
+    x, _, summary = solved(tmp_path, law, v, reached + later, "rk5")
+    at = v * reached - c * reached**2 / 2
+    assert log(at / x) == pytest.approx(later / period, rel=0.05)
+    (told,) = [w for w in summary["warnings"] if w["code"] == "law-chatters"]
+    assert told["message"].startswith("law: from t = ")
+    assert told["t"] == pytest.approx(reached, abs=later / 2)
