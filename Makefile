@@ -460,6 +460,7 @@ docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver.inputs.manual docs
 	$(PY) tools/format_pages.py docs
+	$(PY) tools/builder_stubs.py plymotion/api/builders.pyi
 
 .PHONY: clean
 clean: ## Remove all build results, but not the environments

@@ -25,6 +25,8 @@ from .api.section import Section as Section
 from .api.section import section as section
 from .api.signal import Signal as Signal
 from .api.signal import norm as norm
+from .api.simulation import Simulation as Simulation
+from .api.simulation import simulate as simulate
 from .api.sweeping import Sweep as Sweep
 from .api.sweeping import sweep as sweep
 from .solver.errors import InputError as InputError

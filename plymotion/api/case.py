@@ -12,6 +12,7 @@ from ..solver.inputs.case.load import checked_case
 from ..solver.inputs.case.record import case_file, case_name
 from ..solver.inputs.case.tables.schema import split_key
 from ..solver.inputs.common.text_file import read_toml
+from .builders import Builders
 from .keys import Keys, Tables, check, kind_of, model_of, plain, raw
 from .signal import table
 
@@ -99,7 +100,7 @@ class _Group(_Entry):
         return self if case is None else self._keys(case)
 
 
-class Case:
+class Case(Builders):
     """A mechanism with its runs and sweeps: what a case file has, in Python.
 
     Every key of the case file is an attribute of the same name, at every depth:
@@ -163,7 +164,7 @@ class Case:
     figures = _Group()
     sweeps = _Group()
 
-    def __init__(self, name: str, *, title: str = "", **keys: Any) -> None:
+    def __init__(self, name: str = "case", *, title: str = "", **keys: Any) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name):
             raise InputError(f"Case({name!r}): expected a name of letters, digits and _ . -")
         self.name, self.folder = name, Path()

@@ -119,6 +119,17 @@ class StrideMemory(Integrator):
             self._go_back(self._begun)
             self._stood = None
 
+    def mark(self) -> Any:
+        """Return all that the steps to come depend on, between two strides."""
+        self.take_up()
+        self._begun = None
+        return self._mark()
+
+    def go_back(self, mark: Any) -> None:
+        """Stand again where `mark` was made."""
+        self._stood = self._begun = None
+        self._go_back(mark)
+
     def _mark(self) -> Any:
         """Return all that the steps to come depend on."""
         kept = {name: value for name, value in vars(self).items() if name not in PLACES}

@@ -198,6 +198,7 @@ class BuiltMechanism:
     force_names: list[str]  # in the order of the force elements of the model
     callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
     point_masses: tuple[tuple[int, float], ...] = ()  # marker and mass [kg], not of virtual bodies
+    markers: dict[str, int] = field(default_factory=dict)  # of all places, if they were asked for
 
 
 def build(
@@ -207,12 +208,14 @@ def build(
     stiffening: bool = False,
     heaviest: float = np.inf,
     share: float = 0.0,
+    everywhere: bool = False,
 ) -> BuiltMechanism:
     """Build the model of a checked mechanism (inputs/case/tables/schema.py).
 
     `stiffening` gives every body its second-order terms whatever the mechanism says; `heaviest` is
     the largest ratio of a mass point to its body, heavier ones are taken as so heavy. With a
-    `share` joints are held at this share of their coordinates at the start.
+    `share` joints are held at this share of their coordinates at the start. `everywhere` gives
+    every place a marker with global axes at the start.
 
     Raises
     ------
@@ -256,6 +259,7 @@ def build(
         for number, at in enumerate(frame.places):
             marker = places.marker(f"signals.{name}.at", at, A_GM)
             signal_marker[frame_marker(name, number)] = marker
+    markers = {at: places.marker("", at, np.eye(3)) for at in places.known if everywhere}
     virtual = VirtualBodies([], places.markers, joints)
     if mechanism.solver.attachment == "virtual":
         virtual = through_virtual_bodies(bodies, places.markers, joints)
@@ -289,6 +293,7 @@ def build(
         force_names=list(mechanism.forces),
         callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
         point_masses=tuple(masses),
+        markers=markers,
     )
 
 

@@ -1,8 +1,9 @@
 """A mechanism that moves from one communication point to the next, with inputs in between."""
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ..dynamics.elements.forces.contract import OfTime
 from ..dynamics.elements.forces.table import ELEMENTS, LOADS
 from ..dynamics.elements.joints.contract import Displacement, DrivenBy
 from ..dynamics.elements.joints.table import JOINTS
+from ..dynamics.evaluation.evaluation import started
 from ..dynamics.evaluation.laws import law_values
 from ..dynamics.model.model import Model
 from ..errors import InputError
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 # An input between communication points, from the values that came so far.
 
 KEPT = 3  # values, enough for a parabola
+UNKNOWN = np.full(2, np.nan)  # rates of an input
 
 
 class Course:
@@ -56,7 +59,7 @@ class Course:
         self._values: list[float] = []
 
     def piece(self, t: float, h: float, value: float, rates: Array) -> Array:
-        """Return coefficients (6,) of powers of the time after t, for a step of h [s].
+        """Return coefficients (3 or 6,) of powers of the time after t, for a step of h [s].
 
         value : of the input at t
         rates : (2,) first and second derivative at t where they are known; nan: not
@@ -70,7 +73,7 @@ class Course:
         self._note(t, value)
         ahead = self._ahead(t, value, rates)
         if not self._drive:
-            return np.concatenate([ahead, np.zeros(3)])
+            return ahead
         end = np.array(
             [
                 ahead[0] + ahead[1] * h + ahead[2] * h * h,
@@ -85,8 +88,16 @@ class Course:
     def _note(self, t: float, value: float) -> None:
         self._times, self._values = [*self._times, t][-KEPT:], [*self._values, value][-KEPT:]
 
+    def copy(self) -> "Course":
+        """Return a course that goes on from here by itself."""
+        found = copy(self)
+        found._at = self._at.copy()
+        return found
+
     def _ahead(self, t: float, value: float, rates: Array) -> Array:
         """Return coefficients (3,) of the polynomial through the last values."""
+        if self._order == 0 and rates is UNKNOWN:
+            return np.array([value, 0.0, 0.0])
         count = self._order + 1
         since = np.array(self._times[-count:]) - t
         found = np.zeros(3)
@@ -211,6 +222,20 @@ def write_piece(model: Model, number: int, t: float, coefficients: Array) -> Non
 DRIVE_ORDER, FORCE_ORDER = 2, 1
 
 
+class Kept(NamedTuple):
+    """All that the steps to come of a run depend on."""
+
+    t: float
+    y: Array
+    mark: Any  # of the integrator
+    integrator: Any
+    courses: list[Course]
+    laws: tuple[Any, ...]
+    memory: dict[Any, Any]
+    turns: Any
+    prepared: Prepared
+
+
 class Stepper:
     """A run under way in the hands of another program.
 
@@ -221,6 +246,7 @@ class Stepper:
     ----------
     spec : the run; its laws of inputs are of use for the start and for the tolerances only
     inputs : names of those that are written from outside; None: all. The others follow the case
+    every : the monitors look at one communication step of so many
 
     Raises
     ------
@@ -230,11 +256,14 @@ class Stepper:
 
     t: float  # [s]
     y: Array  # (n,) state
+    _memory: dict[Any, Any]  # of signals
     _started: bool  # the prepared mechanism has been started from
     _integrator: Integrator | None  # from the first step on
 
-    def __init__(self, spec: RunSpec, inputs: Sequence[str] | None = None) -> None:
-        self._spec = spec
+    def __init__(
+        self, spec: RunSpec, inputs: Sequence[str] | None = None, *, every: int = 1
+    ) -> None:
+        self._spec, self._every = spec, every
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
         self._started = False
@@ -279,19 +308,27 @@ class Stepper:
 
         if change.any() or self._started:  # otherwise prepared when it was made
             self._begin(prepare(self._spec.mechanism, self._spec.packages, adjust=adjust))
-        self._started = True
+        self._started, self._orders = True, (force_order, drive_order)
+        self._set_courses(change)
+        return self.measured()
+
+    def _set_courses(self, change: Array) -> None:
         self._courses = [
             Course(
                 given.start + np.array([by, 0.0, 0.0]),
                 drive=given.drive,
-                order=drive_order if given.drive else force_order,
+                order=self._orders[given.drive],
             )
             for given, by in zip(self.inputs, change, strict=True)
         ]
-        return self._measured()
 
     def advance(self, t: float, values: Array, rates: Array | None = None) -> Array:
-        """Move on to t [s] and return the outputs there, (n,).
+        """Move on to t [s] and return the outputs there, (n,); see `move`."""
+        self.move(t, values, rates)
+        return self.measured()
+
+    def move(self, t: float, values: Array, rates: Array | None = None) -> None:
+        """Move on to t [s].
 
         Parameters
         ----------
@@ -308,9 +345,9 @@ class Stepper:
             if prepared.refused is not None:
                 raise InputError(prepared.refused.message)
             self._integrator = make_integrator(
-                prepared.model, prepared.y0, prepared.mechanism.solver, prepared.treatment
+                prepared.model, self.y, prepared.mechanism.solver, prepared.treatment
             )
-        h, known = t - self.t, np.full((len(values), 2), np.nan) if rates is None else rates
+        h, known = t - self.t, [UNKNOWN] * len(values) if rates is None else rates
         for given, course, value, its in zip(
             self.inputs, self._courses, values, known, strict=True
         ):
@@ -318,7 +355,58 @@ class Stepper:
             piece[0] += given.offset
             write_piece(self._prepared.model, given.law, self.t, piece)
         self._move(self._integrator, t)
-        return self._measured()
+
+    @property
+    def prepared(self) -> Prepared:
+        """The mechanism and its start, of the inputs at t = 0."""
+        return self._prepared
+
+    def kept(self) -> Kept:
+        """Return all that the steps to come depend on."""
+        integrator: Any = self._integrator
+        model, turns = self._prepared.model, self._prepared.turns
+        laws: tuple[Any, ...] = model.law_time, model.law_coefficient, model.quantities.law
+        return Kept(
+            self.t,
+            self.y.copy(),
+            None if integrator is None else integrator.mark(),
+            integrator,
+            [course.copy() for course in self._courses],
+            tuple(array.copy() for array in laws),
+            dict(self._memory),
+            turns.mark(),
+            self._prepared,
+        )
+
+    def restore(self, kept: Kept) -> None:
+        """Go on from a state of this run, to the last bit as from there the first time.
+
+        Raises
+        ------
+        InputError
+            A state of another run, or of before another start.
+        """
+        prepared = self._prepared
+        if kept.prepared is not prepared:
+            raise InputError("state: expected one of this simulation since its last reset")
+        model = prepared.model
+        laws = model.law_time, model.law_coefficient, model.quantities.law
+        for array, values in zip(laws, kept.laws, strict=True):
+            array[...] = values
+        self.t, self.y = kept.t, kept.y.copy()
+        self._courses = [course.copy() for course in kept.courses]
+        self._memory = dict(kept.memory)
+        prepared.turns.go_back(kept.turns)
+        self._integrator = kept.integrator
+        if kept.integrator is not None:
+            kept.integrator.go_back(kept.mark)
+
+    def place(self, y: Array, values: Array) -> None:
+        """Go on from another state y (n,), with inputs (k,), as from a start at t = 0."""
+        self._set_courses(values - np.array([given.start[0] for given in self.inputs]))
+        self.t, self.y = 0.0, started(self._prepared.model, 0.0, y)
+        self._integrator, self._memory = None, {}
+        self._prepared.turns.go_back(({}, [], []))
 
     def warnings(self) -> list[str]:
         """Return what the monitors have found since the last call."""
@@ -334,23 +422,28 @@ class Stepper:
         self._prepared, self._watch = prepared, prepared.watch
         self._integrator = None
         self.t, self.y = 0.0, prepared.y0
-        self._memory: dict[Any, Any] = {}
+        self._memory = {}
         self._told: set[str] = set()
+        self._moves = 0  # communication steps
 
     def _move(self, integrator: Any, t: float) -> None:
         integrator.go_on(t)
         nowhere = np.empty(0), np.empty((0, integrator.n))
+        self._moves += 1
+        watched = self._moves % self._every == 0
         while integrator.status == "running":
-            integrator.stride(*nowhere, 0, True)
-            request = self._watch(integrator.steps_taken())
-            integrator.take_up()
+            integrator.stride(*nowhere, 0, watched)
+            request = None
+            if watched:
+                request = self._watch(integrator.steps_taken())
+                integrator.take_up()
             self.t, self.y = integrator.t, integrator.y
             if request is not None:
                 raise InputError(request.message)
         if integrator.status != "finished":
             raise InputError(integrator.message)
 
-    def _measured(self) -> Array:
+    def measured(self) -> Array:
         """Return the outputs at the present time, (n,)."""
         block = np.array([self.t]), self.y[None]
         _, found = next(recorded(self.outputs, self._prepared.model, lambda: [block], self._memory))

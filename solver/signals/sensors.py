@@ -49,6 +49,15 @@ class Turns:
         self._last: list[tuple[Array, Array]] = []  # times and values of the last steps
         self._near: list[Array] = []  # values about which the outputs are
 
+    def mark(self) -> Any:
+        """Return what has been followed so far."""
+        return dict(self._memory), list(self._last), list(self._near)
+
+    def go_back(self, mark: Any) -> None:
+        """Follow on from where `mark` was made."""
+        memory, last, near = mark
+        self._memory, self._last, self._near = dict(memory), list(last), list(near)
+
     def whole(self, values: Values) -> Values:
         """Return what gives the same values with the turns of all steps.
 

@@ -25,7 +25,7 @@ from ..elements.joints.contract import ANGLE, Coordinate, Displacement
 from ..elements.joints.rotation_drive import rotation_drive
 from ..elements.joints.rows import along_axis
 from ..elements.joints.table import JOINTS, NAMES
-from ..elements.marker import evaluate_markers
+from ..elements.marker import evaluate_markers, single_motion
 from ..evaluation.accelerations import dense
 from ..evaluation.evaluation import evaluate
 from ..model.model import GAMMA, GROUND, N_ROW, Model, new_work
@@ -232,7 +232,7 @@ class JointCoordinates:
     def jacobian(self, t: float, y: Array, marker: int) -> Array:
         """Return velocity and angular velocity of a marker by the rates, (6, n), global."""
         Z = self.projected(t, y).Z
-        return np.asarray(self._spread(marker, self._work.J_m[marker]) @ Z)
+        return np.asarray(self._spread(marker, single_motion(self._model, marker, y)[1]) @ Z)
 
     def _marker(self, k: int) -> tuple[Array, Array]:
         row = self._work.motion[k]

@@ -557,11 +557,14 @@ class Instants:
 
     def __init__(self, model: Model, t_end: float) -> None:
         self._period = model.quantities.period
+        if not (self._period > 0.0).any():
+            self.t: Array = np.zeros(0)
+            return
         periods = np.unique(self._period[self._period > 0.0])
         all_t = [p * np.arange(1, int(np.ceil(t_end / p - NEAR))) for p in periods]
         t = np.sort(np.concatenate([np.zeros(0), *all_t]))
         apart = np.diff(t, prepend=-1.0) > NEAR * periods.min(initial=1.0)
-        self.t: Array = t[apart]
+        self.t = t[apart]
 
     def sampled_at(self, t: float) -> NDArray[np.bool_]:
         """Return which auxiliary states (na,) are sampled at an instant t."""

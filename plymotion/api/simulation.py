@@ -1,0 +1,358 @@
+"""`plymotion.simulate`: a run that a program moves on, step by step."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..solver.dynamics.analysis.joint_coordinates import JointCoordinates, Projected
+from ..solver.errors import InputError, nearest
+from ..solver.inputs.case.write import write_case
+from ..solver.math.arrays import Array
+from ..solver.mechanism.build import BuiltMechanism, build, used_packages
+from ..solver.run.coupled import Kept, Stepper
+from ..solver.run.execution import read_run
+from .case import Case, as_case
+from .result import build_packages_of, folder_of, named, run_named
+
+Inputs = Mapping[str, float] | Sequence[float] | Array
+EVERY = 20  # steps, of which the monitors look at one
+
+
+class Values(Mapping[str, float]):
+    """Numbers by name that are computed when one is read."""
+
+    def __init__(self, names: Sequence[str], values: Array) -> None:
+        self._place = {name: k for k, name in enumerate(names)}
+        self._values = values
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self._place:
+            raise KeyError(f"no {name!r}{nearest(name, self._place)}")
+        return float(self._values[self._place[name]])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._place)
+
+    def __len__(self) -> int:
+        return len(self._place)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+class Simulation:
+    """A run under way, moved on by `step`; docs/python.md.
+
+    It is the same stepping as that of an FMU: steps of the integrator end at each communication
+    point, and inputs may change there. Monitors look at one step of 20.
+
+    Attributes
+    ----------
+    inputs : names of the drives and forces that `step` writes, in their order
+    coordinates : names of the joint coordinates, in the order of `q`, `mass_matrix`, ...
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> sim = pm.simulate("pendulum.toml")
+    >>> start = sim.state
+    >>> for _ in range(100):
+    ...     sim.step(0.001)
+    >>> there = sim.signals["tip_z"]
+    >>> sim.state = start
+    >>> sim.step(0.1)
+    >>> abs(sim.signals["tip_z"] - there) < 1e-4
+    True
+    """
+
+    def __init__(self, stepper: Stepper, built: Any) -> None:
+        self._stepper, self._rebuilt = stepper, built
+        self.inputs = tuple(given.name for given in stepper.inputs)
+        none = np.zeros(0)
+        self._read: tuple[Any, tuple[Array, Array]] = None, (none, none)
+        self._values = np.array([given.start[0] for given in stepper.inputs])
+        self.reset()
+
+    def reset(self, inputs: Inputs | None = None) -> None:
+        """Go back to the start of the run at t = 0, with other inputs there.
+
+        >>> import plymotion as pm
+        >>> sim = pm.simulate("pendulum.toml")
+        >>> sim.step(0.01)
+        >>> sim.reset()
+        >>> sim.t
+        0.0
+        """
+        self._take(inputs)
+        self._stepper.start(self._values.copy(), force_order=0)
+
+    def step(self, dt: float, inputs: Inputs | None = None) -> None:
+        """Move on by dt [s].
+
+        Parameters
+        ----------
+        inputs : by name, or all in the order of `inputs`; those that are not given keep their
+            values. Forces and torques [N, N m] are constant over the step, drives [rad, m] go
+            smoothly on from their last values
+
+        Raises
+        ------
+        InputError
+            An unknown input; a run that cannot go on.
+
+        >>> import plymotion as pm
+        >>> sim = pm.simulate("pendulum.toml")
+        >>> sim.step(0.001)
+        >>> sim.t
+        0.001
+        """
+        if not dt > 0.0:
+            raise InputError(f"step({dt!r}): expected a time above 0 [s]")
+        if inputs is not None:
+            self._take(inputs)
+        self._stepper.move(self._stepper.t + dt, self._values)
+
+    def _take(self, inputs: Inputs | None) -> None:
+        if isinstance(inputs, Mapping):
+            for name, value in inputs.items():
+                if name not in self.inputs:
+                    raise InputError(f"no input {name!r}{nearest(name, self.inputs)}")
+                self._values[self.inputs.index(name)] = value
+        elif inputs is not None:
+            if len(inputs) != len(self.inputs):
+                raise InputError(
+                    f"inputs: {len(inputs)} values; expected {len(self.inputs)}, in the order "
+                    f"{', '.join(self.inputs)}"
+                )
+            self._values[:] = inputs
+        if not np.isfinite(self._values).all():
+            raise InputError("inputs: expected finite numbers")
+
+    @property
+    def t(self) -> float:
+        """Time [s].
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").t
+        0.0
+        """
+        return float(self._stepper.t)
+
+    @property
+    def state(self) -> tuple[Kept, Array]:
+        """All that the steps to come depend on; set it to go on from there, equal to the last bit.
+
+        >>> import plymotion as pm
+        >>> sim = pm.simulate("pendulum.toml")
+        >>> start = sim.state
+        >>> sim.step(0.01)
+        >>> sim.state = start
+        >>> sim.t
+        0.0
+        """
+        return self._stepper.kept(), self._values.copy()
+
+    @state.setter
+    def state(self, state: tuple[Kept, Array]) -> None:
+        self._stepper.restore(state[0])
+        self._values[:] = state[1]
+
+    @property
+    def y(self) -> Array:
+        """State (n,) of the mechanism: positions, velocities, auxiliary states, work.
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").y.shape
+        (14,)
+        """
+        return self._stepper.y.copy()
+
+    @property
+    def signals(self) -> Values:
+        """Signals of the case at the present time. Angles count turns if they are read in each.
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").signals["tip_x"]
+        1.0
+        """
+        return Values(list(self._stepper.outputs), self._stepper.measured())
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the monitors have found since the last look.
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").warnings
+        []
+        """
+        return self._stepper.warnings()
+
+    @cached_property
+    def _built(self) -> tuple[JointCoordinates, BuiltMechanism]:
+        built: BuiltMechanism = self._rebuilt()
+        offsets = {name: joint.shift for name, joint in built.joints.items()}
+        names = built.body_names, built.joint_names
+        return JointCoordinates(built.model, *names, offsets), built
+
+    @property
+    def _joints(self) -> JointCoordinates:
+        """The joint coordinates, with the laws of time of the run, which inputs change."""
+        joints, built = self._built
+        now, model = self._stepper.prepared.model, built.model
+        model.law_time[:], model.law_coefficient[:] = now.law_time, now.law_coefficient
+        model.quantities.law[:] = now.quantities.law
+        return joints
+
+    @property
+    def coordinates(self) -> list[str]:
+        """Names of the joint coordinates of a tree: "JOINT.angle", "JOINT.z", "BODY.q1" of a mode.
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").coordinates
+        ['hinge.angle']
+        """
+        return list(self._joints.names)
+
+    @property
+    def q(self) -> Array:
+        """Joint coordinates (n,); angles within half a turn [rad, m].
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").q
+        array([0.])
+        """
+        return self._values_now()[0]
+
+    def _values_now(self) -> tuple[Array, Array]:
+        y = self._stepper.y
+        if self._read[0] is not y:
+            self._read = y, self._joints.values(y)
+        return self._read[1]
+
+    @property
+    def qd(self) -> Array:
+        """Rates (n,) of the joint coordinates [rad/s, m/s].
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").qd
+        array([0.])
+        """
+        return self._values_now()[1]
+
+    def place(self, q: Sequence[float] | Array, qd: Sequence[float] | Array | None = None) -> None:
+        """Start at t = 0 from joint coordinates and rates (n,); modes that are not given are 0.
+
+        >>> import plymotion as pm
+        >>> sim = pm.simulate("pendulum.toml")
+        >>> sim.place([0.5])
+        >>> sim.q.round(12)
+        array([0.5])
+        """
+        joints = self._joints
+        n = len(joints.names)
+        given = [np.zeros(n), np.zeros(n)]
+        for whole, part in zip(given, (q, [] if qd is None else qd), strict=True):
+            if len(part) > n:
+                raise InputError(f"place: {len(part)} values; expected at most {n}")
+            whole[: len(part)] = part
+        self._stepper.place(joints.state(0.0, self._stepper.y, *given), self._values)
+
+    def equations(self) -> Projected:
+        """Return M (n, n), c (n,) and Z (n_vel, n) of M qdd + c = tau at the present state.
+
+        c has velocity terms, elastic forces and all forces of the case, less weight; tau are
+        forces of drives. Couplings are left out.
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").equations().c.round(3)
+        array([-9.81])
+        """
+        return self._joints.projected(self.t, self._stepper.y)
+
+    def mass_matrix(self) -> Array:
+        """Return the mass matrix (n, n) in the joint coordinates.
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").mass_matrix().round(3)
+        array([[0.67]])
+        """
+        return self.equations().M
+
+    def jacobian(self, at: str) -> Array:
+        """Return velocity and angular velocity of a place by the rates of the joint coordinates.
+
+        Parameters
+        ----------
+        at : "BODY.INTERFACE"
+
+        Returns
+        -------
+        (6, n), global components [m/s, rad/s]
+
+        >>> import plymotion as pm
+        >>> pm.simulate("pendulum.toml").jacobian("rod.tip").round(12).T
+        array([[ 0.,  0., -1.,  0.,  1.,  0.]])
+        """
+        known = self._built[1].markers
+        if at not in known:
+            raise InputError(f"no place {at!r}{nearest(at, known)}")
+        return self._joints.jacobian(self.t, self._stepper.y, known[at])
+
+    def __repr__(self) -> str:
+        return f"<Simulation at t = {self.t:.6g} s: {len(self.inputs)} inputs>"
+
+
+def simulate(
+    case: Case | str | Path,
+    run: str | None = None,
+    *,
+    inputs: Sequence[str] | None = None,
+    out: str | Path | None = None,
+    packages: str | Path | None = None,
+) -> Simulation:
+    """Return a run that steps under the control of the caller; docs/python.md.
+
+    Packages of flexible bodies are built where they are missing, as by `pm.run`.
+
+    Parameters
+    ----------
+    case : a case, or its file
+    run : name of the run; absent: the only one
+    inputs : drives and forces that `step` writes, such as "joints.hinge.drive" and "forces.motor";
+        absent: all. The others follow their laws in the case
+    out : folder of the case; absent: build/NAME
+    packages : folder of ready packages: FEniCSx is not needed
+
+    Raises
+    ------
+    InputError
+        A mistake in the case; an integrator that cannot restart: expected radau, rk8 or rk5.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> sim = pm.simulate("pendulum.toml")
+    >>> sim.step(0.01)
+    >>> sim
+    <Simulation at t = 0.01 s: 0 inputs>
+    """
+    case = as_case(case)
+    checked = case.check(sweeps=())
+    run = run_named(case.name, run, checked.runs)
+    folder = folder_of(case, out, coarse=False)
+    with named(out):
+        write_case(checked, folder, None if packages is None else Path(packages))
+        file = folder / "runs" / f"{run}.json"
+        if packages is None:
+            build_packages_of(file)
+        spec = read_run(file)
+    stepper = Stepper(spec, inputs, every=EVERY)
+
+    def built() -> BuiltMechanism:
+        used = used_packages(spec.mechanism, spec.packages)
+        return build(spec.mechanism, used, everywhere=True)
+
+    return Simulation(stepper, built)

@@ -1,0 +1,117 @@
+"""`pm.simulate`: steps, states to the last bit, equations and Jacobians against differences."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import plymotion as pm
+from plymotion.solver.extras.robot.files import import_robot
+
+ROBOTS = Path(__file__).parents[1] / "samples/robots"
+Made = Callable[[], pm.Simulation]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a rigid arm with a motor in each rotation and a signal of its tip."""
+    out = tmp_path_factory.mktemp("robot")
+    import_robot(ROBOTS / "arm.urdf", out, joints="torque", meshes=False)
+    text = (out / "case.toml").read_text()
+    for axis in "xyz":
+        tip = f'at = "wrist.tip"\ncomponent = "{axis}"\n'
+        text = text.replace("[solver]", f'[signals.{axis}]\nkind = "position"\n{tip}\n[solver]')
+    (out / "case.toml").write_text(text)
+    return out
+
+
+@pytest.fixture
+def arm(folder: Path) -> pm.Simulation:
+    return pm.simulate(folder, out=folder / "build")
+
+
+def moved(sim: pm.Simulation, count: int) -> None:
+    for k in range(count):
+        sim.step(1e-3, {"forces.shoulder_motor": 20.0 * np.sin(0.3 * k + sim.t)})
+
+
+def test_states_to_the_last_bit(arm: pm.Simulation) -> None:
+    """The same inputs from a kept state give the same bits, however often."""
+    assert arm.inputs == ("forces.shoulder_motor", "forces.wrist_motor")
+    moved(arm, 30)
+    kept = arm.state
+    found = []
+    for _ in range(3):
+        moved(arm, 25)
+        found.append((arm.y, arm.signals["shoulder_q"], arm.t))
+        arm.state = kept
+    for y, angle, t in found[1:]:
+        assert np.array_equal(y, found[0][0])
+        assert (angle, t) == found[0][1:]
+    arm.reset()
+    moved(arm, 30)
+    assert np.array_equal(arm.y, kept[0].y)
+
+
+def test_steps_are_those_of_a_run(folder: Path, arm: pm.Simulation) -> None:
+    """Steps of 1 ms and the run of the case agree to its accuracy."""
+    result = pm.run(folder, out=folder / "build")
+    for _ in range(200):
+        arm.step(1e-3)
+    for name in ("shoulder_q", "slide_q", "z"):
+        assert arm.signals[name] == pytest.approx(result.signals[name].at(0.2), abs=2e-5)
+    assert arm.warnings == []
+
+
+def test_equations_at_a_state(arm: pm.Simulation) -> None:
+    """M qdd + c = 0 gives the accelerations of the motion; c has the torques of the motors."""
+    arm.place([0.4, 0.1, -0.3], [0.5, -0.2, 1.0])
+    assert np.abs(arm.q - [0.4, 0.1, -0.3]).max() < 1e-13
+    assert np.abs(arm.qd - [0.5, -0.2, 1.0]).max() < 1e-13
+    inputs, h = [3.0, 0.5], 1e-4
+    arm.step(h, inputs)
+    before = arm.qd
+    arm.step(h, inputs)
+    found = arm.equations()
+    qdd = np.linalg.solve(found.M, -found.c)
+    arm.step(h, inputs)
+    slope = (arm.qd - before) / (2.0 * h)
+    assert np.abs(slope - qdd).max() < 1e-4 * np.abs(qdd).max()
+
+
+def test_jacobian_by_differences(arm: pm.Simulation) -> None:
+    """Velocity of the tip by the rates, from places of displaced coordinates."""
+    q, h = np.array([0.4, 0.1, -0.3]), 1e-5
+    arm.place(q)
+    J = arm.jacobian("wrist.tip")
+    for k, e in enumerate(h * np.eye(3)):
+        ends = []
+        for side in (1.0, -1.0):
+            arm.place(q + side * e)
+            ends.append([arm.signals[axis] for axis in "xyz"])
+        slope = np.subtract(*ends) / (2.0 * h)
+        assert np.abs(J[:3, k] - slope).max() < 1e-9
+    assert np.abs(J[3:, 1]).max() < 1e-14  # a slide does not turn
+
+
+def test_what_is_refused(arm: pm.Simulation, folder: Path) -> None:
+    """Unknown inputs and places, values that are none, states of another simulation."""
+    with pytest.raises(pm.InputError, match=r"no input 'forces\.shoulder'; did you mean"):
+        arm.step(1e-3, {"forces.shoulder": 1.0})
+    with pytest.raises(pm.InputError, match=r"inputs: 1 values; expected 2, in the order forces"):
+        arm.step(1e-3, [1.0])
+    with pytest.raises(pm.InputError, match="expected finite numbers"):
+        arm.step(1e-3, [np.nan, 0.0])
+    arm.reset([0.0, 0.0])
+    with pytest.raises(pm.InputError, match=r"expected a time above 0"):
+        arm.step(0.0)
+    with pytest.raises(pm.InputError, match=r"no place 'wrist\.top'; did you mean 'wrist\.tip'"):
+        arm.jacobian("wrist.top")
+    with pytest.raises(pm.InputError, match=r"place: 4 values; expected at most 3"):
+        arm.place([0.0] * 4)
+    with pytest.raises(KeyError, match="did you mean 'shoulder_q'"):
+        arm.signals["shoulder"]
+    other = pm.simulate(folder, out=folder / "build")
+    with pytest.raises(pm.InputError, match="expected one of this simulation"):
+        other.state = arm.state
