@@ -131,8 +131,9 @@ class SectionFiles(AnalysedFiles):
         from .section.analysis import analyse  # loads FEniCSx
 
         return analyse(
-            spec,
+            {key: value for key, value in spec.items() if key != "design"},
             "section",  # the same for all sections: it is part of the key of a cached mesh
+            design=spec.get("design"),
             estimate=not self.options.no_estimate,
             accuracy=self.options.accuracy,
             verify=self.options.verify,

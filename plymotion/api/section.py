@@ -1,6 +1,6 @@
 """A cross-section in Python: stiffness, mass, centres, a small picture of its plies."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -81,6 +81,7 @@ class Section:
         file: str | Path,
         changes: Mapping[str, Any] | None = None,
         *,
+        derivatives: Iterable[str] | Mapping[str, Mapping[str, float]] = (),
         out: str | Path = BUILD,
         force: bool = False,
     ) -> "Section":
@@ -93,6 +94,9 @@ class Section:
         ----------
         changes : other values at dotted keys of the description:
             {"laminates.wall.angles_deg.1": 30.0}
+        derivatives : dotted keys of numbers of the description by which everything is
+            differentiated, or names of parameters, each with the factors of several keys:
+            {"skew": {"laminates.wall.angles_deg.0": 1.0, "laminates.wall.angles_deg.1": -1.0}}
         out : folder of section files
         force : analyse what is up to date
 
@@ -110,12 +114,15 @@ class Section:
         path = Path(file)
         if path.suffix == ".vtkhdf":
             return cls(path)
-        own = plain(changes or {})
-        name = f"{path.stem}-{data_sha256(own)[:8]}" if own else path.stem
-        folder = Path(out)
+        own, folder = plain(changes or {}), Path(out)
+        asked = (
+            derivatives if isinstance(derivatives, Mapping) else {k: {k: 1.0} for k in derivatives}
+        )
+        made_of = {**own, "derivatives": plain(asked)} if asked else own
+        name = f"{path.stem}-{data_sha256(made_of)[:8]}" if made_of else path.stem
 
         def spec_of(entry: Entry) -> dict[str, Any]:
-            return described_spec(entry.file, own, name, folder)
+            return described_spec(entry.file, own, name, folder, asked)
 
         keep_preprocessors()
         with named(None if folder == BUILD else folder):
@@ -183,6 +190,19 @@ class Section:
         return self._results.mass_centre
 
     @property
+    def derivatives(self) -> dict[str, dict[str, Array]]:
+        """Derivatives by each parameter, by path in the section file; absent: zero.
+
+        Paths are "K", "M", "shear_centre", "recovery/strain_M" and others (docs/section-file.md),
+        units those of the dataset per unit of the parameter.
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").derivatives
+        {}
+        """
+        return {one.name: one.values for one in self._results.design}
+
+    @property
     def error(self) -> float | None:
         """Largest estimated error of K, in units of sqrt(Kii Kjj) [-]; None: not estimated.
 
@@ -239,6 +259,7 @@ def section(
     file: str | Path,
     changes: Mapping[str, Any] | None = None,
     *,
+    derivatives: Iterable[str] | Mapping[str, Mapping[str, float]] = (),
     out: str | Path = BUILD,
     force: bool = False,
 ) -> Section:
@@ -250,4 +271,4 @@ def section(
     >>> pm.section("bar.vtkhdf").name
     'bar'
     """
-    return Section.from_file(file, changes, out=out, force=force)
+    return Section.from_file(file, changes, derivatives=derivatives, out=out, force=force)

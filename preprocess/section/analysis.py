@@ -13,7 +13,7 @@ from ...solver.package.common.design import Derivative
 from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
-from .derivatives import Recovered, derivatives
+from .derivatives import derivatives
 from .estimate import error_of_edges, worst_cells
 from .guards import (
     REVERSAL,
@@ -41,7 +41,7 @@ from .recovery import (
 )
 from .space.cells import refined
 from .space.layers import layup
-from .spec import check_spec, curvature_of, degree_of
+from .spec import SectionError, check_spec, curvature_of, degree_of
 from .timoshenko import (
     SectionStiffness,
     mass_centre,
@@ -67,6 +67,7 @@ def analyse(
     recovery_degree: int | None = None,
     verify: bool = False,
     design: Mapping[str, Targets] | None = None,
+    discretisation: Mapping[str, Any] | None = None,
     team: fenicsx.Team = fenicsx.ALONE,
     progress: Progress | None = None,
 ) -> SectionFile:
@@ -84,6 +85,9 @@ def analyse(
         instead of all integration points
     verify : compute K by a second method as well (verification.py)
     design : parameters by whose change everything is differentiated, see `parameters`
+    discretisation : of a section with other values of parameters, from its provenance: the same
+        divisions of cells and degree, whatever the estimate says. The derivatives are those of
+        such analyses
     team : processes that all call this with the same arguments and share the matrices, unless the
         beam is twisted or curved; each gets the whole result
     progress : called with one line at the beginning of each step
@@ -103,7 +107,11 @@ def analyse(
     if curvature_of(spec) is not None or asked:
         team = fenicsx.ALONE  # each process solves the whole section
     divided: list[NDArray[np.bool_]] = []
-    problem = section_problem(spec["mesh"], where, degree_of(spec), team)
+    if discretisation is None:
+        problem = section_problem(spec["mesh"], where, degree_of(spec), team)
+    else:
+        accuracy = None
+        problem, divided = _as_before(spec, where, discretisation, team)
     edges = 0.0
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
@@ -123,6 +131,7 @@ def analyse(
         compare = estimate or accuracy is not None
         # of a twisted section, the round-off is measured at the degree that it is raised to
         raised = compare and curvature_of(spec) is not None and "degree" not in spec["mesh"]
+        raised = raised and discretisation is None
         result = solve(problem, lay, where, spec, measured=not raised)
         solved = Solved(problem, lay, result)
         if compare:
@@ -220,10 +229,9 @@ def analyse(
     of_design: tuple[Derivative, ...] = ()
     if asked:
         begin("derivatives")
-        at = Recovered(points, lay_points, strain)
         mesh, space = problem.mesh, problem.space
         by = [rates(parameter, mesh, space, lay, divided) for parameter in asked]
-        of_design = derivatives(result, factorised, by, at)
+        of_design = derivatives(result, factorised, by, points, lay_points, strain)
     seconds = time.perf_counter() - start
     return SectionFile(
         name=str(spec.get("name", "section")),
@@ -250,6 +258,10 @@ def analyse(
             "dofs": problem.space.n_dof,
             "degree": problem.space.degree,
             "refinements": steps,
+            "discretisation": {
+                "degree": problem.degree,
+                "divided": [np.flatnonzero(marked).tolist() for marked in divided],
+            },
             "verification": None if second is None else second.words,
             "round_off": None
             if result.round_off is None
@@ -259,3 +271,20 @@ def analyse(
             "versions": fenicsx.versions(),
         },
     )
+
+
+def _as_before(
+    spec: Mapping[str, Any], where: str, discretisation: Mapping[str, Any], team: fenicsx.Team
+) -> tuple[SectionProblem, list[NDArray[np.bool_]]]:
+    """The problem with a known degree and known divisions, and these."""
+    degree = discretisation["degree"]
+    problem = section_problem(spec["mesh"], where, degree, team)
+    cells, divided = problem.mesh.cells, []
+    for rows in discretisation["divided"]:
+        if rows and not 0 <= min(rows) <= max(rows) < cells.n_cell:
+            raise SectionError(f"{where}: discretisation: its cells are those of another mesh")
+        divided.append(np.isin(np.arange(cells.n_cell), rows))
+        cells = refined(cells, divided[-1])
+    if divided:
+        problem = SectionProblem(replace(problem.mesh, cells=cells), degree, team)
+    return problem, divided

@@ -48,8 +48,10 @@ from .timoshenko import (
 from .warping import WarpingSolver, motions_of_beam, pinned_dofs, rigid_fields
 
 Operators = SectionSpace | TwistedStrains
+AT_ONCE = 16  # parameters whose equations are solved together
 FAINT = 1e-6  # of the loads of the solutions: loads below it may do relative work on rigid motions
 ENOUGH, ROUNDS = 1e-13, 8  # last correction of twisted sections, corrections
+NILPOTENT = 3  # corrections until the nilpotent part of the equations is gone
 ROUGH = 1e-7  # last correction beyond which they have not converged
 
 
@@ -67,7 +69,6 @@ class Central:
     strain: Array  # (c, q, 6, 6)
     P: Array  # (n_dof, 6) loads of the stresses on a change along the beam
     size: float  # norm of the terms of the loads
-    prismatic: bool
 
     @property
     def space(self) -> SectionSpace:
@@ -92,7 +93,7 @@ def central(result: Result, C: Array) -> Central:
     stress = C @ strain
     P = at.load_along_beam(stress)
     size = float(np.linalg.norm(at.load_in_section(np.abs(stress))))
-    return Central(at, C, T, Z, W, S_e, result.K, strain, P, size, at is space)
+    return Central(at, C, T, Z, W, S_e, result.K, strain, P, size)
 
 
 @dataclass(frozen=True)
@@ -169,42 +170,51 @@ class PrismaticSolver:
         self._A, self._V0 = result.A, result.V0
 
     def solve(self, load: Array, resultants: Array) -> tuple[Array, Array]:
-        """W (n_dof, 6) and S_e (6, 6) with these terms."""
+        """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes."""
         state, space = self._state, self._space
-        W, S_e = np.zeros(load.shape), np.zeros((6, 6))
-        W[:, CLASSICAL], S_e[:, CLASSICAL] = self._constant(
-            load[:, CLASSICAL], resultants[:, CLASSICAL]
-        )
+        W, S_e = np.zeros(load.shape), np.zeros(resultants.shape)
+        constant, shear = np.s_[..., CLASSICAL], np.s_[..., SHEAR]
+        W[constant], S_e[constant] = self._constant(load[constant], resultants[constant])
         # the resultants M2 and M3 change in proportion to F3 and F2
-        T = state.T[:, SHEAR]
-        forces = np.flatnonzero(T.any(axis=1))
-        T = T[forces]
-        constant = state.C @ (
-            space.strain_in_section(W[:, forces])
-            + space.strain_along_beam(state.Z @ S_e[:, forces])
+        forces = np.flatnonzero(state.T[:, SHEAR].any(axis=1))
+        T = state.T[forces][:, SHEAR]
+
+        def changing(columns: Array) -> Array:
+            return columns.reshape(len(columns), -1, len(forces)) @ T
+
+        stress = state.C @ (
+            space.strain_in_section(_flat(W[..., forces]))
+            + space.strain_along_beam(state.Z @ _flat(S_e[..., forces]))
         )
-        change = state.C @ space.strain_along_beam(W[:, forces] @ T)
-        left = space.load_in_section(change) - space.load_along_beam(constant) @ T
-        W[:, SHEAR], S_e[:, SHEAR] = self._constant(
-            load[:, SHEAR] - left,
-            resultants[:, SHEAR] - state.Z.T @ space.load_along_beam(change),
+        change = state.C @ space.strain_along_beam(_flat(changing(W[..., forces])))
+        left = space.load_in_section(change).reshape(load[shear].shape)
+        along = state.Z.T @ space.load_along_beam(change)
+        W[shear], S_e[shear] = self._constant(
+            load[shear] - left + changing(space.load_along_beam(stress)),
+            resultants[shear] - along.reshape(resultants[shear].shape),
         )
         return W, S_e
 
-    def _constant(self, load: Array, resultants: Array) -> tuple[Array, Array]:
+    def _constant(self, loads: Array, resultants: Array) -> tuple[Array, Array]:
         """Solutions that do not change along the beam."""
+        load = _flat(loads)
         size = float(np.linalg.norm(load)) + FAINT * self._state.size
         W = np.zeros(load.shape)
         there = np.flatnonzero(load.any(axis=0))
         if len(there):
             W[:, there] = self._solver.solve(load[:, there], size, self._product)
         S_e = np.zeros((6, load.shape[1]))
-        S_e[CLASSICAL] = np.linalg.solve(self._A, resultants[CLASSICAL] + self._V0.T @ load)
-        return W + self._V0 @ S_e[CLASSICAL], S_e
+        S_e[CLASSICAL] = np.linalg.solve(self._A, _flat(resultants)[CLASSICAL] + self._V0.T @ load)
+        W += self._V0 @ S_e[CLASSICAL]
+        return W.reshape(loads.shape), S_e.reshape(resultants.shape)
 
     def _product(self, W: Array) -> Array:
         space = self._space
         return space.load_in_section(self._state.C @ space.strain_in_section(W))
+
+
+def _flat(columns: Array) -> Array:
+    return columns.reshape(len(columns), -1)
 
 
 @dataclass(frozen=True)
@@ -216,22 +226,26 @@ class Change:
     Q: Array  # (n_dof, 6)
 
 
-def changed(state: Central, solver: "Solver", terms: Terms) -> Change:
-    """Return what rates of the terms bring about."""
-    W, S_e = solver.solve(-terms.load, -terms.resultants)
-    Q = W @ state.T + state.Z @ S_e
+def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> list[Change]:
+    """Return what rates of the terms bring about, for each of them."""
+    load = -np.stack([one.load for one in terms], axis=1)
+    W, S_e = solver.solve(load, -np.stack([one.resultants for one in terms], axis=1))
+    Q = W @ state.T + (state.Z @ _flat(S_e)).reshape(W.shape)
     # the stresses are in equilibrium: their work on new strains is that of P
-    work = state.T.T @ (state.P.T @ W) + state.P.T @ W @ state.T + S_e
-    S = terms.work + work + work.T
-    K = -state.K @ (0.5 * (S + S.T)) @ state.K
-    return Change(0.5 * (K + K.T), W, Q)
+    N = (state.P.T @ _flat(W)).reshape(S_e.shape)
+    found = []
+    for i, one in enumerate(terms):
+        S = one.work + 2.0 * (state.T.T @ N[:, i] + N[:, i] @ state.T + S_e[:, i])
+        K = -state.K @ (0.5 * (S + S.T)) @ state.K
+        found.append(Change(0.5 * (K + K.T), W[:, i], Q[:, i]))
+    return found
 
 
 class HelicalSolver:
     """Solves the equations of `central` of a twisted or curved beam by the factors of its waves.
 
-    Waves leave the nilpotent part of T, whose square is zero: two corrections are enough, but for
-    round-off.
+    Waves leave the nilpotent part of T, whose square is zero: two corrections, which need not
+    become smaller, are enough, but for round-off.
     """
 
     def __init__(self, state: Central) -> None:
@@ -243,13 +257,19 @@ class HelicalSolver:
         self._equations = Equations(strains, state.C, state.T)
 
     def solve(self, load: Array, resultants: Array) -> tuple[Array, Array]:
-        """W (n_dof, 6) and S_e (6, 6) with these terms."""
+        """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes."""
+        W, S_e = np.zeros(load.shape), np.zeros(resultants.shape)
+        for i in range(load.shape[1]):
+            W[:, i], S_e[:, i] = self._one(load[:, i], resultants[:, i])
+        return W, S_e
+
+    def _one(self, load: Array, resultants: Array) -> tuple[Array, Array]:
         W, S_e = np.zeros(load.shape), np.zeros((6, 6))
         left, last, size = (load, resultants), np.inf, 0.0
-        for _ in range(ROUNDS):
+        for done in range(ROUNDS):
             step = self._waves.solve(*left)
             now = float(np.linalg.norm(self._simple.packed(*step)))
-            if size and not now < 0.5 * last:
+            if done >= NILPOTENT and not now < 0.5 * last:
                 break
             W, S_e, last = W + step[0], S_e + step[1], now
             size = float(np.linalg.norm(self._simple.packed(W, S_e)))
@@ -268,20 +288,30 @@ class HelicalSolver:
 Solver = PrismaticSolver | HelicalSolver
 
 
-@dataclass(frozen=True)
 class Recovered:
-    """Where strains and stresses of the result are recovered."""
+    """Where strains and stresses of a result are recovered.
 
-    space: SectionSpace
-    lay: Layup
-    strain: Array  # `unit_strains`, (c, q, 6, 6)
+    Parameters
+    ----------
+    strain : `unit_strains` at the points of the space, (c, q, 6, 6)
+    """
+
+    def __init__(self, space: SectionSpace, lay: Layup, strain: Array, state: Central) -> None:
+        self.space, self.lay, self.strain = space, lay, strain
+        self.at: Operators = space
+        if isinstance(state.at, TwistedStrains):
+            self.at = TwistedStrains(space, state.at.k)
+        self.to_plies = np.swapaxes(bond(lay.A_BM), -1, -2)
+        self.real = space.weights.ravel() > 0.0  # not those that fill up cells with fewer points
 
 
 def derivatives(
     result: Result,
     factorised: WarpingSolver | None,
-    rates_of: Sequence[Rates],
-    at: Recovered,
+    asked: Sequence[Rates],
+    space: SectionSpace,
+    lay: Layup,
+    strain: Array,
 ) -> tuple[Derivative, ...]:
     """Derivatives of the datasets of a section file by parameters.
 
@@ -289,45 +319,120 @@ def derivatives(
     ----------
     result : of the analysis, in the space of `factorised` or of a twisted beam
     factorised : the solver with its factors, None of a twisted or curved beam
-    rates_of : each parameter
-    at : points of recovery
+    asked : the rates of each parameter
+    space, lay : points of recovery and their plies
+    strain : `unit_strains` at these points
     """
-    state = central(result, rates_of[0].lay.stiffness)
+    state = central(result, asked[0].lay.stiffness)
     solver = (
         HelicalSolver(state) if factorised is None else PrismaticSolver(result, state, factorised)
     )
-    return tuple(
-        Derivative(p.name, p.kind, p.targets, _values(state, solver, rate, at))
-        for rate in rates_of
-        for p in (rate.parameter,)
-    )
+    at, found = Recovered(space, lay, strain, state), []
+    for first in range(0, len(asked), AT_ONCE):
+        some = [_Moved(state, rate) for rate in asked[first : first + AT_ONCE]]
+        terms = [one.terms for one in some if one.terms is not None]
+        changes = iter(changed(state, solver, terms) if terms else ())
+        for one in some:
+            values = one.values(None if one.terms is None else next(changes), at)
+            p = one.rate.parameter
+            found.append(Derivative(p.name, p.kind, p.targets, values))
+    return tuple(found)
 
 
-def _values(state: Central, solver: Solver, rate: Rates, at: Recovered) -> dict[str, Array]:
-    """Derivatives by path, without those that are zero."""
-    lay, found = rate.lay, {}
-    operators, space = state.at, state.space
-    if rate.moved is not None:
-        operators, space = moved_operators(state.at, moved_cells(rate.moved))
-        terms = moved_terms(state, operators, space, rate.stiffness())
-    elif len(rate.cells):
-        terms = stiffness_terms(state, rate.cells, rate.stiffness().imag / TINY)
-    if len(rate.cells):
-        change = changed(state, solver, terms)
-        found = {"K": change.K, "warping": _warping(state, space, change.W)}
-        for name, centre in (("shear_centre", shear_centre), ("tension_centre", tension_centre)):
-            found[name] = _by_step(centre, state.K, change.K)
-        found |= _recovery(state, at, rate, change)
-    density = lay.density + 1j * TINY * rate.density[lay.ply]
-    if isinstance(operators, TwistedStrains):
-        density = density * operators.g
-    M = mass_matrix(space, density)
-    found["M"] = M.imag / TINY
-    found["mass_centre"] = _by_step(mass_centre, M.real, found["M"])
-    found |= _mesh(state, rate)
-    found["plies/C_M"] = rate.C_M
-    found["plies/angle_deg"] = np.degrees(rate.angle)
-    return {path: values for path, values in found.items() if values.any()}
+class _Moved:
+    """A section whose parameter has an imaginary part."""
+
+    def __init__(self, state: Central, rate: Rates) -> None:
+        self.state, self.rate = state, rate
+        self.at, self.space = state.at, state.space
+        self.terms: Terms | None = None
+        if rate.moved is not None:
+            self.at, self.space = moved_operators(state.at, moved_cells(rate.moved))
+            self.terms = moved_terms(state, self.at, self.space, rate.stiffness())
+        elif len(rate.cells):
+            self.terms = stiffness_terms(state, rate.cells, rate.stiffness().imag / TINY)
+
+    def values(self, change: Change | None, at: Recovered) -> dict[str, Array]:
+        """Derivatives by path, without those that are zero."""
+        state, rate, found = self.state, self.rate, {}
+        if change is not None:
+            found = {"K": change.K, "warping": self._warping(change.W)}
+            for name, centre in (
+                ("shear_centre", shear_centre),
+                ("tension_centre", tension_centre),
+            ):
+                found[name] = _by_step(centre, state.K, change.K)
+            found |= self._recovery(at, change) | self._mesh()
+        if rate.moved is not None or rate.density.any():
+            density = rate.lay.density + 1j * TINY * rate.density[rate.lay.ply]
+            if isinstance(self.at, TwistedStrains):
+                density = density * self.at.g
+            M = mass_matrix(self.space, density)
+            found["M"] = M.imag / TINY
+            found["mass_centre"] = _by_step(mass_centre, M.real, found["M"])
+        found["plies/C_M"] = rate.C_M
+        found["plies/angle_deg"] = np.degrees(rate.angle)
+        return {path: values for path, values in found.items() if values.any()}
+
+    def _warping(self, rate: Array) -> Array:
+        """Rate of the warping without rigid motion, at the nodes of the file."""
+        state, space = self.state, self.space
+        prismatic, moving = isinstance(state.at, SectionSpace), self.rate.moved is not None
+        W = state.W + 1j * TINY * rate if moving else rate
+        if moving or not prismatic:
+            Z = motions_of_beam(space)
+            rigid = rigid_fields(space) if prismatic else Z
+            load = space.load(space.at_points(rigid))
+
+            def part(W: Array) -> Array:
+                return np.asarray(np.linalg.solve(rigid.T @ load, load.T @ W))
+
+            if prismatic:
+                # a translation of the warping by M2 and M3 shears the beam under F3 and F2
+                change = part(W) @ state.T
+                W = W + np.outer(Z[:, 4], change[2]) - np.outer(Z[:, 5], change[1])
+            W = W - rigid @ part(W)
+        return nodal_displacements(state.space, W.imag / TINY if moving else W)
+
+    def _recovery(self, at: Recovered, change: Change) -> dict[str, Array]:
+        """Rates of points, of their strains in ply axes, and of these axes."""
+        state, real = self.state, at.real
+        rate = self.rate.at(at.space, at.lay)
+        strain = at.at.strain_in_section(change.W) + at.at.strain_along_beam(change.Q)
+        found = {}
+        if rate.moved is not None:
+            operators, space = moved_operators(at.at, moved_cells(rate.moved))
+            Q = state.W @ state.T + motions_of_beam(space) @ state.S_e
+            moved = operators.strain_in_section(state.W) + operators.strain_along_beam(Q)
+            strain = strain + moved.imag / TINY
+            found["recovery/points"] = space.points.reshape(-1, 2)[real].imag / TINY
+            found["recovery/weights"] = space.weights.ravel()[real].imag / TINY
+        strain_M = at.to_plies @ strain
+        if rate.moved is not None or rate.angle.any():
+            cells, axes = rate.cells, rate.axes()
+            A_BM = np.zeros((*at.space.weights.shape, 3, 3))
+            A_BM[cells] = axes.imag / TINY
+            found["recovery/A_BM"] = A_BM.reshape(-1, 3, 3)[real]
+            turning = np.swapaxes(bond(axes).imag, -1, -2) / TINY
+            strain_M[cells] += turning @ at.strain[cells]
+        found["recovery/strain_M"] = strain_M.reshape(-1, 6, 6)[real]
+        return found
+
+    def _mesh(self) -> dict[str, Array]:
+        """Rates of what `mesh_data` shows."""
+        rate, space = self.rate, self.state.space
+        found = {}
+        if rate.moved is not None:
+            found["mesh/nodes"] = numbered(moved_cells(rate.moved))[0].imag / TINY
+        if rate.moved is not None or rate.angle.any():
+            cells, axes = rate.cells, rate.axes()
+            middle, every = middles(space)[cells], np.arange(len(cells))
+            fibre = np.zeros((space.n_cell, 3))
+            fibre[cells] = axes[every, middle % axes.shape[1], :, 0].imag / TINY
+            found["mesh/fibre"] = fibre
+            if rate.y2 is not None:
+                found["mesh/layer_direction"] = rate.y2[every, middle]
+        return found
 
 
 def moved_cells(moved: MovedMesh) -> CellMesh:
@@ -336,66 +441,7 @@ def moved_cells(moved: MovedMesh) -> CellMesh:
     return replace(cells, points=cells.points + 1j * TINY * moved.velocity)
 
 
-def _mesh(state: Central, rate: Rates) -> dict[str, Array]:
-    """Rates of what `mesh_data` shows."""
-    cells, space = rate.cells, state.space
-    axes, middle = rate.axes(), middles(space)[cells]
-    fibre = np.zeros((space.n_cell, 3))
-    some = np.arange(len(cells)), middle if axes.shape[1] > 1 else 0 * middle
-    fibre[cells] = axes[some][..., 0].imag / TINY
-    found = {"mesh/fibre": fibre}
-    if rate.moved is not None:
-        found["mesh/nodes"] = numbered(moved_cells(rate.moved))[0].imag / TINY
-    if rate.y2 is not None:
-        found["mesh/layer_direction"] = rate.y2[some]
-    return found
-
-
 def _by_step(function: Callable[[Array], Array], x: Array, rate: Array) -> Array:
     """Rate of a function of an array."""
     size = TINY / (np.abs(rate).max() or 1.0)
     return np.asarray(function(x + 1j * size * rate).imag) / size
-
-
-def _warping(state: Central, space: SectionSpace, rate: Array) -> Array:
-    """Rate of the warping without rigid motion, at the nodes of the file."""
-    W, Z = state.W + 1j * TINY * rate, motions_of_beam(space)
-    rigid = rigid_fields(space) if state.prismatic else Z
-    load = space.load(space.at_points(rigid))
-
-    def part(W: Array) -> Array:
-        return np.asarray(np.linalg.solve(rigid.T @ load, load.T @ W))
-
-    if state.prismatic:
-        # a translation of the warping by M2 and M3 shears the beam under F3 and F2
-        change = part(W) @ state.T
-        W = W + np.outer(Z[:, 4], change[2]) - np.outer(Z[:, 5], change[1])
-    W = W - rigid @ part(W)
-    return nodal_displacements(state.space, W.imag / TINY)
-
-
-def _recovery(state: Central, at: Recovered, rate: Rates, change: Change) -> dict[str, Array]:
-    """Rates of points, of their strains in ply axes, and of these axes."""
-    rate = rate.at(at.space, at.lay)
-    space = at.space
-    real = space.weights.ravel() > 0.0
-    operators: Operators = space
-    if isinstance(state.at, TwistedStrains):
-        operators = TwistedStrains(space, state.at.k)
-    strain = operators.strain_in_section(change.W) + operators.strain_along_beam(change.Q)
-    found = {}
-    if rate.moved is not None:
-        operators, space = moved_operators(operators, moved_cells(rate.moved))
-        Q = state.W @ state.T + motions_of_beam(space) @ state.S_e
-        moved = operators.strain_in_section(state.W) + operators.strain_along_beam(Q)
-        strain = strain + moved.imag / TINY
-        found["recovery/points"] = space.points.reshape(-1, 2)[real].imag / TINY
-        found["recovery/weights"] = space.weights.ravel()[real].imag / TINY
-    cells, axes = rate.cells, rate.axes()
-    A_BM = np.zeros((*space.weights.shape, 3, 3))
-    A_BM[cells] = axes.imag / TINY
-    found["recovery/A_BM"] = A_BM.reshape(-1, 3, 3)[real]
-    strain_M = np.swapaxes(bond(at.lay.A_BM), -1, -2) @ strain
-    strain_M[cells] += np.swapaxes(bond(axes).imag, -1, -2) @ at.strain[cells] / TINY
-    found["recovery/strain_M"] = strain_M.reshape(-1, 6, 6)[real]
-    return found

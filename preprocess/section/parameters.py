@@ -34,7 +34,9 @@ ALLOWED = {  # by the kind of a parameter that has such a target
     "number": r"materials\.[^.]+\.(E\w*|G\w+|nu\w*|rho|C\.\d+)|mesh\.(scale|parameters\..+)",
 }
 STEP = 5e-4  # of the values, for difference quotients of fourth order
-OF_NODES = 20.0  # times this step for the mesh, whose nodes gmsh places with an error of 1e-8
+# Times this step for the mesh, whose nodes gmsh places with an error of 1e-8 of the curve: the
+# first for which the mesh has the same cells.
+OF_NODES = (20.0, 4.0, 1.0)
 TINY = 1e-30  # imaginary step
 SMOOTH = 1e-2  # relative difference of two quotients, of first order, from nodes that jump
 
@@ -59,9 +61,12 @@ class Parameter:
 
     def moved(self, t: float) -> dict[str, Any]:
         """The specification with the parameter greater by t."""
-        spec = copy.deepcopy(dict(self.spec))
+        spec = dict(self.spec)
         for (*path, last), factor in self.at:
-            place = _place(spec, path)
+            place: Any = spec
+            for key in path:
+                place[key] = copy.copy(place[key])
+                place = place[key]
             place[last] = place[last] + t * factor
         return spec
 
@@ -167,9 +172,14 @@ class MovedMesh:
     def __init__(self, parameter: Parameter, mesh: SectionMesh, divided: Sequence[Marked]) -> None:
         self._parameter, self.mesh, self._divided = parameter, mesh, divided
         self._made: dict[float, SectionMesh] = {}
-        self.velocity = parameter.quotient(lambda t: self.at(t).cells.points, OF_NODES)
-        h = parameter.step * OF_NODES
-        one = (self.at(h).cells.points - self.at(-h).cells.points) / (2.0 * h)
+        step = parameter.step
+        steps = next((steps for steps in OF_NODES if self._follows(steps * step)), None)
+        if steps is None:
+            raise parameter.refused("the mesh of a neighbouring value has other cells")
+        self._steps = steps
+        self.velocity = parameter.quotient(lambda t: self.at(t).cells.points, steps)
+        ends = (self.at(t).cells.points for t in (-steps * step, steps * step))
+        one = np.subtract(*ends) / (-2.0 * steps * step)
         size = np.abs(self.velocity).max()
         if not size > 0.0:
             raise parameter.refused("the mesh does not follow; also move the sizes of the mesh")
@@ -184,10 +194,12 @@ class MovedMesh:
             cells = mesh.cells
             for marked in self._divided:
                 cells = refined(cells, marked)
-            if not _same_cells(cells, self.mesh.cells):
-                raise parameter.refused("the mesh of a neighbouring value has other cells")
             self._made[t] = replace(mesh, cells=cells)
         return self._made[t]
+
+    def _follows(self, h: float) -> bool:
+        """Whether the mesh has its cells for all changes that a quotient of step h looks at."""
+        return all(_same_cells(self.at(i * h).cells, self.mesh.cells) for i in (1, -1, 2, -2))
 
     def turning(self, space: SectionSpace, lay: Layup) -> Array:
         """Rate of the layer direction at the points of a space, (c, q, 2)."""
@@ -203,7 +215,7 @@ class MovedMesh:
                 raise parameter.refused("points change their ply: let mesh lines follow the plies")
             return found.y2
 
-        return parameter.quotient(direction, OF_NODES)
+        return parameter.quotient(direction, self._steps)
 
 
 def _same_cells(one: CellMesh, other: CellMesh) -> bool:
@@ -286,23 +298,26 @@ def rates(
     Raises SectionError if the cells of the mesh cannot follow.
     """
 
-    def plies(t: float) -> Array:
-        spec, rows = parameter.moved(t), []
-        materials = {
-            name: elastic_from_dict(table, f"{parameter.where}.materials.{name}", massless=True)
-            for name, table in spec["materials"].items()
-        }
-        stiffness = {name: material.stiffness_M.ravel() for name, material in materials.items()}
+    def angles(t: float) -> Array:
+        regions, rows = parameter.moved(t)["regions"], []
         for ply in lay.plies:
-            region = spec["regions"].get(ply.region) or spec["regions"][ALL]
-            angle = np.radians(region["plies"][ply.index].get("angle_deg", 0.0))
-            name = ply.material
-            rows.append(np.concatenate([[angle, materials[name].rho], stiffness[name]]))
+            region = regions.get(ply.region) or regions[ALL]
+            rows.append(np.radians(region["plies"][ply.index].get("angle_deg", 0.0)))
         return np.array(rows)
 
-    found = parameter.quotient(plies)
-    angle, density, C_M = found[:, 0], found[:, 1], found[:, 2:].reshape(-1, 6, 6)
-    fixed = Rates(parameter, lay, angle, C_M, density)
+    def materials(t: float) -> Array:
+        spec = parameter.moved(t)["materials"]
+        known = {
+            name: elastic_from_dict(table, f"{parameter.where}.materials.{name}", massless=True)
+            for name, table in spec.items()
+        }
+        rows = {name: [own.rho, *own.stiffness_M.ravel()] for name, own in known.items()}
+        return np.array([rows[ply.material] for ply in lay.plies])
+
+    angle, constants = parameter.quotient(angles), np.zeros((len(lay.plies), 37))
+    if any(keys[0] == "materials" for keys, _ in parameter.at):
+        constants = parameter.quotient(materials)
+    fixed = Rates(parameter, lay, angle, constants[:, 1:].reshape(-1, 6, 6), constants[:, 0])
     if not parameter.moves:
         return fixed
     if any(warning["code"] == "plies-not-resolved" for warning in lay.warnings):

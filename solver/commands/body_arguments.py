@@ -77,6 +77,11 @@ def add_section(parser: Any) -> None:
     what.add_argument("--accuracy", type=_accuracy, metavar="A", help=text)
     flag(what, "no-estimate", "skip the error estimate (faster)")
     flag(what, "verify", "compute K by a second method as well, and compare")
+    text = (
+        "also the exact derivatives of K, M, centres and stresses by numbers of the description: "
+    )
+    text += "dotted keys of angles, thicknesses, sizes, constants of materials"
+    what.add_argument("--derivatives", nargs="+", default=[], metavar="KEY", help=text)
     _add_figures(what, "draw figures (default: for FILE without --json)")
     _add_described(what, "force", "check")
     text = (

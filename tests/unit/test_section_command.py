@@ -11,7 +11,8 @@ import pytest
 
 from plymotion.solver.commands.bodies.section import read_list
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.study import changed
+from plymotion.solver.inputs.section.study import changed, described_spec
+from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.package.common.plain_data import by_mesh, mesh_key, shard, share
 from plymotion.solver.report.section.codes import SectionResults
 from plymotion.solver.report.section.show import (
@@ -278,3 +279,86 @@ def test_work_is_shared_by_mesh_and_then_split() -> None:
     rest = [work.next(worker) for worker in (one, two, one, one, two)]
     assert sorted(map(str, filter(None, rest))) == ["a1", "a2", "a4"]
     assert work.next(one) is None
+
+
+BOX = """
+format = 1
+title = "box"
+convention = "contour"
+mesh = { shape = "box", width = 0.024, height = 0.014 }
+[materials.ply]
+kind = "orthotropic"
+E1 = 142e9
+E2 = 9.8e9
+E3 = 9.8e9
+G12 = 6e9
+G13 = 6e9
+G23 = 4.8e9
+nu12 = 0.42
+nu13 = 0.42
+nu23 = 0.42
+rho = 1600.0
+[laminates.wall]
+material = "ply"
+angles_deg = [30, -30]
+ply_thickness = 0.0004
+[regions.all]
+laminate = "wall"
+"""
+
+
+def test_parameters_move_what_follows_from_them(tmp_path: Path) -> None:
+    """An angle moves that of its ply in all walls; a thickness also sizes of the mesh."""
+    file = tmp_path / "box.toml"
+    file.write_text(BOX)
+    asked = {
+        "a": {"laminates.wall.angles_deg.1": 2.0},
+        "t": {"laminates.wall.ply_thickness": 1.0},
+        "E": {"materials.ply.E2": 1.0},
+    }
+    spec = described_spec(file, {}, "box", tmp_path, asked)
+    plain = described_spec(file, {}, "box", tmp_path)
+    assert {key: value for key, value in spec.items() if key != "design"} == plain
+    targets = {
+        name: {tuple(one["of"]): one["factor"] for one in found}
+        for name, found in spec["design"].items()
+    }
+    walls = ("top", "right", "bottom", "left")
+    assert targets["a"] == pytest.approx(
+        {("regions", wall, "plies", 1, "angle_deg"): 2.0 for wall in walls}
+    )
+    assert targets["E"] == pytest.approx({("materials", "ply", "E2"): 1.0})
+    sizes = {("mesh", "parameters", f"wall_{wall}"): 2.0 for wall in walls}
+    plies = {("regions", w, "plies", i, "thickness"): 1.0 for w in walls for i in (0, 1)}
+    found = targets["t"]
+    assert {key: found[key] for key in sizes | plies} == pytest.approx(sizes | plies)
+    assert {key[1] for key in found.keys() - (sizes | plies).keys()} == {"parameters"}
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("laminates.wall.angle.1", r"laminates.wall.angle: no such table.*did you mean"),
+        ("laminates.wall.material", r"laminates.wall.material = 'ply': expected a number"),
+        ("laminates.wall.angles_deg.2", "has no 2"),
+        ("laminates.wall.symmetric", "laminates.wall.symmetric = None: expected a number"),
+    ],
+)
+def test_parameters_that_are_no_numbers(key: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "box.toml"
+    file.write_text(BOX)
+    with pytest.raises(InputError, match=message):
+        described_spec(file, {}, "box", tmp_path, {key: {key: 1.0}})
+
+
+def test_derivatives_on_the_screen_and_in_json() -> None:
+    rate = np.diag([1e4, 0.0, 0.0, 2.5, 0.0, 0.0])
+    one = Derivative("a", "angle", (), {"K": rate, "M": 0.01 * np.eye(6)})
+    shown = results(design=(one,))
+    text = section_text(shown)
+    assert "Derivative of K by a, per deg; largest entry 0.05 of sqrt(Kii Kjj)" in text
+    assert "0.01 kg/m per deg" in text
+    found = section_json(shown)["derivatives"]["a"]
+    assert found["K"] == rate.tolist()
+    assert found["shear_centre"] == [0.0, 0.0]
+    assert "derivatives" not in section_json(results())

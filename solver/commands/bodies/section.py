@@ -106,6 +106,7 @@ def run_section(options: argparse.Namespace) -> int:
         words += ["--accuracy", repr(options.accuracy)]
     if options.batch and options.to:
         raise InputError("section: --to is for FILE, also for DIR/*/*.vtkhdf")
+    asked = {key: {key: 1.0} for key in options.derivatives}
     entries = _entries(options)
     for suffix in (".csv", ".json") if options.batch and not options.check else ():
         folder = options.out or FOLDERS["section"]
@@ -115,7 +116,9 @@ def run_section(options: argparse.Namespace) -> int:
         entries,
         options,
         words,
-        spec_of=lambda entry: described_spec(entry.file, entry.changes, entry.name, options.out),
+        spec_of=lambda entry: described_spec(
+            entry.file, entry.changes, entry.name, options.out, asked
+        ),
         show=show,
         list_each=bool(options.batch),
     )

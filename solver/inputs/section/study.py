@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
+from ...package.common.design import PLACES, differenced
 from ..common.table import Table, entry, is_number, optional, validated
 from ..common.text_file import read_toml
 from .specification import section_spec
@@ -192,8 +193,81 @@ def _column(path: Path, index: int, sweep: Sweep) -> list[tuple[str, Any]]:
     return column
 
 
+# Parameters of a description: the numbers of the specification that follow from them.
+
+STEP = 5e-4  # of a number, for difference quotients
+ROUNDING = 1e-13  # of a number: a change below it is none
+RIGHT_ANGLE = 90.0  # deg: the size of an angle
+Parameters = Mapping[str, Mapping[str, float]]  # name -> dotted key and factor of each target
+
+
+def design_of(
+    table: dict[str, Any], file: Path, folder: Path, asked: Parameters
+) -> dict[str, list[dict[str, Any]]]:
+    """Return the targets of parameters in the specification: key and change per unit.
+
+    A thickness of a description moves thicknesses of plies and sizes of the mesh at once.
+
+    Raises
+    ------
+    InputError : a key that does not exist or is no number; a number of elements that changes.
+    """
+    found = {}
+    for name, factors in asked.items():
+        values = {key: _number(table, key, file) for key in factors}
+        sizes = [
+            (RIGHT_ANGLE if key.endswith("deg") or "angles_deg" in key else abs(value) or 1.0)
+            / abs(factors[key])
+            for key, value in values.items()
+        ]
+        step, at = STEP * min(sizes), []
+        for place in (*PLACES, 0.0):
+            moved = {key: v + place * step * factors[key] for key, v in values.items()}
+            at.append(_leaves(section_spec(changed(table, moved, file), file, folder)))
+        whole = [{k: v for k, v in one.items() if not isinstance(v, float)} for one in at]
+        if any(one != whole[0] for one in whole) or any(one.keys() != at[0].keys() for one in at):
+            raise InputError(
+                f"{file}: {', '.join(factors)}: a number of elements changes at this value, so "
+                "that there is no derivative; expected a slightly different one"
+            )
+        numbers = [{k: v for k, v in one.items() if k not in whole[0]} for one in at]
+        rates = differenced(numbers[: len(PLACES)], step)
+        found[name] = [
+            {"of": list(path), "factor": float(f"{rate:.13g}")}
+            for path, rate in rates.items()
+            if abs(rate) * step > ROUNDING * abs(at[-1][path])
+        ]
+        if not found[name]:
+            raise InputError(f"{file}: {', '.join(factors)}: expected a number that has an effect")
+    return found
+
+
+def _number(table: dict[str, Any], key: str, file: Path) -> float:
+    changed(table, {key: 0.0}, file)  # raises for a key that does not exist
+    place: Any = table
+    for part in _parts(key):
+        place = place[_at(place, part)] if _at(place, part) in _known(place) else None
+    if not is_number(str(place)) or isinstance(place, str):
+        raise InputError(f"{file}: {key} = {place!r}: expected a number in the description")
+    return float(place)
+
+
+def _leaves(spec: Any, path: tuple[str | int, ...] = ()) -> dict[tuple[str | int, ...], Any]:
+    """Return all values of nested tables and lists by their keys."""
+    pairs = spec.items() if isinstance(spec, dict) else enumerate(spec)
+    found: dict[tuple[str | int, ...], Any] = {}
+    for key, value in pairs:
+        nested = isinstance(value, dict | list)
+        found |= _leaves(value, (*path, key)) if nested else {(*path, key): value}
+    return found
+
+
 def described_spec(
-    file: Path, changes: Mapping[str, Any], name: str, folder: Path
+    file: Path,
+    changes: Mapping[str, Any],
+    name: str,
+    folder: Path,
+    derivatives: Parameters | None = None,
 ) -> dict[str, Any]:
     """Return the specification of a description with changes.
 
@@ -202,19 +276,24 @@ def described_spec(
     changes : other values at dotted keys
     name : of the section if there are changes
     folder : where meshes of the description are written
+    derivatives : parameters by which everything is differentiated, in the key `design`
 
     Raises
     ------
-    InputError : the description or a change is wrong.
+    InputError : the description, a change or a parameter is wrong.
     """
     if is_of_another_code(file) and not changes:
+        if derivatives:
+            raise InputError(f"{file}: derivatives are for descriptions of sections (TOML)")
         return spec_of_another_code(file, folder)
     table = read_toml(file, "section description")
-    if not changes:
-        return section_spec(table, file, folder)
     try:
-        spec = section_spec(changed(table, changes, file), file, folder)
+        table = changed(table, changes, file)
+        spec = section_spec(table, file, folder)
+        design = design_of(table, file, folder, derivatives) if derivatives else {}
     except InputError as error:
+        if not changes:
+            raise
         found = str(error).splitlines()
         raise InputError("\n".join(f"{name}: {line}" for line in found)) from error
-    return spec | {"name": name}
+    return spec | ({"name": name} if changes else {}) | ({"design": design} if design else {})

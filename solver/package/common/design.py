@@ -69,7 +69,7 @@ def moved(item: Object, steps: Mapping[str, float]) -> Object:
 PLACES = (-2.0, -1.0, 1.0, 2.0)
 
 
-def differenced(at: Sequence[Mapping[str, Any]], step: float) -> dict[str, Array]:
+def differenced(at: Sequence[Mapping[Any, Any]], step: float) -> dict[Any, Array]:
     """Derivatives of arrays by path, from those at `PLACES` times a step; zeros are left out."""
     found = {}
     for path in at[0]:

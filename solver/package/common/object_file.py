@@ -306,7 +306,7 @@ class ObjectFormat(FileFormat, Generic[Object]):
             self.title: get_text(file, self.title),
             "provenance": json_table(f"{file.filename}: attribute provenance", provenance),
         }
-        if self._designed and kind is self.kind:
+        if self._designed:
             own["design"] = read_design(file[self.group])
         return read_fields(file[self.group], kind, **own)
 

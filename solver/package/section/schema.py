@@ -137,6 +137,7 @@ class SectionProperties:
     ] = None
     warnings: Annotated[tuple[dict[str, str], ...], Part("warnings", via=Reported)] = ()
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...
+    design: tuple[Derivative, ...] = ()  # of all datasets by design parameters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,4 +149,3 @@ class SectionFile(SectionProperties):
         Array, Data("6, n, 3", "m/N, 1/N", "section", "displacement of nodes per unit resultant")
     ]
     recovery: Annotated[SectionRecovery, Part()]
-    design: tuple[Derivative, ...] = ()  # of the datasets above by design parameters

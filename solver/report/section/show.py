@@ -252,10 +252,46 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
         # a code's axes are a permutation and reversal of ours: magnitudes do not change
         "error_estimate": None if error is None else np.abs(convert(error, code)).tolist(),
         **({"verification": results.verification} if results.verification else {}),
+        **({"derivatives": _derivatives(results, code)} if results.design else {}),
         "dofs": results.dofs,
         "seconds": results.seconds,
         "warnings": list(results.warnings),
     }
+
+
+OF_DERIVATIVES = ("shear_centre", "tension_centre", "mass_centre")
+
+
+def _derivatives(results: SectionResults, code: str) -> dict[str, Any]:
+    """Derivatives of K, M and the centres by each parameter."""
+    found: dict[str, Any] = {}
+    for one in results.design:
+        zero = np.zeros((6, 6))
+        found[one.name] = {
+            "kind": one.kind,
+            "K": convert(one.values.get("K", zero), code).tolist(),
+            "M": convert(one.values.get("M", zero), code, "mass").tolist(),
+            **{n: one.values.get(n, np.zeros(2)).tolist() for n in OF_DERIVATIVES},
+        }
+    return found
+
+
+def _derivative_text(results: SectionResults, code: str) -> list[str]:
+    order, size = order_of(code), np.sqrt(np.diag(results.K))
+    lines = []
+    for one in results.design:
+        unit = {"angle": "deg", "thickness": "m"}.get(one.kind, "unit")
+        K = one.values.get("K", np.zeros((6, 6)))
+        largest = float(np.max(np.abs(K) / np.outer(size, size)))
+        lines += [
+            f"Derivative of K by {one.name}, per {unit}; largest entry {largest:.3g} of "
+            "sqrt(Kii Kjj)",
+            stiffness_text(convert(K, code), order),
+        ]
+        if "M" in one.values:
+            lines.append(labelled("d mass", f"{one.values['M'][0, 0]:.6g} kg/m per {unit}"))
+        lines.append("")
+    return lines
 
 
 def section_text(results: SectionResults, title: str = "", code: str = "plymotion") -> str:
@@ -270,6 +306,7 @@ def section_text(results: SectionResults, title: str = "", code: str = "plymotio
         f"Stiffness K about the origin, {signs}",
         stiffness_text(convert(results.K, code), order),
         "",
+        *_derivative_text(results, code),
         *_places(results),
         *_curvature(results),
         *_effort(results),
