@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics.evaluation.series import quantities
-from ..dynamics.model.model import SPIN, Model
+from ..dynamics.model.model import SLIP, SPIN, Model
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
@@ -146,7 +146,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
     if not loads.size or not curved.any():
         return None
     cubic = (loads < 2 * n) & (loads % 2 == 0)
-    cubic[cubic] = model.quantities.kind[loads[cubic] // 2] != SPIN
+    cubic[cubic] = ~np.isin(model.quantities.kind[loads[cubic] // 2], (SPIN, SLIP))
     nothing = np.array([np.inf, -np.inf])
     parts, read = len(curved), 1 + len(loads)
     return Watched(

@@ -11,7 +11,17 @@ from ..dynamics.elements.couplings.table import COUPLINGS
 from ..dynamics.elements.forces.table import ELEMENTS
 from ..dynamics.elements.joints.contract import Displacement, DrivenBy
 from ..dynamics.elements.joints.table import COORDINATES, JOINTS
-from ..dynamics.model.model import ANGLE, DISPLACEMENT, DISTANCE, SPIN
+from ..dynamics.model.model import (
+    ANGLE,
+    DISPLACEMENT,
+    DISTANCE,
+    HEIGHT,
+    PLANE,
+    RIM,
+    SLIP,
+    SPHERES,
+    SPIN,
+)
 from ..errors import InputError
 from ..inputs.case.expressions import (
     AXES,
@@ -51,7 +61,7 @@ from .tables import (
 )
 
 if TYPE_CHECKING:
-    from ..inputs.case.tables.kinds import CaseJoint, ElementTable, LoadTable
+    from ..inputs.case.tables.kinds import CaseJoint, ContactTable, ElementTable, LoadTable
     from ..inputs.case.tables.kinds import CoordinateTable as CoordinateKeys
     from ..inputs.case.tables.laws import LoadLaw, RotationDrive, TranslationDrive, WindLaw
     from ..inputs.case.tables.rotor import Wind
@@ -189,9 +199,10 @@ class Reader:
         self._states: dict[tuple[str, ...], int] = {}
         self._curves: dict[tuple[str, str], int] = {}
         self._places: dict[str, int] = {}
+        self._contacts: dict[str, tuple[int, int]] = {}
 
-    def force(self, name: str, keys: "CoordinateKeys") -> ForceTable:
-        """Return a force along a coordinate, with its states and curves."""
+    def force(self, name: str, keys: "CoordinateKeys | ContactTable") -> list[ForceTable]:
+        """Return a force along a coordinate, with its states and curves; then its friction."""
         terms = force_terms(name, keys, self.mechanism)
         for curve_name in terms.curves:
             given = getattr(keys, curve_name)
@@ -207,7 +218,7 @@ class Reader:
             start = self.placed(own.start)
             update = None if own.update is None else self.placed(own.update)
             jumps = own.level is None and (own.update is not None or own.inputs is not None)
-            period = float(keys.sample_time) if jumps else 0.0  # type: ignore[attr-defined]
+            period = float(keys.sample_time) if jumps else 0.0  # type: ignore[union-attr]
             inputs = None if own.inputs is None else [self.placed(node) for node in own.inputs]
             label = f"{name}.{own.name}"
             event = None
@@ -215,9 +226,15 @@ class Reader:
                 event = along, own.level, 1.0 if own.upwards else -1.0
             kept = StateTable(label, rate, start, own.scale, update, period, inputs, name, event)
             self.found.state(kept)
-        table = self.found.coordinates[along]
-        size = self.placed(terms.force)
-        return ForceTable(name, keys.kind, table.marker_1, table.marker_2, size=size, along=along)
+        parts = [(along, name, terms.force)]
+        for slip, size in terms.friction:
+            parts.append((self._coordinate(slip), f"{name} (friction)", size))
+        found = []
+        for m, label, size in parts:
+            table, placed = self.found.coordinates[m], self.placed(size)
+            markers = table.marker_1, table.marker_2
+            found.append(ForceTable(label, keys.kind, *markers, size=placed, along=m))
+        return found
 
     def placed(self, node: Node) -> Node:
         """Return a tree with the quantities of the model for those of the case."""
@@ -247,12 +264,33 @@ class Reader:
         names = read.names
         if read.kind == "joint":
             return self.of_joint(*names)
+        if read.kind in ("height", "slip"):
+            return self.found.coordinate(self._of_contact(read))
         one, two = (self._place(place) for place in self._pair(read))
         if read.kind == "length":
             return self.found.coordinate(CoordinateTable(DISTANCE, one, two))
         kind = SPIN if read.kind == "spin" else DISPLACEMENT
         axis = AXES.index(names[1])
         return self.found.coordinate(CoordinateTable(kind, one, two, (axis,)))
+
+    def _of_contact(self, read: Read) -> CoordinateTable:
+        name = read.names[0]
+        keys: ContactTable = self.mechanism.forces[name]  # type: ignore[assignment]
+        if name not in self._contacts:
+            key, directions = f"forces.{name}.between", (keys.axis, keys.disc_axis)
+            one, two = (
+                self.places.marker(key, place, axes(z or _Z, None))
+                for place, z in zip(keys.between, directions, strict=True)
+            )
+            self._contacts[name] = one, two
+        markers = self._contacts[name]
+        shape = PLANE if keys.other_radius is None else SPHERES
+        shape = shape if keys.disc_axis is None else RIM
+        if read.kind == "slip":
+            return CoordinateTable(SLIP, *markers, (int(read.names[1]), shape), keys.radius)
+        if shape == RIM:
+            return CoordinateTable(HEIGHT, *markers, (2, RIM), keys.radius)
+        return CoordinateTable(DISPLACEMENT, *markers, (2,))
 
     def _pair(self, read: Read) -> tuple[str, str]:
         return (read.names[0], read.names[1]) if read.kind == "length" else ("", read.names[0])
@@ -307,11 +345,16 @@ _Z = [0.0, 0.0, 1.0]
 
 
 def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list[ForceTable]:
-    """Return the force elements in the order of the case; `reader` gets what they read."""
-    found = []
+    """Return the force elements in the order of the case; `reader` gets what they read.
+
+    The friction of contacts is behind all others.
+    """
+    found, friction = [], []
     for name, force in mechanism.forces.items():
         if is_along(force):
-            found.append(reader.force(name, force))
+            first, *others = reader.force(name, force)
+            found.append(first)
+            friction += others
             continue
         given = law(force)
         table = _load(name, force, places) if is_load(force) else _element(name, force, places)
@@ -324,7 +367,7 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
         elif given is not None:
             table = replace(table, law=law_of(given))
         found.append(table)
-    return found
+    return found + friction
 
 
 def _element(name: str, force: "ElementTable", places: Places) -> ForceTable:

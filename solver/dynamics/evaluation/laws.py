@@ -7,14 +7,27 @@ from ...math.compiled import inlined, lean
 from ...math.expressions.program import BY_TIME, NO_SEED, evaluated
 from ...math.laws import N_COEFFICIENT, law_value
 from ...math.rotations import Triple, cross3, dot3, minus3, sum3, times3
-from ..model.model import DISPLACEMENT, DISTANCE, LAST, SPIN, Model, Quantities
+from ..model.model import (
+    DISPLACEMENT,
+    DISTANCE,
+    HEIGHT,
+    LAST,
+    RIM,
+    SLIP,
+    SPHERES,
+    SPIN,
+    Model,
+    Quantities,
+)
 from ..model.motion import acceleration, axis, place, spin, spin_rate, velocity
 
 COINCIDENT = 1e-12  # distance of two points without a direction [m]
 
 
 @lean
-def coordinate(kind: int, axes: IntArray, one: Array, two: Array, g: Array) -> tuple[float, float]:
+def coordinate(
+    kind: int, axes: IntArray, offset: float, one: Array, two: Array, g: Array
+) -> tuple[float, float]:
     """Return value and rate of a coordinate, and fill its row g (12,)."""
     e, n, arm = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     turning, d = minus3(spin(two), spin(one)), minus3(place(two), place(one))
@@ -29,6 +42,8 @@ def coordinate(kind: int, axes: IntArray, one: Array, two: Array, g: Array) -> t
             g[j], g[3 + j], g[6 + j], g[9 + j] = -n[j], arm[j], n[j], 0.0
         moving = minus3(velocity(two), velocity(one))
         return e, dot3(n, moving) + dot3(arm, spin(one))
+    if kind in (HEIGHT, SLIP):
+        return of_contact(kind, axes, offset, one, two, g)
     if kind == SPIN:
         n = axis(one, axes[0])
     else:
@@ -39,6 +54,49 @@ def coordinate(kind: int, axes: IntArray, one: Array, two: Array, g: Array) -> t
     for j in range(3):
         g[j], g[3 + j], g[6 + j], g[9 + j] = 0.0, -n[j], 0.0, n[j]
     return e, dot3(n, turning)
+
+
+@inlined
+def touch(axes: IntArray, radius: float, one: Array, two: Array) -> tuple[Triple, Triple]:
+    """Return the normal of a contact, and the way from marker two to where it touches.
+
+    A sphere about marker two on a sphere about marker one (axes[1] = SPHERES), on the plane through
+    it across its axis z (PLANE), or the rim of a disc about axis z of marker two on this plane.
+    """
+    n = axis(one, 2)
+    if axes[1] == SPHERES:
+        d = minus3(place(two), place(one))
+        length = np.sqrt(dot3(d, d))
+        n = times3(1.0 / length if length > COINCIDENT else 0.0, d)
+    up = n
+    if axes[1] == RIM:
+        a = axis(two, 2)
+        up = minus3(n, times3(dot3(n, a), a))
+        length = np.sqrt(dot3(up, up))
+        up = times3(1.0 / length if length > COINCIDENT else 0.0, up)
+    return n, times3(-radius, up)
+
+
+@inlined
+def of_contact(
+    kind: int, axes: IntArray, radius: float, one: Array, two: Array, g: Array
+) -> tuple[float, float]:
+    """Return height and its rate of a rim, or 0 and a sliding velocity; fill the row g (12,).
+
+    The sliding velocity is that along an axis of marker one, of which the part across the normal
+    counts.
+    """
+    d = minus3(place(two), place(one))
+    n, arm = touch(axes, radius, one, two)
+    e, t = dot3(n, sum3(d, arm)), n
+    if kind == SLIP:
+        along = axis(one, axes[0])
+        e, t = 0.0, minus3(along, times3(dot3(along, n), n))
+    turn_1, turn_2 = cross3(sum3(d, arm), t), cross3(arm, t)
+    for j in range(3):
+        g[j], g[3 + j], g[6 + j], g[9 + j] = -t[j], -turn_1[j], t[j], turn_2[j]
+    moving = dot3(t, minus3(velocity(two), velocity(one)))
+    return e, moving + dot3(turn_2, spin(two)) - dot3(turn_1, spin(one))
 
 
 @inlined
@@ -111,8 +169,10 @@ def measure(
         quantity[2 * n + j] = y[first + j]
     for m in range(n):
         one, two = motion[quantities.marker[m, 0]], motion[quantities.marker[m, 1]]
-        e, e_d = coordinate(quantities.kind[m], quantities.axes[m], one, two, g[m])
-        e -= quantities.offset[m]
+        offset = quantities.offset[m]
+        e, e_d = coordinate(quantities.kind[m], quantities.axes[m], offset, one, two, g[m])
+        if quantities.kind[m] not in (HEIGHT, SLIP):
+            e -= offset
         if quantities.turn[m] >= 0:
             e += 2.0 * np.pi * np.round((y[first + quantities.turn[m]] - e) / (2.0 * np.pi))
         quantity[2 * m], quantity[2 * m + 1] = e, e_d

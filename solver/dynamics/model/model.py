@@ -30,7 +30,9 @@ IntArray = NDArray[np.int64]
 GROUND = -1
 # Kinds of coordinates. `axes` of a DISPLACEMENT and SPIN: axis of marker one; of an ANGLE: marker
 # with the axes x and y (0 or 1), x, y, and the axis `arm` of the other one (joints/contract.py).
-DISPLACEMENT, ANGLE, DISTANCE, SPIN = 0, 1, 2, 3
+# Of a HEIGHT and SLIP of a contact: axis of marker one, and what touches; `offset` is its radius.
+DISPLACEMENT, ANGLE, DISTANCE, SPIN, HEIGHT, SLIP = 0, 1, 2, 3, 4, 5
+SPHERES, PLANE, RIM = 0, 1, 2
 # Sizes of the reaction of a joint on its second place, about its axis z: force across and along
 # it, moment about that place across and along it.
 RADIAL, AXIAL, BENDING, TWISTING = 0, 1, 2, 3

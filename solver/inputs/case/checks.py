@@ -36,7 +36,7 @@ from .expressions import (
 from .record import KINDS, elsewhere, parts
 from .tables.beams import BeamBody
 from .tables.bodies import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
-from .tables.kinds import CoordinateTable, ForceTable, LoadTable
+from .tables.kinds import ForceTable, LoadTable
 from .tables.laws import DriveTable, RotationDrive, TranslationDrive
 from .tables.rotor import Wind
 from .tables.schema import Mechanism, output_findings
@@ -132,7 +132,7 @@ def check_force(key: str, force: ForceTable, mechanism: Mechanism) -> list[str]:
     """Return errors of the expressions of a force."""
     name = key.partition(".")[2]
     try:
-        if isinstance(force, CoordinateTable):
+        if is_along(force):
             force_terms(name, force, mechanism, _places(mechanism))
             return []
         of_time = law(force)
@@ -353,7 +353,7 @@ def _forces(mechanism: Mechanism) -> list[str]:
         if isinstance(force, LoadTable):
             found += check_place(f"{key}.at", force.at, mechanism, ground=False)
             continue
-        if isinstance(force, CoordinateTable):
+        if is_along(force):
             if force.between is not None:
                 found += _between(f"{key}.between", force.between, mechanism, one_body=True)
             continue

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...dynamics.elements.couplings.table import COUPLINGS
-from ...dynamics.elements.forces.contract import BOTH, ROTATION, Terms
+from ...dynamics.elements.forces.contract import BOTH, ROTATION, Contact, Terms
 from ...dynamics.elements.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
 from ...dynamics.elements.joints.contract import ANGLE, DrivenBy, Z
 from ...dynamics.elements.joints.table import JOINTS
@@ -21,7 +21,14 @@ from ...math.rows import column
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
 
-    from .tables.kinds import CoordinateTable, CouplingTable, ForceTable, JointTable, LoadTable
+    from .tables.kinds import (
+        ContactTable,
+        CoordinateTable,
+        CouplingTable,
+        ForceTable,
+        JointTable,
+        LoadTable,
+    )
     from .tables.laws import LoadLaw, RotationDrive, TablePoints, TranslationDrive
     from .tables.schema import Mechanism
 
@@ -90,7 +97,8 @@ WORDS = (
     "distance_rate",
     "signal",
 )
-OF_MOTION = ("joint", "place", "spin", "length")  # kinds of `Read` with a rate
+CONTACT_KEYS = ("axis", "radius", "other_radius", "disc_axis")
+OF_MOTION = ("joint", "place", "spin", "length", "height", "slip")  # kinds of `Read` with a rate
 REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/model/model.py
 
 
@@ -282,9 +290,14 @@ def is_load(force: "ForceTable") -> "TypeIs[LoadTable]":
     return force.kind in LOADS
 
 
-def is_along(force: "ForceTable") -> "TypeIs[CoordinateTable]":
+def is_along(force: "ForceTable") -> "TypeIs[CoordinateTable | ContactTable]":
     """Whether a force acts along a coordinate."""
     return force.kind in COORDINATE_FORCES
+
+
+def is_contact(force: "ForceTable") -> "TypeIs[ContactTable]":
+    """Whether a force is a contact of a sphere."""
+    return isinstance(COORDINATE_FORCES.get(force.kind), Contact)
 
 
 def law(force: "ForceTable") -> "LoadLaw | None":
@@ -333,10 +346,14 @@ class ForceTerms:
     force: Node
     states: tuple[StateTerms, ...]
     curves: tuple[str, ...]  # keys of the curves that are given
+    friction: tuple[tuple[Read, Node], ...] = ()  # of a contact, by directions of slip
 
 
 def force_terms(
-    name: str, force: "CoordinateTable", mechanism: "Mechanism", check: PlaceCheck | None = None
+    name: str,
+    force: "CoordinateTable | ContactTable",
+    mechanism: "Mechanism",
+    check: PlaceCheck | None = None,
 ) -> ForceTerms:
     """Return the expressions of `[forces.NAME]`.
 
@@ -348,6 +365,8 @@ def force_terms(
     key = f"forces.{name}"
     along = _along(key, force, mechanism)
     values = {k.name: getattr(force, k.name) for k in kind.keys}
+    if isinstance(kind, Contact):
+        values |= {key: getattr(force, key) for key in CONTACT_KEYS}
     values[ROTATION] = _rotation(along, mechanism)
     other = _other(along, mechanism)
     values[BOTH] = other is not None
@@ -369,6 +388,12 @@ def force_terms(
         names |= {of: load(Read("reaction", (along.names[0], of))) for of in REACTIONS}
     if other is not None:
         names["other"] = load(other)
+    slips: tuple[Read, ...] = ()
+    if terms.friction:
+        count = 2 if values["other_radius"] is None else 3
+        slips = tuple(Read("slip", (name, str(i)), rate=True) for i in range(count))
+        first, *others = (load(each) * load(each) for each in slips)
+        names["slip_squared"] = sum(others, first)
     given = tuple(k.name for k in kind.keys if isinstance(k, Curve) and values[k.name] is not None)
     scope = CaseScope(mechanism, names, {k: _reader((name, k)) for k in given})
     inputs = tuple(
@@ -377,7 +402,7 @@ def force_terms(
         if isinstance(k, Expressions)
         for i, text in enumerate(values[k.name])
     )
-    return _trees(name, terms, along, scope, given, inputs)
+    return _trees(name, terms, along, scope, given, inputs, slips)
 
 
 def _trees(
@@ -387,6 +412,7 @@ def _trees(
     scope: CaseScope,
     curves: tuple[str, ...],
     inputs: tuple[Node, ...],
+    slips: tuple[Read, ...],
 ) -> ForceTerms:
     key = f"forces.{name}"
     starts = []
@@ -413,10 +439,18 @@ def _trees(
         )
         for s, start in zip(terms.states, starts, strict=True)
     )
-    return ForceTerms(along, force, states, curves)
+    friction = []
+    for slip in slips:
+        scope.names["slip"] = load(slip)
+        friction.append((replace(slip, rate=False), expression(terms.friction, scope, key)))
+    return ForceTerms(along, force, states, curves, tuple(friction))
 
 
-def _along(key: str, force: "CoordinateTable", mechanism: "Mechanism") -> Read:
+def _along(key: str, force: "CoordinateTable | ContactTable", mechanism: "Mechanism") -> Read:
+    if is_contact(force):
+        if force.other_radius is None:
+            return Read("height", (key.partition(".")[2],))
+        return Read("length", (force.between[0], force.between[1]))
     if force.joint is None:
         assert force.between is not None
         return Read("length", (force.between[0], force.between[1]))

@@ -143,6 +143,8 @@ class Terms:
     Attributes
     ----------
     force : that pushes the coordinate up [N, N m]
+    friction : of a `Contact`, along each direction of sliding, of which it reads the rate `slip`
+        [m/s]; `slip_squared` is the square of the whole [m2/s2]; "": none
     names : parts of the others, by name
     states : auxiliary states
     """
@@ -150,6 +152,7 @@ class Terms:
     force: str
     names: Mapping[str, str] = field(default_factory=dict)
     states: tuple[State, ...] = ()
+    friction: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,6 +171,16 @@ class CoordinateForce(ForceElement):
 
     keys: tuple[Number | Expression | Expressions | Curve | Code, ...]
     terms: Callable[[Mapping[str, Any]], Terms]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact(CoordinateForce):
+    """A contact of a sphere about the second place with a plane or a sphere at the first.
+
+    Its keys are `between`, `axis`, `radius`, `other_radius` and its own. The coordinate is the
+    height of the centre over the plane, or the distance of the centres. Friction acts along the
+    slip of the surfaces where they touch (`Terms`).
+    """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,6 +282,7 @@ __all__ = [
     "ROTATION",
     "STIFFNESS",
     "Code",
+    "Contact",
     "CoordinateForce",
     "Curve",
     "Direction",

@@ -13,7 +13,13 @@ from pydantic import (
 
 from ....dynamics.elements.couplings.contract import Coupling
 from ....dynamics.elements.couplings.table import COUPLINGS
-from ....dynamics.elements.forces.contract import CoordinateForce, Element, ForceElement, Load
+from ....dynamics.elements.forces.contract import (
+    Contact,
+    CoordinateForce,
+    Element,
+    ForceElement,
+    Load,
+)
 from ....dynamics.elements.forces.table import FORCES
 from ....dynamics.elements.joints.contract import FREEDOMS, Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
@@ -232,13 +238,40 @@ class CoordinateTable(Table):
         return self
 
 
-ForceTable = ElementTable | LoadTable | CoordinateTable
+class ContactTable(Table):
+    """Keys of every contact of a sphere with a plane or a sphere."""
+
+    between: list[str] = entry(
+        'two places: "BODY.INTERFACE" or "ground.POINT"; the first one is in the plane or the '
+        "centre of a sphere, the second one the centre of a sphere",
+        min_length=2,
+        max_length=2,
+    )
+    axis: Axis | None = optional(
+        "normal of the plane at the start, global, towards the sphere; fixed in the first place; "
+        "absent: z",
+        "-",
+    )
+    radius: float = entry("of the sphere at the second place; 0: a point", "m", default=0.0, ge=0)
+    other_radius: float | None = optional(
+        "of a sphere at the first place; absent: a plane", "m", gt=0
+    )
+    disc_axis: Axis | None = optional(
+        "axis at the start, global, of a thin disc about the second place, whose rim touches the "
+        "plane; absent: a sphere",
+        "-",
+    )
+    kind: str
+
+
+ForceTable = ElementTable | LoadTable | CoordinateTable | ContactTable
 
 
 BASES: dict[type, Any] = {
     Element: ElementTable,
     Load: LoadTable,
     CoordinateForce: CoordinateTable,
+    Contact: ContactTable,
 }
 FORCE_TABLES = tuple(table_of(BASES[type(force)], "forces", force) for force in FORCES.values())
 if TYPE_CHECKING:

@@ -1,0 +1,177 @@
+"""Contacts of spheres, planes and discs against closed forms."""
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from samples.case_samples import rigid
+from samples.coordinate_samples import RADAU, force, run
+
+from plymotion.solver.errors import InputError
+
+G = 9.81
+FLOOR = f"gravity = [0.0, 0.0, -{G}]\n[ground.floor]\nposition = [0.0, 0.0, 0.0]\n"
+
+
+def body(name: str, mass: float, inertia: float, **keys) -> str:
+    return rigid(name, mass, inertia, {"c": [0.0, 0.0, 0.0]}, **keys)
+
+
+def contact(one: str, two: str, **keys) -> str:
+    return force("k", "contact", between=[one, two], **keys)
+
+
+def signals(name: str, *kinds: str) -> str:
+    return "".join(
+        f'[signals.{name}_{kind}_{axis}]\nkind = "{kind}"\nat = "{name}.c"\ncomponent = "{axis}"\n'
+        for kind in kinds
+        for axis in "xyz"
+    )
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.1])
+def test_a_bouncing_ball(tmp_path, radius):
+    """It leaves each impact at e times the speed before, and flies 2 v / g to the next."""
+    e, h = 0.8, 0.5
+    text = FLOOR + body("ball", 2.0, 8e-3, position=[0.0, 0.0, h + radius])
+    text += contact("ground.floor", "ball.c", radius=radius, stiffness=1e11, restitution=e)
+    text += signals("ball", "position", "velocity")
+    t, s, summary = run(tmp_path, text, 2.0, 1e-3)
+    v, begin = sqrt(2.0 * G * h), sqrt(2.0 * h / G)
+    for bounce in range(1, 4):
+        v *= e
+        inside = (t > begin + 0.01) & (t < begin + 2.0 * v / G - 0.01)
+        assert inside.sum() > 200
+        late = 1e-3 * bounce  # an impact takes 0.1 ms, and flights begin behind it
+        path = v * (t[inside] - begin) - 0.5 * G * (t[inside] - begin) ** 2
+        np.testing.assert_allclose(s["ball_position_z"][inside] - radius, path, atol=late * v)
+        energy = G * (s["ball_position_z"] - radius) + 0.5 * s["ball_velocity_z"] ** 2
+        np.testing.assert_allclose(energy[inside], 0.5 * v**2, rtol=1e-3)
+        begin += 2.0 * v / G
+    assert summary["warnings"] == []
+
+
+def test_two_spheres_exchange_their_velocities(tmp_path):
+    """Hertz: the deepest indentation is (5 m u^2 / (4 k))^(2/5), m being both masses in series."""
+    k, mass, u, r = 1e6, 0.5, 2.0, 0.05
+    text = body("a", mass, 5e-4, position=[-0.2, 0.0, 0.0], velocity=[u, 0.0, 0.0])
+    text += body("b", mass, 5e-4, position=[0.1, 0.0, 0.0])
+    text += contact("a.c", "b.c", radius=r, other_radius=r, stiffness=k)
+    text += signals("a", "velocity") + signals("b", "velocity")
+    text += '[signals.N]\nkind = "force"\nof = "k"\n'
+    _, s, summary = run(tmp_path, text, 0.2, 1e-5)
+    assert s["a_velocity_x"][-1] == pytest.approx(0.0, abs=1e-7)
+    assert s["b_velocity_x"][-1] == pytest.approx(u, rel=1e-7)
+    deepest = (5.0 * 0.5 * mass * u**2 / (4.0 * k)) ** 0.4
+    assert s["N"].max() == pytest.approx(k * deepest**1.5, rel=1e-4)
+    assert summary["warnings"] == []
+
+
+def test_a_blow_off_centre_keeps_all_momenta(tmp_path):
+    """Friction turns both spheres; what they lose in sliding is work done on the system."""
+    text = body("a", 0.5, 5e-4, position=[-0.2, 0.0, 0.0], velocity=[2.0, 0.5, 0.0])
+    text += body("b", 0.3, 2e-4, position=[0.1, 0.03, 0.04])
+    text += contact(
+        "a.c", "b.c", radius=0.05, other_radius=0.07, stiffness=1e6, restitution=0.6, friction=0.4
+    )
+    text += "".join(signals(n, "position", "velocity", "angular_velocity") for n in "ab")
+    _, s, summary = run(tmp_path, text, 0.25, 0.05)
+    total = np.zeros((2, 6))
+    for name, mass, inertia in (("a", 0.5, 5e-4), ("b", 0.3, 2e-4)):
+        x, v, w = (
+            np.stack([s[f"{name}_{kind}_{axis}"] for axis in "xyz"], -1)
+            for kind in ("position", "velocity", "angular_velocity")
+        )
+        for row, at in zip(total, (0, -1), strict=True):
+            row[:3] += mass * v[at]
+            row[3:] += mass * np.cross(x[at], v[at]) + inertia * w[at]
+    assert abs(s["b_angular_velocity_y"][-1]) > 1.0
+    # The arms of both end in one point, but for the depth of the indentation.
+    np.testing.assert_allclose(total[1, :3], total[0, :3], atol=1e-9)
+    np.testing.assert_allclose(total[1, 3:], total[0, 3:], atol=1e-9)
+    assert summary["checks"]["energy_drift_relative"] < 1e-8
+
+
+def test_a_sliding_ball_begins_to_roll(tmp_path):
+    """At 2 u / (7 mu g), with 5/7 of its speed."""
+    mass, r, u, mu, k = 2.0, 0.1, 2.0, 0.3, 1e7
+    depth = (mass * G / k) ** (2.0 / 3.0)
+    text = FLOOR + body(
+        "ball", mass, 0.4 * mass * r**2, position=[0, 0, r - depth], velocity=[u, 0, 0]
+    )
+    text += contact(
+        "ground.floor", "ball.c", radius=r, stiffness=k, friction=mu, rest_velocity=1e-5
+    )
+    text += signals("ball", "position", "velocity")
+    _, s, _ = run(tmp_path, text, 0.5, 0.1, RADAU)
+    rolls = 2.0 * u / (7.0 * mu * G)
+    way = u * rolls - 0.5 * mu * G * rolls**2 + (0.5 - rolls) * 5.0 / 7.0 * u
+    # Surfaces touch at r, the arm of the friction is r - depth: 4 parts in 1e5 of r.
+    assert s["ball_velocity_x"][-1] == pytest.approx(5.0 / 7.0 * u, rel=1e-4)
+    assert s["ball_position_x"][-1] == pytest.approx(way, rel=1e-4)
+
+
+def test_a_tilted_disc_rolls_in_a_circle(tmp_path):
+    """Steady rolling of a thin disc of mass m and radius r, its axis at theta to the vertical.
+
+    With A = m r^2 / 4, C = 2 A, the precession W about the vertical and the spin w about the axis,
+    Newton and Euler give
+    (C + m r^2) w W sin(theta) - A W^2 sin(theta) cos(theta) + m g r cos(theta) = 0; the centre
+    moves in a circle of radius r |w / W|.
+    """
+    mass, r, theta, W, k = 2.0, 0.3, 1.2, 3.0, 1e8
+    A = mass * r**2 / 4.0
+    C = 2.0 * A
+    turning = A * W**2 * sin(theta) * cos(theta) - mass * G * r * cos(theta)
+    w = turning / ((C + mass * r**2) * W * sin(theta))
+    a = np.array([sin(theta), 0.0, cos(theta)])  # axis of the disc
+    up = np.array([-cos(theta), 0.0, sin(theta)])  # from where it touches to the centre
+    spin = w * a + W * sin(theta) * up
+    height = r * sin(theta) - (mass * G / k) ** (2.0 / 3.0)
+    disc = body(
+        "disc",
+        mass,
+        1.0,
+        position=[0, 0, height],
+        velocity=np.cross(spin, r * up),
+        angular_velocity=spin,
+    )
+    inertia = (A * np.eye(3) + (C - A) * np.outer(a, a)).tolist()
+    text = FLOOR + disc.replace(str(np.eye(3).tolist()), str(inertia))
+    text += contact(
+        "ground.floor",
+        "disc.c",
+        radius=r,
+        disc_axis=a.tolist(),
+        stiffness=k,
+        friction=1.0,
+        rest_velocity=1e-5,
+    ) + signals("disc", "position")
+    _, s, _ = run(tmp_path, text, 2.0 * pi / W, 2.0 * pi / W / 40, RADAU)
+    circle = r * abs(w / W)
+    assert circle > 0.1
+    for axis, start in (("x", 0.0), ("y", 0.0), ("z", height)):
+        assert s[f"disc_position_{axis}"][-1] == pytest.approx(start, abs=1e-3 * circle)
+    assert np.ptp(s["disc_position_y"]) == pytest.approx(2.0 * circle, rel=1e-3)
+    assert np.ptp(s["disc_position_z"]) < 1e-4 * r
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"axis": [0, 0, 1], "other_radius": 0.1}, "forces.k.axis: expected with a plane only"),
+        ({"disc_axis": [0, 1, 0]}, "forces.k.radius = 0: expected the radius of the disc"),
+        ({"radius": -1.0}, "forces.k.radius = -1.0"),
+        ({"restitution": 0.0}, "forces.k.restitution = 0.0"),
+        (
+            {"between": ["ground.floor", "ball.d"]},
+            'forces.k.between = "ball.d": body "ball"',
+        ),
+    ],
+)
+def test_bad_input(tmp_path, keys, words):
+    given = {"between": ["ground.floor", "ball.c"], "stiffness": 1e6, **keys}
+    text = FLOOR + body("ball", 1.0, 1.0) + force("k", "contact", **given)
+    with pytest.raises(InputError) as caught:
+        run(tmp_path, text, 0.1, 0.1)
+    assert words in str(caught.value)
