@@ -72,7 +72,13 @@ def test_a_blow_off_centre_keeps_all_momenta(tmp_path):
     text = body("a", 0.5, 5e-4, position=[-0.2, 0.0, 0.0], velocity=[2.0, 0.5, 0.0])
     text += body("b", 0.3, 2e-4, position=[0.1, 0.03, 0.04])
     text += contact(
-        "a.c", "b.c", radius=0.05, other_radius=0.07, stiffness=1e6, restitution=0.6, friction=0.4
+        "a.c",
+        "b.c",
+        radius=0.05,
+        other_radius=0.07,
+        stiffness=1e6,
+        restitution=0.6,
+        coefficient=0.4,
     )
     text += "".join(signals(n, "position", "velocity", "angular_velocity") for n in "ab")
     _, s, summary = run(tmp_path, text, 0.25, 0.05)
@@ -100,7 +106,7 @@ def test_a_sliding_ball_begins_to_roll(tmp_path):
         "ball", mass, 0.4 * mass * r**2, position=[0, 0, r - depth], velocity=[u, 0, 0]
     )
     text += contact(
-        "ground.floor", "ball.c", radius=r, stiffness=k, friction=mu, rest_velocity=1e-5
+        "ground.floor", "ball.c", radius=r, stiffness=k, coefficient=mu, rest_velocity=1e-5
     )
     text += signals("ball", "position", "velocity")
     _, s, _ = run(tmp_path, text, 0.5, 0.1, RADAU)
@@ -144,7 +150,7 @@ def test_a_tilted_disc_rolls_in_a_circle(tmp_path):
         radius=r,
         disc_axis=a.tolist(),
         stiffness=k,
-        friction=1.0,
+        coefficient=1.0,
         rest_velocity=1e-5,
     ) + signals("disc", "position")
     _, s, _ = run(tmp_path, text, 2.0 * pi / W, 2.0 * pi / W / 40, RADAU)

@@ -2,7 +2,7 @@
 
 The normal force is that of a stop (limit_stop.py) on the height of the centre over the plane, or on
 the distance of the centres. Friction is Coulomb's, regularised near rest: with the normal force N
-and the velocity s of the sliding surfaces it is -friction N s / (|s|^2 + rest_velocity^2)^(1/2).
+and the velocity s of the sliding surfaces it is -coefficient N s / (|s|^2 + rest_velocity^2)^(1/2).
 """
 
 from collections.abc import Mapping
@@ -24,8 +24,8 @@ def _terms(values: Mapping[str, Any]) -> Terms:
     touching += values["other_radius"] or 0.0
     stop = limit_stop.LIMIT_STOP.terms({**values, "lower": touching, "upper": None})
     friction = ""
-    if values["friction"]:
-        friction = "-friction * normal * slip / sqrt(slip_squared + rest_velocity ** 2)"
+    if values["coefficient"]:
+        friction = "-coefficient * normal * slip / sqrt(slip_squared + rest_velocity ** 2)"
     names = {"lower": repr(touching), "normal": stop.force}
     return Terms("normal", names, stop.states, friction)
 
@@ -39,7 +39,7 @@ CONTACT = Contact(
     "against their sliding; below `rest_velocity` a body at rest creeps.",
     keys=(
         *(key for key in limit_stop.LIMIT_STOP.keys if key.name not in ("lower", "upper")),
-        Number("friction", "", "coefficient of Coulomb", default=0.0, least=0.0),
+        Number("coefficient", "", "of Coulomb's friction", default=0.0, least=0.0),
         Number(
             "rest_velocity",
             "m/s",
