@@ -3,15 +3,26 @@
 import functools
 import json
 import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..solver.package.body.schema import ModalPackage, SectionData
+from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
-from ..solver.package.section.schema import SectionFile
+from ..solver.package.section.schema import SectionFile, SectionRecovery
 from ..solver.package.section.stress import thinned
-from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
+from .beam.body import (
+    BeamModel,
+    beam_input,
+    beam_model,
+    beam_modes,
+    beam_package,
+    mode_warnings,
+)
 from .beam.sections import StationSection, analysed_section, given_section, is_given
-from .beam.spec import read_spec
+from .beam.spec import BeamSpec, read_spec
+from .design import Parameter, change_of_inputs, derivatives, read_parameters
 from .fenicsx import eigenpairs
 from .provenance import body_provenance
 from .section.analysis import analyse
@@ -62,9 +73,9 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     """
     beam = read_spec(spec)
     start = time.perf_counter()
-    described = [{k: v for k, v in table.items() if k != "name"} for table in beam.sections]
-    names = [str(table.get("name", beam.body)) for table in beam.sections]
-    results = [_section(table, beam.theory) for table in described]
+    parameters = read_parameters(spec)
+    sections = BeamSections(spec, beam, parameters)
+    results = sections.at()
     after_section = time.perf_counter()
     try:
         model = beam_model(beam, *(result.line for result in results))
@@ -86,31 +97,88 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
         {"section": after_section - start, "modes": after_modes - after_section},
         [*(w for result in results for w in result.warnings), *remarks],
     )
-    sections = [
-        SectionData(name, result.line.K, result.line.mass)
-        if result.recovery is None
-        else SectionData(
-            name,
-            result.line.K,
-            result.line.mass,
-            toml_text(table),
-            thinned(result.recovery),
-            result.end_compliance,
-        )
-        for name, result, table in zip(names, results, described, strict=True)
-    ]
-    return beam_package(model, modes, sections, provenance)
+    package = beam_package(model, modes, sections.data(results, thinned), provenance)
+    if not parameters:
+        return package
+
+    def at(parameter: Parameter, distance: float) -> tuple[BeamModel, list[SectionData]]:
+        """The beam with a parameter moved, and its sections without rounding."""
+        own = (t.factor for t in parameter.targets if t.path == "damping_ratio")
+        # all else that may move is in the sections
+        changed = replace(beam, damping_ratio=beam.damping_ratio + distance * sum(own))
+        found = sections.at(parameter, distance)
+        return beam_model(changed, *(one.line for one in found)), sections.data(found)
+
+    design = derivatives(
+        parameters,
+        beam_input(model)[0],
+        modes,
+        at,
+        lambda p, moved: change_of_inputs(p, [beam_input(one) for one, _ in moved]),
+        lambda moved, modes: beam_package(moved[0], modes, moved[1], {}),
+        beam.damping_ratio,
+    )
+    return replace(package, design=design)
 
 
-def _section(table: dict[str, Any], theory: str) -> StationSection:
-    if is_given(table):
-        return given_section(table)
-    return analysed_section(_analysed(canonical(table)), theory)
+class BeamSections:
+    """The sections of a beam: given, or analysed with their derivatives by design parameters."""
+
+    def __init__(
+        self, spec: dict[str, Any], beam: BeamSpec, parameters: Sequence[Parameter]
+    ) -> None:
+        self._theory, self._places, self._files = beam.theory, [], []
+        self._tables = [{k: v for k, v in t.items() if k != "name"} for t in beam.sections]
+        self._names = [str(table.get("name", beam.body)) for table in beam.sections]
+        for row, table in enumerate(self._tables):
+            place = ("stations", str(row), "section") if "stations" in spec else ("section",)
+            design = {p.name: p.below(place) for p in parameters if p.below(place)}
+            given = is_given(table)
+            self._places.append(place)
+            self._files.append(None if given else _analysed(canonical(table), canonical(design)))
+
+    def at(self, parameter: Parameter | None = None, distance: float = 0.0) -> list[StationSection]:
+        """Sections of the stations, with a parameter moved by a distance."""
+        return [self._at(row, parameter, distance) for row in range(len(self._tables))]
+
+    def _at(self, row: int, parameter: Parameter | None, distance: float) -> StationSection:
+        file, table, place = self._files[row], self._tables[row], self._places[row]
+        if parameter is not None and parameter.below(place):
+            if file is None:
+                table = parameter.changed(table, distance, place)
+            else:
+                file = moved(file, {parameter.name: distance})
+        return given_section(table) if file is None else analysed_section(file, self._theory)
+
+    def data(
+        self,
+        results: Sequence[StationSection],
+        stored: Callable[[SectionRecovery], SectionRecovery] = lambda recovery: recovery,
+    ) -> list[SectionData]:
+        """Sections for the package; `stored` rounds the recovery."""
+        return [
+            SectionData(name, result.line.K, result.line.mass)
+            if result.recovery is None
+            else SectionData(
+                name,
+                result.line.K,
+                result.line.mass,
+                toml_text(table),
+                stored(result.recovery),
+                result.end_compliance,
+            )
+            for name, result, table in zip(self._names, results, self._tables, strict=True)
+        ]
 
 
 @functools.lru_cache(maxsize=256)
-def _analysed(text: str) -> SectionFile:
+def _analysed(text: str, design: str) -> SectionFile:
     """Analyse a section once and reuse the result for other bodies."""
+    asked = json.loads(design)
     return analyse(
-        json.loads(text), where="section", estimate=False, recovery_degree=RECOVERY_DEGREE
+        json.loads(text),
+        where="section",
+        estimate=False,
+        recovery_degree=RECOVERY_DEGREE,
+        **({"design": asked} if asked else {}),
     )

@@ -11,8 +11,8 @@ from ...solver.package.body.invariants import MOST_MODES, second_order_from_stat
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.common.cells import node_positions
 from ...solver.package.common.plain_data import SpecError
-from ..modes.reduced import Modes, reduced_modes
-from ..modes.reference import EigenSolver
+from ..modes.reduced import Modes, StaticLoad, reduced_modes
+from ..modes.reference import Condition, EigenSolver
 from .line import BeamLine, LineSection, on_x_axis
 from .mode_fields import SecondOrderFields, second_order_fields, shape_resultants
 from .reduction import (
@@ -85,19 +85,28 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
     """
     line, spec = model.line, model.spec
     first = model.reference_nodes[0] if model.reference_nodes else 0
+    condition, loads, unit = beam_input(model)
+    return reduced_modes(
+        condition,
+        spec.modes.eigenmodes,
+        loads,
+        lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
+        np.argsort(-np.abs(line.along - line.along[first]), kind="stable"),
+        solver,
+        unit_loads=unit,
+    )
+
+
+def beam_input(model: BeamModel) -> tuple[Condition, list[StaticLoad], Array]:
+    """Reference condition, loads of static modes, and unit loads of the compliance."""
+    line, spec = model.line, model.spec
+    first = model.reference_nodes[0] if model.reference_nodes else 0
     condition = reference_condition(
         line, spec.mass_form, spec.reference.kind, model.reference_nodes
     )
     loads = static_loads(line, spec.modes, model.node_of, first)
-    return reduced_modes(
-        condition,
-        spec.modes.eigenmodes,
-        [*loads, *spinning_loads(condition, line, spec.modes.spinning, first)],
-        lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
-        np.argsort(-np.abs(line.along - line.along[first]), kind="stable"),
-        solver,
-        unit_loads=unit_loads(condition, line, model.node_of),
-    )
+    loads += spinning_loads(condition, line, spec.modes.spinning, first)
+    return condition, loads, unit_loads(condition, line, model.node_of)
 
 
 def beam_package(

@@ -130,7 +130,9 @@ def negative_pivots(A: Any, team: Team = ALONE, solid: bool = False) -> int:
 
 
 class Cholesky:
-    """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
+    """A factorised symmetric matrix, positive definite by default.
+
+    `update` reuses the symbolic part.
 
     A team of processes factorises together the sum of the matrices that each of them has, and has
     the same right-hand sides and solutions on each. The first solve after a factorisation checks it
@@ -144,10 +146,12 @@ class Cholesky:
         team: Team = ALONE,
         largest_growth: float = LARGEST_GROWTH,
         solid: bool = False,
+        definite: bool = True,
     ) -> None:
+        """`definite` is False for a matrix that may have negative eigenvalues."""
         A = sorted_csr(A)
         destroy_dropped(team)
-        self.largest_growth, self._solid = largest_growth, solid
+        self.largest_growth, self._solid, self._definite = largest_growth, solid, definite
         self.growth = 0.0  # of a random load, by the last factorisation that was checked
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
@@ -209,7 +213,7 @@ class Cholesky:
     def _create(self) -> None:
         """The objects of PETSc that new values do not change."""
         self._rows = Distribution(self._team, self.A)
-        self._mat = self._rows.matrix(self.A, spd=True)
+        self._mat = self._rows.matrix(self.A, spd=self._definite)
         self._pc = PETSc.PC().create(comm=self._team.comm)
         self._pc.setOperators(self._mat)
         self._pc.setType("cholesky")
@@ -229,7 +233,7 @@ class Cholesky:
         if HAS_MUMPS:
             status = self._factor.getMumpsInfog(1)
             negative = self._factor.getMumpsInfog(12)
-            if status < 0 or negative > 0:
+            if status < 0 or (negative > 0 and self._definite):
                 raise FactorisationError(
                     f"the matrix is not positive definite (MUMPS: {negative} negative pivots, "
                     f"status {status}): is every rigid motion constrained?"

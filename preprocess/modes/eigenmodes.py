@@ -96,6 +96,7 @@ class Eigenmodes:
     columns_B: Array
     labels: tuple[str, ...]
     shares: Array
+    others: tuple[Array, Array] | None = None  # values and columns found, but not selected
 
 
 def eigenmodes(
@@ -152,7 +153,9 @@ def eigenmodes(
     columns = X[:, chosen]
     columns = columns * signs(columns, [names[i] for i in chosen], far_to_near)
     labels = tuple(f"{names[i]} {names[: i + 1].count(names[i])}" for i in chosen)
-    return Eigenmodes(values[chosen], columns, labels, shares[chosen])
+    left = np.setdiff1d(np.arange(len(values)), chosen)
+    others = values[left], X[:, left]
+    return Eigenmodes(values[chosen], columns, labels, shares[chosen], others)
 
 
 def _choose(names: list[str], requests: Sequence[ModeRequest]) -> tuple[list[int], int | None]:

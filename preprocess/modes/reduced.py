@@ -85,23 +85,28 @@ class StaticModes:
     values: Array
     columns_B: Array
     accelerations_B: Array
+    combination: Array  # (n_eigen + n_load, k) of the eigenmodes and static shapes
     labels: tuple[str, ...]
     warnings: tuple[dict[str, str], ...]
 
 
 @dataclass(frozen=True)
 class _Shapes:
-    """Columns x with their accelerations a and loads K x; all (n_dof, k)."""
+    """Columns x with their accelerations a and loads K x; all (n_dof, k).
+
+    `of` (r, k) are the coefficients of the given columns in them.
+    """
 
     x: Array
     a: Array
     load: Array
+    of: Array
 
     def __matmul__(self, T: Array) -> "_Shapes":
-        return _Shapes(self.x @ T, self.a @ T, self.load @ T)
+        return _Shapes(self.x @ T, self.a @ T, self.load @ T, self.of @ T)
 
     def __sub__(self, other: "_Shapes") -> "_Shapes":
-        return _Shapes(self.x - other.x, self.a - other.a, self.load - other.load)
+        return _Shapes(*(getattr(self, n) - getattr(other, n) for n in _PARTS))
 
     def energy(self) -> Array:
         """Twice the strain energy of each column, (k,)."""
@@ -109,7 +114,10 @@ class _Shapes:
 
     @staticmethod
     def joined(parts: Sequence["_Shapes"]) -> "_Shapes":
-        return _Shapes(*(np.hstack([getattr(p, n) for p in parts]) for n in ("x", "a", "load")))
+        return _Shapes(*(np.hstack([getattr(p, n) for p in parts]) for n in _PARTS))
+
+
+_PARTS = ("x", "a", "load", "of")
 
 
 def static_modes(
@@ -128,10 +136,12 @@ def static_modes(
     n_dof = condition.K.shape[0]
     empty = np.zeros((n_dof, 0))
     if not loads:
-        return StaticModes(np.zeros(0), empty, empty, (), ())
-    shapes = _Shapes(*(part[:, : len(loads)] for part in found))
+        return StaticModes(np.zeros(0), empty, empty, np.zeros((len(kept.values), 0)), (), ())
+    unit, count = np.eye(len(kept.values) + len(loads)), len(kept.values)
+    x, a, load = (part[:, : len(loads)] for part in found)
+    shapes = _Shapes(x, a, load, unit[:, count:])
     inertia = kept.columns_B * kept.values
-    eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia)
+    eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia, unit[:, :count])
     remainders, independent = _independent(eigen @ np.diag(1.0 / np.sqrt(kept.values)), shapes)
     values, modes = _diagonalised(condition.M, eigen, remainders, participation)
     applied = shapes.load[:, independent] / np.sqrt(shapes.energy()[independent])
@@ -143,6 +153,7 @@ def static_modes(
         values,
         modes.x * sign,
         modes.a * sign,
+        modes.of * sign,
         tuple(loads[k].label for k in named),
         _warnings([load.label for k, load in enumerate(loads) if k not in named]),
     )
@@ -237,6 +248,9 @@ class Modes:
     labels : m of e.g. "bending-xy 2" (the second of its kind by frequency), "attachment mid y"
     shares : (m, 4) share of the modal mass that moves in each of KINDS
     compliance : (l, l) of the unit loads that it was asked for, of the whole body
+    others : values and columns of eigenmodes that were found, but not selected
+    static : static shapes of the loads, then of the unit loads
+    combination : (n_eigen + n_load, n_static) of eigenmodes and static shapes in the static modes
     warnings : coded messages about requested modes
     """
 
@@ -248,6 +262,9 @@ class Modes:
     shares: Array
     compliance: Array | None = None
     warnings: tuple[dict[str, str], ...] = ()
+    others: tuple[Array, Array] | None = None
+    static: StaticShapes | None = None
+    combination: Array | None = None
 
 
 def reduced_modes(
@@ -309,6 +326,9 @@ def completed(
         np.vstack([kept.shares, shares_of(participation(added.columns_B))]),
         None if unit_loads is None else 0.5 * (C + C.T),
         added.warnings,
+        kept.others,
+        found,
+        added.combination,
     )
     _check(condition, modes)
     return modes

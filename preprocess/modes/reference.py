@@ -33,11 +33,20 @@ class ModeError(Exception):
     """The model does not have the requested modes, or modes fail their checks."""
 
 
+def solve_indefinite(A: Any, B: Array) -> Array:
+    """Solve A X = B, A sparse symmetric and regular, one step of refinement included."""
+    scale = sp.diags(1.0 / np.sqrt(np.abs(A.diagonal())))
+    factors = spla.splu((scale @ A @ scale).tocsc())
+    X = scale @ factors.solve(scale @ B)
+    return np.asarray(X + scale @ factors.solve(scale @ (B - A @ X)))
+
+
 class Algebra(NamedTuple):
     """Direct solvers for sparse symmetric matrices: those of SciPy, or faster ones."""
 
     solve: Callable[[Any, Array], Array]  # A X = B of a positive definite A
     negative_pivots: Callable[[Any], int]  # number of negative eigenvalues
+    solve_indefinite: Callable[[Any, Array], Array] = solve_indefinite  # of any regular A
 
 
 class StaticShapes(NamedTuple):
@@ -51,10 +60,12 @@ class StaticShapes(NamedTuple):
 class Condition(Protocol):
     """Interface of a reference condition to the mode computation."""
 
+    algebra: Algebra
     K: sp.csr_matrix  # (n_dof, n_dof) stiffness of the free body, six dofs per node
     M: sp.csr_matrix  # (n_dof, n_dof) mass
     n_finite: int  # elastic modes of finite frequency
     n_free: int  # dofs that move
+    free: IntArray  # dofs whose equations the modes fulfil
 
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
         """Ascending values (count,) and M-orthonormal columns (n_dof, count)."""
@@ -65,13 +76,24 @@ class Condition(Protocol):
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
         """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
 
+    def load_rates(
+        self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
+    ) -> tuple[Array, Array]:
+        """Derivatives of accelerations and loads of static shapes.
+
+        From those of the mass, the forces and the accelerations that were given.
+        """
+
+    def momentum_rate(self, mass: Any, columns: Array) -> Array:
+        """Rigid motion in the derivative of columns (n_dof, k), with that of the mass."""
+
 
 class HeldDofs:
     """Frame fixed to six dofs."""
 
     def __init__(self, K: Any, M: Any, held: IntArray, algebra: "Algebra | None" = None) -> None:
         self.K, self.M = sp.csr_matrix(K), sp.csr_matrix(M)
-        self._algebra = algebra or SCIPY
+        self.algebra = algebra or SCIPY
         self.free = np.setdiff1d(np.arange(self.K.shape[0]), held)
         self._K_free, self._M_free = (_principal(A, self.free) for A in (self.K, self.M))
         self.n_finite = _massive(self._M_free)
@@ -84,13 +106,23 @@ class HeldDofs:
 
     def count_below(self, value: float) -> int:
         """See `Condition`."""
-        return self._algebra.negative_pivots(self._K_free - value * self._M_free)
+        return self.algebra.negative_pivots(self._K_free - value * self._M_free)
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
         """See `Condition`."""
         loads = forces + self.M @ accelerations
-        columns = self._expanded(self._algebra.solve(self._K_free, loads[self.free]))
+        columns = self._expanded(self.algebra.solve(self._K_free, loads[self.free]))
         return StaticShapes(columns, accelerations, loads)
+
+    def load_rates(
+        self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
+    ) -> tuple[Array, Array]:
+        """See `Condition`."""
+        return accelerations, forces + mass @ found.accelerations + self.M @ accelerations
+
+    def momentum_rate(self, mass: Any, columns: Array) -> Array:
+        """See `Condition`."""
+        return np.zeros_like(columns)
 
     def _expanded(self, X_free: Array) -> Array:
         columns = np.zeros((self.K.shape[0], X_free.shape[1]))
@@ -116,7 +148,7 @@ class MeanAxis:
 
         `still`: six dofs that prevent rigid motions; absent: those of the first node.
         """
-        self._algebra = algebra or SCIPY
+        self.algebra = algebra or SCIPY
         self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
         self._MR = self.M @ rigid
         inertia = rigid.T @ self._MR
@@ -134,6 +166,7 @@ class MeanAxis:
         self._still = HeldDofs(K, M, held, algebra)
         self.n_finite = _massive(self.M) - 6
         self.n_free = self.K.shape[0]
+        self.free = np.arange(self.n_free)
 
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
         """See `Condition`. The shift is below zero, where K + shift M is positive definite."""
@@ -154,7 +187,7 @@ class MeanAxis:
 
     def count_below(self, value: float) -> int:
         """See `Condition`."""
-        return self._algebra.negative_pivots(self.K - value * self.M) - 6
+        return self.algebra.negative_pivots(self.K - value * self.M) - 6
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
         """See `Condition`. The body is free: the inertia of the rigid acceleration balances the
@@ -165,6 +198,19 @@ class MeanAxis:
         shapes = self._still.static(loads, np.zeros_like(loads))
         columns = self._without_momentum(shapes.columns)
         return StaticShapes(columns, accelerations - self.rigid @ relief, loads)
+
+    def load_rates(
+        self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
+    ) -> tuple[Array, Array]:
+        """See `Condition`. The rigid acceleration that balances the load changes, too."""
+        loads = forces + mass @ found.accelerations + self.M @ accelerations
+        relief = scipy.linalg.cho_solve(self._inertia, self.rigid.T @ loads)
+        return accelerations - self.rigid @ relief, loads - self._MR @ relief
+
+    def momentum_rate(self, mass: Any, columns: Array) -> Array:
+        """See `Condition`."""
+        momentum = self.rigid.T @ (mass @ columns)
+        return np.asarray(-self.rigid @ scipy.linalg.cho_solve(self._inertia, momentum))
 
     def _without_momentum(self, X: Array) -> Array:
         return X - self.rigid @ scipy.linalg.cho_solve(self._inertia, self._MR.T @ X)

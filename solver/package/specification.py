@@ -42,6 +42,10 @@ fractions of it are then along the line, `elements` counts those of the line, an
                     "tip": {"plane": {"point": [0.1, 0, 0], "normal": [1, 0, 0]}, ...},
                     "lug": {"at": "named face", ...}}}
 
+A beam or shell with `"design": {"a": [{"of": "section.regions.wall.plies.0.angle_deg"}]}` has
+the derivatives by the parameter a in its package; the specification has the values at which they
+are taken.
+
 A shell's or solid's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they
 go to the provenance of the package. `"candidates": true` of a beam or shell: a plan of
 `[fidelity]` takes some of the modes, so the package has no remarks on modes that were requested.
@@ -254,6 +258,17 @@ class SolidAnalysis(TypedDict):
     error: bool
 
 
+class DesignTarget(TypedDict):
+    """A number of the specification that a design parameter sets: factor parameter + offset.
+
+    `of` is its path of keys with dots, rows of lists by number; or a list of these keys.
+    """
+
+    of: str | list[str]
+    factor: NotRequired[float]
+    offset: NotRequired[float]
+
+
 class _Provenance(TypedDict):
     inputs_sha256: NotRequired[str]
     case: NotRequired[str]
@@ -277,6 +292,7 @@ class BeamSpecification(_Provenance):
     damping_ratio: float
     interfaces: dict[str, BeamInterfaceTable]
     candidates: NotRequired[bool]
+    design: NotRequired[dict[str, list[DesignTarget]]]
 
 
 class ShellSpecification(_Provenance):
@@ -292,6 +308,7 @@ class ShellSpecification(_Provenance):
     interfaces: dict[str, ShellInterfaceTable]
     second_order: NotRequired[bool]
     candidates: NotRequired[bool]
+    design: NotRequired[dict[str, list[DesignTarget]]]
 
 
 class SolidSpecification(_Provenance):

@@ -10,6 +10,7 @@ from .body.io import MODAL_PACKAGE, write_package
 from .body.schema import ModalPackage
 from .common.container import get_text, open_file
 from .common.dataset import WORDS
+from .common.design import GROUP
 from .common.files import temporary_sibling
 from .common.findings import Remark, raise_first
 from .common.object_file import (
@@ -96,10 +97,12 @@ def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:
             findings.append(Remark("warning", "/", f"attribute {name}: missing"))
     findings += unit_findings(file)
 
+    derivatives = f"/{known.group}/{GROUP}/"
     without: dict[str, list[str]] = {}  # attributes -> datasets: one finding for all of them
 
     def visit(_: str, item: h5py.HLObject) -> None:
-        if isinstance(item, h5py.Dataset):
+        # derivatives have the words of their datasets
+        if isinstance(item, h5py.Dataset) and not item.name.startswith(derivatives):
             missing = [name for name in WORDS if name not in item.attrs]
             if missing:
                 without.setdefault(", ".join(missing), []).append(item.name)

@@ -1,6 +1,8 @@
 """Modal package of a body from a laminated shell, with the data of its stress recovery."""
 
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,39 +12,43 @@ from ....solver.package.body.invariants import MOST_MODES, second_order_from_sta
 from ....solver.package.body.schema import CellResultants, LaminateData, ModalPackage, SecondOrder
 from ....solver.package.body.selection import ALONG
 from ....solver.package.common.cells import vtk_cells
+from ....solver.package.common.design import difference
 from ....solver.package.section.stress import rounded
 from ...beam.stations import Stations
-from ...modes.reduced import Modes, reduced_modes
+from ...design import Parameter, change_of_inputs, derivatives, read_parameters
+from ...modes.rates import Change
+from ...modes.reduced import Modes, StaticLoad, reduced_modes
+from ...modes.reference import Condition
 from ...provenance import body_provenance
 from ..model.problem import ShellProblem
 from ..model.regions import cell_axes
 from ..model.states import interface_warnings, warped_warnings
 from .interfaces import ShellBodySpec, interfaces, node_shapes, places, read_shell_body
 from .reduction import ShellModel, eigen_solver
-from .second_order import second_order_fields
+from .second_order import Near, second_order_columns, second_order_fields
 from .stations import mass_stations
 
 
-def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
+def cell_resultants(problem: ShellProblem, u: Array, exact: bool = False) -> CellResultants:
     """Mean resultants of every cell per unit mode, in the order of the mesh file.
-
-    They are rounded like the recovery of sections, which halves the size of the compressed data.
 
     Parameters
     ----------
     u : (n_dof, m) motion of all degrees of freedom
+    exact : False to round them like the recovery of sections, which halves the size of the
+        compressed data
     """
     mesh = problem.mesh
     laminate = np.empty(len(mesh.cells), dtype=np.int64)
     names = _laminate_names(problem)
     for region in problem.regions:
         laminate[region.cells] = names.index(region.laminate_name)
-    found = problem.resultants(u)
+    found = np.ascontiguousarray(np.moveaxis(problem.resultants(u), 0, 2))
     return CellResultants(
         cell=np.arange(len(mesh.cells)),
         laminate=laminate,
         A_BE=cell_axes(mesh, problem.regions),
-        resultants_E=rounded(np.ascontiguousarray(np.moveaxis(found, 0, 2))),
+        resultants_E=found if exact else rounded(found),
     )
 
 
@@ -61,6 +67,7 @@ def _laminate_names(problem: ShellProblem) -> list[str]:
     return list(dict.fromkeys(region.laminate_name for region in problem.regions))
 
 
+DESIGNED = {"laminates", "materials", "regions", "stiffeners"}  # tables with design parameters
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
 
@@ -77,7 +84,7 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     ModeError : fewer modes of a kind than requested
     ShellError, LaminateError, MaterialError : errors in the description of the shell
     """
-    body = read_shell_body(spec)
+    body, parameters = read_shell_body(spec), read_parameters(spec)
     start = time.perf_counter()
     model = shell_model(body)
     model.condition  # noqa: B018  matrices
@@ -93,12 +100,63 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
         {"shell": assembled - start, "modes": solved - assembled},
         [*model.problem.warnings, *(() if spec.get("candidates") else (*found, *modes.warnings))],
     )
-    return shell_package(model, modes, provenance)
+    package = shell_package(model, modes, provenance)
+    if not parameters:
+        return package
+    near = None
+    if package.second_order is not None:
+        columns = second_order_columns(model.problem, model.condition, u)
+        near = Near(model.condition, columns)
+
+    def at(p: Parameter, distance: float) -> ShellModel:
+        """The shell with a parameter moved."""
+        moved = p.changed(spec, distance)
+        shell = body.shell | {key: moved["shell"][key] for key in DESIGNED & moved["shell"].keys()}
+        ratio = float(moved["damping_ratio"])
+        problem = model.problem.relaid(shell)
+        return ShellModel(replace(body, shell=shell, damping_ratio=ratio), problem)
+
+    design = derivatives(
+        parameters,
+        model.condition,
+        modes,
+        at,
+        shell_change(model),
+        lambda moved, modes: shell_package(moved, modes, {}, True, near),
+        body.damping_ratio,
+    )
+    return replace(package, design=design)
 
 
 def shell_model(body: ShellBodySpec) -> ShellModel:
     """Mesh, lay-ups and interfaces of a body."""
-    return ShellModel(body, ShellProblem(body.shell, "shell"))
+    model = ShellModel(body, ShellProblem(body.shell, "shell"))
+    model.check()
+    return model
+
+
+def shell_input(model: ShellModel) -> tuple[Condition, list[StaticLoad], Array]:
+    """Reference condition, loads of static modes, and unit loads of the compliance."""
+    return model.condition, model.static_loads(), model.unit_loads()
+
+
+def shell_change(model: ShellModel) -> Callable[[Parameter, list[ShellModel]], Change]:
+    """Derivatives of the FE model by a parameter, from those at the places of its differences."""
+    freedom, n_load = model.problem.freedom, len(model.static_loads())
+    fields, unit = model.unit_accelerations(), model.unit_loads()
+
+    def change(p: Parameter, at: list[ShellModel]) -> Change:
+        if any(one.problem.freedom is not freedom for one in at):  # links follow the laminates
+            return change_of_inputs(p, [shell_input(one) for one in at])
+        K = freedom.reduced(difference([one.problem.K for one in at], p.step))
+        M = 0.0 * model.condition.M
+        if any(one.problem.M is not model.problem.M for one in at):
+            M = freedom.reduced(difference([one.problem.M for one in at], p.step))
+        n = unit.shape[1] - fields.shape[1] + n_load
+        forces = np.hstack([np.zeros((len(unit), n)), M @ fields])
+        return Change(p.name, K, M, forces, np.zeros_like(forces))
+
+    return change
 
 
 def shell_modes(model: ShellModel) -> Modes:
@@ -108,21 +166,29 @@ def shell_modes(model: ShellModel) -> Modes:
     """
     modes = model.spec.modes
     lowest = all(request.kind == "lowest" for request in modes.eigenmodes)
+    condition, loads, unit = shell_input(model)
     return reduced_modes(
-        model.condition,
+        condition,
         modes.eigenmodes,
-        model.static_loads(),
+        loads,
         model.participation,
         model.far_to_near(),
         eigen_solver,
         SPARE if lowest else 4 * SPARE,
-        model.unit_loads(),
+        unit,
     )
 
 
-def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -> ModalPackage:
+def shell_package(
+    model: ShellModel,
+    modes: Modes,
+    provenance: dict[str, Any],
+    exact: bool = False,
+    near: Near | None = None,
+) -> ModalPackage:
     """Collect mesh, modes, inertia and laminates of a shell in a modal package.
 
+    With `exact`, resultants of cells are not rounded. `near` is for `second_order_fields`.
     The nodal masses are always lumped. The invariants use the mass form
     of the specification, which is also that of the eigenproblem.
     """
@@ -136,7 +202,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
     stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
     h = None
     if spec.second_order and 0 < m <= MOST_MODES:
-        h = second_order_fields(problem, model.condition, u)
+        h = second_order_fields(problem, model.condition, u, near)
     node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
     for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
         whole[: mesh.n_node] = of_mesh
@@ -160,7 +226,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         interfaces=interfaces(spec.interfaces, mesh, links, found, u, h),
         reference_condition=spec.reference.kind,
         laminates=laminates(problem),
-        cell_resultants=cell_resultants(problem, u),
+        cell_resultants=cell_resultants(problem, u, exact),
         mode_labels=tuple(map(_label, modes.labels)),
         compliance=modes.compliance,
         provenance=provenance,

@@ -29,15 +29,15 @@ CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and the x axis
 
 
-def _solve(A: object, B: Array) -> Array:
-    factor = fenicsx.Cholesky(A)
+def _solve(A: object, B: Array, definite: bool = True) -> Array:
+    factor = fenicsx.Cholesky(A, definite=definite)
     try:
         return factor.solve(B)
     finally:
         factor.close()
 
 
-MUMPS = Algebra(_solve, fenicsx.negative_pivots)
+MUMPS = Algebra(_solve, fenicsx.negative_pivots, partial(_solve, definite=False))
 eigen_solver = partial(fenicsx.eigenpairs, tolerance=TOLERANCE)
 
 
@@ -48,7 +48,8 @@ class ShellModel:
     spec: ShellBodySpec
     problem: ShellProblem
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Raise SpecError for a shell of several parts, or with mechanisms."""
         rigid, drilling = self.problem.free_motions(self.problem.freedom)
         if len(rigid) > 6:
             raise SpecError("shell: it consists of unconnected parts; expected one body")
@@ -131,10 +132,12 @@ class ShellModel:
 
     def unit_loads(self) -> Array:
         """Unit loads (n_free, l) of the compliance of a package: of interfaces, and inertia."""
+        return np.hstack([self._unit_forces(), self.condition.M @ self.unit_accelerations()])
+
+    def unit_accelerations(self) -> Array:
+        """Accelerations (n_free, 12) of the inertia among the unit loads."""
         places = np.repeat(self._places_B, DOFS, axis=0)
-        direction = np.arange(len(places)) % DOFS
-        inertia = self.condition.M @ accelerations(places, direction)
-        return np.hstack([self._unit_forces(), inertia])
+        return accelerations(places, np.arange(len(places)) % DOFS)
 
     @cached_property
     def origin_B(self) -> Array:

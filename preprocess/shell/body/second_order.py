@@ -14,12 +14,13 @@ directions, would add an energy of fourth order, which is neglected.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
 from ...modes.reduced import pairs, square, turned
-from ...modes.reference import Condition
+from ...modes.reference import Condition, StaticShapes
 from ..cells import DOFS
 from ..elements.pairs import Choice, geometric_kernel, stiffness_kernel
 from ..elements.single_cells import cell_rows, cell_table, write
@@ -31,20 +32,49 @@ from ..model.stiffeners import Stiffener
 AT_A_TIME = 512  # cells
 
 
-def second_order_fields(problem: ShellProblem, condition: Condition, u: Array) -> Array:
+class Near(NamedTuple):
+    """The second-order motion of a shell, from which that of a changed one is found to first order.
+
+    Attributes
+    ----------
+    condition : reference condition of the shell
+    columns : (n_free, pairs) second-order motion of its independent degrees of freedom
+    """
+
+    condition: Condition
+    columns: Array
+
+
+def second_order_fields(
+    problem: ShellProblem, condition: Condition, u: Array, near: Near | None = None
+) -> Array:
     """Second-order motion of all degrees of freedom, (n_dof, m, m) [m, rad].
 
     Parameters
     ----------
     condition : reference condition of the modes, in the independent degrees of freedom
     u : (n_dof, m) motion of all degrees of freedom in the modes
+    near : to solve with the matrix of a shell that is nearly the same
     """
-    g = pair_forces(problem, u)
     moved = _turned_interfaces(problem.freedom, u)
-    loads = -problem.freedom.gathered(g + problem.K @ moved)
-    columns = condition.static(loads, np.zeros_like(loads)).columns
-    h = problem.freedom.expanded(columns) + moved
-    return square(h, u.shape[1])
+    columns = second_order_columns(problem, condition, u, near)
+    return square(problem.freedom.expanded(columns) + moved, u.shape[1])
+
+
+def second_order_columns(
+    problem: ShellProblem, condition: Condition, u: Array, near: Near | None = None
+) -> Array:
+    """The part of `second_order_fields` that is solved for, (n_free, pairs)."""
+    moved = _turned_interfaces(problem.freedom, u)
+    loads = -problem.freedom.gathered(pair_forces(problem, u) + problem.K @ moved)
+    zero = np.zeros_like(loads)
+    if near is None:
+        return condition.static(loads, zero).columns
+    # one step of Newton: round-off of the solution is that of a small difference
+    loads = condition.load_rates(StaticShapes(zero, zero, zero), 0.0 * condition.M, loads, zero)[1]
+    step = near.condition.static(loads - condition.K @ near.columns, zero).columns
+    change = condition.M - near.condition.M
+    return near.columns + step + near.condition.momentum_rate(change, near.columns)
 
 
 def pair_forces(problem: ShellProblem, u: Array) -> Array:

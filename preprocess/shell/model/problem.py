@@ -22,6 +22,7 @@ The specification may be written by hand:
 SI and degrees; docs/shell-description.md explains each key.
 """
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -50,7 +51,7 @@ from .guards import drilling_motions, model_warnings
 from .links import read_links
 from .loads import KEYS as LOAD
 from .loads import Loads
-from .regions import Region, own_cells, read_regions
+from .regions import Region, own_cells, read_regions, relaid
 from .stiffeners import KEYS as STIFFENER
 from .stiffeners import CellsBeside, read_stiffeners
 from .supports import read_supports, with_straight_edges
@@ -155,8 +156,13 @@ class Assembly:
         extra: int,
     ) -> None:
         self._mesh, self._choice, self._extra = mesh, choice, extra
-        kinds = [[r for r in regions if r.nodes.shape[1] == k] for k in (3, 4)]
-        self._kinds = [kind for kind in kinds if kind]
+        self._kinds = _by_corners(regions)
+
+    def of(self, regions: Sequence[Region]) -> "Assembly":
+        """The same cells with other laminates."""
+        other = copy.copy(self)
+        other._kinds = _by_corners(regions)
+        return other
 
     @cached_property
     def _surfaces(self) -> list[fenicsx.Surface]:
@@ -200,7 +206,13 @@ class Assembly:
         return sp.csr_matrix((matrices.ravel(), (rows, columns)), shape=(n_dof, n_dof))
 
 
-AT_ONCE = 8  # number of states for which resultants are computed together
+def _by_corners(regions: Sequence[Region]) -> list[list[Region]]:
+    """Regions of triangles and of quadrilaterals, as far as there are any."""
+    kinds = [[r for r in regions if r.nodes.shape[1] == k] for k in (3, 4)]
+    return [kind for kind in kinds if kind]
+
+
+AT_ONCE = 16  # number of states for which resultants are computed together
 
 
 class ShellProblem:
@@ -253,6 +265,21 @@ class ShellProblem:
         self.flat = flat_nodes(self.mesh, self.regions, self.stiffeners) if plain else None
         self.freedom = self._freedom("loads")
         self.warnings = model_warnings(self.mesh, self.regions, self.links, self.choice)
+
+    def relaid(self, spec: Mapping[str, Any]) -> "ShellProblem":
+        """The same shell with other numbers of its laminates, materials and stiffeners."""
+        if self.stiffeners or any(link.kind == "section" for link in self.links):
+            return ShellProblem(spec, self.where, mesh=self.mesh)
+        other = copy.copy(self)
+        for name in ("K", "M", "loads"):
+            vars(other).pop(name, None)
+        other.spec = spec
+        other.regions = other.own = relaid(self.regions, spec, self.where)
+        other._assembly = self._assembly.of(other.own)
+        regions = zip(self.regions, other.regions, strict=True)
+        if all(np.array_equal(a.stiffness.mass, b.stiffness.mass) for a, b in regions):
+            other.M = self.M
+        return other
 
     @cached_property
     def modes_freedom(self) -> Freedom:

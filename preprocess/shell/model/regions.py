@@ -66,12 +66,7 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
         unknown laminate, wrong axes.
         LaminateError, MaterialError : their descriptions are wrong.
     """
-    materials = read_materials(spec["materials"], f"{where}.materials")
-    laminates = {
-        name: laminate_from_dict(table, materials, f"{where}.laminates.{name}")
-        for name, table in spec.get("laminates", {}).items()
-    }
-    given = spec["regions"]
+    laminated, given = _Laminated(spec, where), spec["regions"]
     for name in given:
         if name != ALL and name not in mesh.regions:
             raise ShellError(
@@ -89,12 +84,10 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 f"expected a table regions.{name}, or regions.{ALL} for all that are not named"
             )
         place = f"{where}.regions.{key}"
-        laminate_name, laminate = _laminate(given[key], key, laminates, materials, place)
+        laminate_name, laminate, stiffness = laminated.of(key)
         flip = given[key].get("flip", False)
         if not isinstance(flip, bool):
             raise ShellError(f"{place}.flip = {flip!r}: expected true or false")
-        with computed(f"{where}.laminates.{laminate_name}"):
-            stiffness = laminate_stiffness(laminate.laminate, laminate.shear)
         for count in (3, 4):
             cells = np.flatnonzero((mesh.region == row) & (counts == count))
             if not cells.size:
@@ -126,6 +119,37 @@ def _where_in_file(mesh: ShellMesh, cells: IntArray, error: CellError) -> str:
         f"{len(error.rows)} of {len(cells)} {error.kind}: each {error.fault}; the first has the "
         f"nodes {tags}, at ({x:.4g}, {y:.4g}, {z:.4g}) m"
     )
+
+
+class _Laminated:
+    """The laminates that a specification gives to its regions."""
+
+    def __init__(self, spec: Mapping[str, Any], where: str) -> None:
+        self._given, self._where = spec["regions"], where
+        self._materials = read_materials(spec["materials"], f"{where}.materials")
+        self._laminates = {
+            name: laminate_from_dict(table, self._materials, f"{where}.laminates.{name}")
+            for name, table in spec.get("laminates", {}).items()
+        }
+
+    def of(self, key: str) -> tuple[str, LaminateSpec, LaminateStiffness]:
+        """Name, plies and stiffness of the laminate of a table of `regions`."""
+        place = f"{self._where}.regions.{key}"
+        name, laminate = _laminate(self._given[key], key, self._laminates, self._materials, place)
+        with computed(f"{self._where}.laminates.{name}"):
+            return name, laminate, laminate_stiffness(laminate.laminate, laminate.shear)
+
+
+def relaid(regions: Sequence[Region], spec: Mapping[str, Any], where: str) -> list[Region]:
+    """The regions with the laminates of a specification that differs in numbers of them only."""
+    laminated, given = _Laminated(spec, where), spec["regions"]
+    found = {
+        name: laminated.of(name if name in given else ALL) for name in {r.name for r in regions}
+    }
+    return [
+        replace(region, laminate=found[region.name][1], stiffness=found[region.name][2])
+        for region in regions
+    ]
 
 
 def _laminate(

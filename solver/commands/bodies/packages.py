@@ -5,7 +5,7 @@ import math
 import sys
 from pathlib import Path
 
-from ...errors import InputError, counted
+from ...errors import InputError, counted, few
 from ...extras.exchange import export_body, import_body
 from ...package import validate
 from ...package.body.io import read_package
@@ -44,6 +44,9 @@ def run_info(options: argparse.Namespace) -> int:
     for interface in package.interfaces:
         x, y, z = interface.position_B
         print(f"  interface {interface.name:12s} at ({x:.6g}, {y:.6g}, {z:.6g}) m")
+    for one in package.design:
+        targets = few(str(target.get("of")) for target in one.targets)
+        print(f"  derivatives by {one.name} ({one.kind}): {len(one.values)} datasets; {targets}")
     return 0
 
 

@@ -64,25 +64,34 @@ def changed_basis(
         found,
         mode_kinds=kinds or tuple(package.mode_kinds[i] for i in largest),
         mode_labels=labels or tuple(known[i] for i in largest),
-        design=_design(package, largest, change) if some else (),
+        design=_design(package, largest if some else None, change),
         frequencies=np.sqrt(np.maximum(np.diag(found.stiffness), 0.0) / np.diag(found.mass)),
         damping=found.damping if damping is None else damping,
     )
 
 
 def _design(
-    package: ModalPackage, kept: IntArray, change: Callable[[str, Array], Array]
+    package: ModalPackage, kept: IntArray | None, change: Callable[[str, Array], Array]
 ) -> tuple[Derivative, ...]:
-    """Derivatives that stay exact for some of the modes.
+    """Derivatives of the package with some of its modes; `kept` None: with combinations of them.
 
-    Those by parameters that turn a kept mode into one that is left out are not: the modes are of
-    one cluster of frequencies, and only their span has a derivative.
+    Raises PackageError for a derivative that is lost: by a parameter that turns a kept mode into
+    one of equal frequency that is left out, and those of combinations, which change with the
+    design.
     """
-    left = np.setdiff1d(np.arange(package.n_mode), kept)
-    zero = np.zeros_like(package.stiffness)
-    rates = [(one, one.values.get("modes/stiffness", zero)) for one in package.design]
-    exact = [one for one, rate in rates if not rate[np.ix_(kept, left)].any()]
-    return changed(exact, change, shapes_by_path(package))
+    for one in package.design:
+        rate = one.values.get("modes/stiffness")
+        if kept is None:
+            why = "its modes are combined anew"
+        elif rate is None or not np.delete(rate[kept], kept, axis=1).any():
+            continue
+        else:
+            why = "it turns a mode into one of equal frequency that is left out"
+        raise PackageError(
+            f"{package.body}: the package has derivatives by {one.name}, but a selection of its "
+            f"modes does not: {why}; expected the modes that `modes` of the body asks for"
+        )
+    return changed(package.design, change, shapes_by_path(package))
 
 
 def rigid(package: ModalPackage) -> ModalPackage:

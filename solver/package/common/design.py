@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array
 from .container import get_text, set_text
-from .dataset import WORDS, all_values, rebuilt
+from .dataset import all_values, rebuilt
 from .findings import Remark, finite
 from .plain_data import json_text
 
@@ -69,13 +69,18 @@ def moved(item: Object, steps: Mapping[str, float]) -> Object:
 PLACES = (-2.0, -1.0, 1.0, 2.0)
 
 
+def difference(at: Sequence[Any], step: float) -> Any:
+    """Derivative from the values at `PLACES` times a step."""
+    before_2, before, after, after_2 = at
+    return (8.0 * (after - before) - (after_2 - before_2)) / (12.0 * step)
+
+
 def differenced(at: Sequence[Mapping[Any, Any]], step: float) -> dict[Any, Array]:
     """Derivatives of arrays by path, from those at `PLACES` times a step; zeros are left out."""
     found = {}
-    for path in at[0]:
-        before_2, before, after, after_2 = (np.asarray(values[path]) for values in at)
-        if before.dtype.kind == "f":
-            rate = (8.0 * (after - before) - (after_2 - before_2)) / (12.0 * step)
+    for path, first in at[0].items():
+        if np.asarray(first).dtype.kind == "f":
+            rate = np.asarray(difference([np.asarray(values[path]) for values in at], step))
             if rate.any():
                 found[path] = rate
     return found
@@ -91,16 +96,9 @@ def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) ->
         set_text(own, "kind", one.kind)
         set_text(own, "targets", json_text(f"{where}/{GROUP}/{one.name}", list(one.targets)))
         for path, rate in one.values.items():
-            dataset = own.create_dataset(path, data=np.asarray(rate, dtype=np.float64))
-            base = group.get(path)
-            words = [get_text(base, key) if base is not None else "" for key in WORDS]
-            words[0], words[2] = f"{words[0]} per unit of {one.name}", f"derivative of {path}"
-            for key, word in zip(WORDS, words, strict=True):
-                set_text(dataset, key, word)
-    findings = design_findings(group)
-    if findings:
-        first = findings[0]
-        raise PackageError(f"{where}: {first.dataset}: {first.message}")
+            own.create_dataset(path, data=np.asarray(rate, dtype=np.float64))
+            for message in _faults(group, own[path], path, rate):
+                raise PackageError(f"{where}/{GROUP}/{one.name}/{path}: {message}")
 
 
 def read_design(group: h5py.Group) -> tuple[Derivative, ...]:
@@ -116,26 +114,29 @@ def read_design(group: h5py.Group) -> tuple[Derivative, ...]:
 def design_findings(group: h5py.Group) -> list[Remark]:
     """Compare the derivatives of a group with the datasets that they belong to."""
     bad: list[Remark] = []
+
+    def error(dataset: str, message: str) -> None:
+        bad.append(Remark("error", dataset, message))
+
     for own in _groups(group).values():
-
-        def error(dataset: str, message: str) -> None:
-            bad.append(Remark("error", dataset, message))
-
         if _targets(own) is None:
             error(own.name, "attribute targets: expected a JSON list of tables")
         for path, rate in _datasets(own).items():
-            base = group.get(path)
-            if not isinstance(base, h5py.Dataset) or base.dtype.kind != "f":
-                error(rate.name, f"expected the path of a dataset of numbers below {group.name}")
-            elif rate.dtype.kind not in "fiu" or rate.shape != base.shape:
-                error(
-                    rate.name,
-                    f"expected numbers of the shape of {base.name}, {base.shape}, found "
-                    f"{rate.dtype} {rate.shape}",
-                )
-            else:
-                finite(rate.name, rate[()], error)
+            for message in _faults(group, rate, path, rate[()]):
+                error(rate.name, message)
     return bad
+
+
+def _faults(group: h5py.Group, rate: h5py.Dataset, path: str, values: Any) -> list[str]:
+    """What is wrong with a derivative, at most one fault."""
+    base, found = group.get(path), []
+    if not isinstance(base, h5py.Dataset) or base.dtype.kind != "f":
+        return [f"expected the path of a dataset of numbers below {group.name}"]
+    if rate.dtype.kind not in "fiu" or rate.shape != base.shape:
+        known = f"expected numbers of the shape of {base.name}, {base.shape}"
+        return [f"{known}, found {rate.dtype} {rate.shape}"]
+    finite(path, values, lambda _, message: found.append(message))
+    return found
 
 
 def changed(
