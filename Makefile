@@ -225,10 +225,17 @@ test: $(EMPTY) ## All of it: check with all tests, test-numba, test-fe, and ever
 # Nothing runs beside test-setup (more cores than there are): two phases must not install the same.
 # The light environment comes first, because it takes longest; the rest is installed beside it. What
 # one phase alone needs, it installs itself (test-numba, test-fe), while the others use the cores.
-.PHONY: test-setup
-test-setup: $(COMPILED) $(TESTS) $(FENICSX) $(EXCHANGE)/installed $(BROWSER)
-	@# what runs need is there; what else tests call, or each process of them would compile it
+.PHONY: test-setup test-compiled test-bytecode
+test-setup: test-compiled test-bytecode $(EXCHANGE)/installed $(BROWSER)
+
+# What runs need is there; what else tests call, or each process of them would compile it.
+test-compiled: $(COMPILED) $(TESTS) $(FENICSX)
 	$(PY) -m plymotion.solver compile --all
+
+# The processes of test-light start together: each would compile the same files for ten seconds.
+test-bytecode: $(TESTS) | $(COMPILED)
+	@found="$$($(PY) -m pytest tests --ignore tests/fe --collect-only -qq 2>&1)" || \
+	    { printf '%s\n' "$$found"; exit 1; }
 
 # Nothing is compiled: that takes longer than this run.
 .PHONY: smoke

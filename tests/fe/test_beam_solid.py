@@ -17,6 +17,7 @@ def solid_hz():
     return free_hz(*solid()[:2], 2)
 
 
+@pytest.mark.one_end
 def test_classical_beam_against_solid(solid_hz):
     """Flatwise bending 1 and 2 of the free strip."""
     assert free_hz(*beam("classical")[:2], 2) == pytest.approx(solid_hz, rel=5e-3)

@@ -162,6 +162,7 @@ def test_sections_by_two_ranks(tmp_path: Path) -> None:
             assert worst < CLOSE * np.abs(one.recovery.strain_M).max()
 
 
+@pytest.mark.one_end
 def test_refined_section_by_two_ranks(tmp_path: Path) -> None:
     """With hanging nodes."""
     alone = both(tmp_path, "section", {"box": SECTIONS["box"]}, "--accuracy", "5e-5")

@@ -150,6 +150,7 @@ def round_wall(start_deg: float) -> dict[str, Any]:
     }
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("direction-reverses")
 def test_cartesian_directions_of_a_round_wall() -> None:
     """A mesh line at the reversal converges; without one, the doubt is in the estimate."""

@@ -52,6 +52,7 @@ def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> No
     assert ratio.max() < 2.6
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", CURVED)
 @pytest.mark.parametrize(("degree", "least", "most"), [(2, 1.0, 2.6), (3, 0.9, 1.3)])
 def test_estimate_bounds_the_largest_error_of_curved_walls(
@@ -211,6 +212,7 @@ def test_straight_edges_have_no_error_of_arcs() -> None:
     assert error_of_edges(mesh.cells, np.ones(mesh.cells.n_cell)) < 1e-15
 
 
+@pytest.mark.one_end
 def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     loose = analyse(section("21", 0.5))
     found = analyse(section("21", 0.5), accuracy=1e-4)

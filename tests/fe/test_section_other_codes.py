@@ -174,6 +174,7 @@ def test_orientation_that_turns_inside_cells(tmp_path: Path) -> None:
     assert relative(solved(file, tmp_path).K, stiffness(*compact(points, cells))) < 1e-8
 
 
+@pytest.mark.one_end
 def test_curvature_of_a_vabs_file(tmp_path: Path) -> None:
     points, cells = mesh_of()
     file = tmp_path / "twisted.sg"

@@ -56,6 +56,7 @@ def test_stiffness_and_mass(path: Path, record: Callable[[str, Any], None]) -> N
     record(f"section/{reference['id']}/M", section.M)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("path", BOXES, ids=lambda path: path.stem)
 def test_paper_boxes_on_default_and_fine_meshes(path: Path) -> None:
     """Default mesh within 5e-4; a fine one within 1e-4 of the limit of refinement."""

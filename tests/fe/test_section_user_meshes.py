@@ -96,6 +96,7 @@ def test_user_script_and_saved_mesh_agree(kind: str, tmp_path: Path) -> None:
             assert centre[0] == pytest.approx(centre[1])
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("kind", KINDS)
 def test_refined_script_follows_its_geometry(kind: str, tmp_path: Path) -> None:
     script = ring(tmp_path, kind)

@@ -301,6 +301,7 @@ def command(*arguments: str | Path) -> list[str]:
     return [sys.executable, "-m", "plymotion.preprocess", *map(str, arguments)]
 
 
+@pytest.mark.one_end
 def test_two_ranks_give_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = box(
         links={"tip": {"at": "tip", "kind": "average"}},

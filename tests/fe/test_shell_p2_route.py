@@ -129,6 +129,7 @@ def test_two_routes_agree(cells: dict[str, str]) -> None:
     assert analysed(plate(8, 0.01, frequencies=free))[0].startswith("frequency")
 
 
+@ONE_END
 @pytest.mark.provokes("verification-differs")
 @pytest.mark.parametrize("matrix", ["K", "M"])
 def test_a_wrong_matrix_is_found(matrix: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,6 +141,7 @@ def test_a_wrong_matrix_is_found(matrix: str, monkeypatch: pytest.MonkeyPatch) -
     assert "verification-differs" in codes, words
 
 
+@ONE_END
 def test_a_wrong_load_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     spec = plate(12, 0.02, supports=CLAMPED, loads={"fall": LOADS["fall"]})
     made = ShellProblem.loads.func
@@ -188,6 +190,7 @@ def test_links_and_stiffeners_agree(kind: str, cells: dict[str, str]) -> None:
     assert codes == []
 
 
+@ONE_END
 @pytest.mark.provokes("verification-differs")
 @pytest.mark.parametrize("wrong", ["link", "stiffness", "mass"])
 def test_a_wrong_link_or_stiffener_is_found(wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -146,6 +146,7 @@ TORQUE = {"moment": [1.0, 0.0, 0.0]}
 G_METAL = METAL["E"] / 2.6
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("link-distorts-section")
 @pytest.mark.parametrize("length", [0.5, 1.0, 3.0])
 def test_torque_at_the_open_end_of_a_box(length: float) -> None:
@@ -181,6 +182,7 @@ def test_torque_at_the_open_end_of_a_channel(length: float, better: str) -> None
         assert 'use kind = "average"' in distorted(other)[0]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("load", [{"force": [0.1, 0.0, 1.0]}, {"moment": [1.0, 1.0, 0.0]}])
 def test_the_second_method_agrees(load: dict[str, Any]) -> None:
     """Its forces come from quadratic functions along the walls, second_route.py."""
@@ -191,6 +193,7 @@ def test_the_second_method_agrees(load: dict[str, Any]) -> None:
     assert "verification-differs" not in {w["code"] for w in found.warnings}
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("kind", ["average", "section"])
 @pytest.mark.parametrize(
     "load", [{"force": [1.0, 0.0, 0.0]}, {"moment": [0.0, 1.0, 0.0]}, {"moment": [0.0, 0.0, 1.0]}]

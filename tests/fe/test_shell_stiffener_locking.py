@@ -39,6 +39,7 @@ def _energy(n: int, in_plane: float, membrane: str, element: str = "triangle") -
     return float(analyse(spec).cases.energy[0])
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("membrane", "element"),
     [("opt", "triangle"), ("opt", "quadrilateral"), ("allman", "triangle"), ("cst", "triangle")],

@@ -177,7 +177,8 @@ def test_cells_become_small_enough_for_the_accuracy(
     spec = bar_body(bar_file)["solid"]
     spec["mesh"] |= {"size": 0.008, "accuracy": wanted}
     model = accurate_model(spec, {}, "solid")
-    exact = free_hertz(model_of(bar_file, 0.0018).body, 6)
+    # With cells of 1.8 mm, which take three times as long, by 1.4e-3 less.
+    exact = free_hertz(model_of(bar_file, 0.0025).body, 6)
     assert np.abs(free_hertz(model.body, 6) / exact - 1.0).max() < 2.0 * wanted
     assert np.abs(free_hertz(model_of(bar_file, 0.008).body, 6) / exact - 1.0).max() > 4.0 * wanted
     monkeypatch.setattr("plymotion.preprocess.solid.analysis.ROUNDS", 1)

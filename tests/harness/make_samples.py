@@ -39,7 +39,7 @@ class Project:
         """Run make without set-up, and runs in one process; what it prints is in stdout."""
         done = [word for file in DONE for word in ("-o", file)]
         environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE")}
-        environment |= {"PYTHONPATH": str(self.folder), "PLYMOTION_COMPILED": "0"}
+        environment |= {"PYTHONPATH": str(self.folder), "PLYMOTION_COMPILED": "1"}
         return subprocess.run(
             ["make", "-j1", "JOBS=1", *done, *words],
             cwd=self.folder,
