@@ -21,7 +21,15 @@ from .inputs.common.mesh_files import scripts
 from .package.common.files import named_by_user
 from .studies.exit_codes import INPUT
 from .studies.screen import shown
-from .system.interrupts import INTERRUPTED, ending_words, exit_code, heard, ignore, of_a_signal
+from .system.interrupts import (
+    INTERRUPTED,
+    asked,
+    ending_words,
+    exit_code,
+    heard,
+    ignore,
+    of_a_signal,
+)
 
 NO_READER = 141  # exit code: as of a program that SIGPIPE ends
 
@@ -102,6 +110,12 @@ def main(arguments: list[str] | None = None) -> int:
         code = exit_code(_interrupted())
     if arguments is None:
         ignore()  # all is done: a signal while Python ends would only be a traceback
+        if asked() and "multiprocessing.resource_tracker" not in sys.modules:
+            # At once: Python would free what was computed, object by object.
+            for stream in filter(None, (sys.stdout, sys.stderr)):
+                with suppress(OSError, ValueError):
+                    stream.flush()
+            os._exit(code)
     return code
 
 

@@ -23,13 +23,11 @@ from ..package.common.container import (
 from ..package.common.dataset import field_values
 from ..package.common.object_file import check_file_checksum, version_of, write_file_checksum
 from .datasets import (
-    LARGE,
     LAYOUT,
     MOST_NAMED,
     Datasets,
     Record,
     body_of,
-    chunk_shape,
     link_of,
     link_record,
     loads_of,
@@ -240,10 +238,7 @@ def write_animation(
         moving["deflection"] = deflection.ravel()
     written = {}
     for name, values in moving.items():
-        squeeze = {}
-        if values.nbytes > LARGE:
-            squeeze = {"chunks": chunk_shape(values.shape), **packing(values)}
-        dataset = view.create_dataset(f"PointData/{name}", data=values, **squeeze)
+        dataset = view.create_dataset(f"PointData/{name}", data=values, **packing(values))
         set_text(dataset, "unit", "m")
         written[dataset.name.lstrip("/")] = values
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n

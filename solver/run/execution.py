@@ -29,8 +29,9 @@ LOGGER = logging.getLogger(__name__)
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
-# To complete the files of a run after a signal: wall time, or part of that of its integration.
-PATIENCE_S, PATIENCE = 5.0, 0.05
+# To complete the files of a run after a signal: wall time, of the second within which a program
+# answers at once (Nielsen, Usability Engineering, 1993, 5.5), or part of that of its integration.
+PATIENCE_S, PATIENCE = 0.8, 0.05
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:

@@ -12,7 +12,7 @@ from ..system.interrupts import asked
 # solution; write: result.vtkhdf.
 LOGGER = logging.getLogger(__name__)
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
-PACE_S = 0.5  # wall time after a signal in which a stage shows its pace
+PACE = 0.1  # part of the patience in which a stage shows its pace, by some blocks of rows
 FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 
 
@@ -46,7 +46,7 @@ class Told:
         if asked():
             self._asked = self._asked or (seconds, part)
             late, done = seconds - self._asked[0], part - self._asked[1]
-            if late > PACE_S and late * (1.0 - part) > self._patience_s * done:
+            if late > PACE * self._patience_s and late * (1.0 - part) > self._patience_s * done:
                 raise KeyboardInterrupt
         if seconds > self._next:
             self._next = 2.0 * seconds

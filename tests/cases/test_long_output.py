@@ -18,7 +18,7 @@ from plymotion.solver.integrators.generic import drive as output
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import ComputedRows, LongRows, StoredRows
 from plymotion.solver.package.common.files import RECORD
-from plymotion.solver.results import RunResult, read_result, write_result
+from plymotion.solver.results import RunResult, datasets, read_result, write_result
 from plymotion.solver.results import file as writer
 from plymotion.solver.results.datasets import (
     PACKED,
@@ -141,15 +141,20 @@ def test_chunks_are_written_once_with_all_their_rows() -> None:
         assert all((end - first) % chunk[0] == 0 for first, end in parts[:-1])
 
 
-def test_digits_that_do_not_shrink_are_stored_as_they_are(tmp_path: Path) -> None:
+def test_digits_that_do_not_shrink_are_stored_as_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Wide rows of moving bodies: 14 % less room would take 18 times the CPU time."""
     t, rng = np.linspace(0.0, 1.0, 101)[:, None], np.random.default_rng(0)
     moving = np.sin(t * rng.uniform(1.0, 20.0, 3000) + rng.uniform(0.0, 6.0, 3000))
     still = np.where(np.arange(3000) % 4, 1.0, moving)
     column = np.sin(np.linspace(0.0, 10.0, 200_000) * 3.7)
     computed = ComputedRows(moving.shape, lambda a, b: moving[a:b])
+    assert packing(still) == packing(column) == {}  # of a size that is written at once
+    monkeypatch.setattr(datasets, "PACKED_FROM", 1_000_000)
     assert packing(moving) == packing(computed) == {}
-    assert packing(still) == packing(column) == PACKED
+    for values in (still, column):
+        assert packing(values) == {"chunks": chunk_shape(values.shape), **PACKED}
     with h5py.File(tmp_path / "file.h5", "w") as file:
         for name, values in (("moving", computed), ("still", still)):
             Datasets().put(file, name, values, "m", "G", "positions")

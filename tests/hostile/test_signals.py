@@ -19,7 +19,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import read_result
-from plymotion.solver.run.timing import PACE_S, Told
+from plymotion.solver.run.timing import PACE, Told
 from plymotion.solver.studies.sweep.file import read_sweep
 from plymotion.solver.system.interrupts import heard, held
 
@@ -50,7 +50,7 @@ def told(self, steps):
 def writing(path, result, **more):
     if "--slow-disk" in sys.argv:
         print("writing", flush=True)
-        time.sleep(1.0)
+        time.sleep(0.2)
     write(path, result, **more)
 Monitors.__call__, r.write_result = told, writing
 work.SAVE_S = 0.0  # each row at once
@@ -116,7 +116,7 @@ def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
     build = _files(tmp_path, SOLVER.format(t_end=0.1, step=0.1, more="") + "[runs.two]\n")
     runs = [build / "runs/base.json", build / "runs/two.json"]
     out, errors = _ended(_started("run", *runs, "--slow-disk"), signal.SIGTERM, ("writing",))
-    assert "interrupted: completing the files, for 5 s at most" in errors  # said at once
+    assert "interrupted: completing the files, for 1 s at most" in errors  # said at once
     assert "base: done at t = 0.1 s" in out
     assert json.loads((build / "base/summary.json").read_text())["completed"]
     assert not (build / "two").exists()
@@ -131,7 +131,7 @@ def test_a_stage_that_needs_longer_than_its_patience_ends():
         os.kill(os.getpid(), signal.SIGTERM)
         for stage in (slow, fast):
             stage(0.01)
-        time.sleep(1.1 * PACE_S)
+        time.sleep(1.1 * PACE * 5.0)
         fast(0.5)  # the other half takes as long
         with pytest.raises(KeyboardInterrupt):
             slow(0.02)

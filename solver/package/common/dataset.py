@@ -191,7 +191,10 @@ def field_values(item: Any, at: str = "") -> dict[str, Any]:
         value, mark = getattr(item, field.name), field.mark
         if value is None:
             continue
-        if isinstance(mark, Part):
+        if isinstance(mark, Data):  # first: there are many
+            if not mark.optional or len(value):
+                found[at + (mark.path or field.name)] = value
+        elif isinstance(mark, Part):
             stored = value if mark.via is None else mark.via.of(value)
             found |= field_values(stored, _below(at, mark.path))
         elif isinstance(mark, Rows):
@@ -201,8 +204,6 @@ def field_values(item: Any, at: str = "") -> dict[str, Any]:
                 found[f"{_below(at, mark.path)}{path}"] = column
         elif isinstance(mark, Attribute):
             found[at + field.name] = value
-        elif isinstance(mark, Data) and not (mark.optional and not len(value)):
-            found[at + (mark.path or field.name)] = value
     return found
 
 
