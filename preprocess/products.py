@@ -15,7 +15,7 @@ from typing import Any
 
 from ..solver.errors import InputError
 from ..solver.package.common.container import has_fingerprint
-from ..solver.package.common.plain_data import by_mesh, mesh_key, share
+from ..solver.package.common.plain_data import SpecError, by_mesh, mesh_key, share
 from ..solver.package.specification import fingerprint
 from .batch import USER_ERROR, Outcome, Product, Progress, Report, build, build_all, reporter
 
@@ -36,7 +36,13 @@ class BodyPackages:
         from ..solver.package.validation import write_valid
 
         start = time.perf_counter()
-        if isinstance(spec, dict) and spec.get("kind") == "imported":
+        kind = spec.get("kind") if isinstance(spec, dict) else None
+        if kind in ("imported", "solid") and spec.get("design"):
+            raise SpecError(
+                f"design: a body of kind {kind!r} has no derivatives by design parameters; "
+                "expected a beam or a shell"
+            )
+        if kind == "imported":
             from .exchange.import_file import build_imported
 
             package = build_imported(spec)

@@ -8,13 +8,14 @@ import pytest
 from peers.package_rates import errors
 from samples.body_specs import CLAMPED, beam_body, shell_body
 from samples.section_specs import library_spec
-from samples.shell_specs import CFRP, plate
+from samples.shell_specs import CFRP, METAL, plate
 
 from plymotion.preprocess import body as preprocess_body
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.design import read_parameters
 from plymotion.preprocess.modes.reference import ModeError
+from plymotion.preprocess.products import BodyPackages
 from plymotion.preprocess.shell.body import body
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.common.plain_data import SpecError
@@ -224,6 +225,32 @@ def test_wrong_targets_are_named(of: str, message: str) -> None:
         build_body(skewed(design={"a": [{"of": of}]}))
 
 
-def test_solids_refuse_design_parameters_by_name() -> None:
-    with pytest.raises(SpecError, match="design"):
-        build_body({"kind": "solid", "design": {"a": [{"of": "solid.materials.a.E"}]}})
+@pytest.mark.parametrize("kind", ["solid", "imported"])
+def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> None:
+    spec = {"kind": kind, "design": {"a": [{"of": "solid.materials.a.E"}]}}
+    with pytest.raises(SpecError, match=rf"design: a body of kind '{kind}' has no derivatives"):
+        BodyPackages().make(spec, tmp_path / "a.vtkhdf")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["region", "stiffener"])
+def test_regions_of_one_material_and_stiffeners(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(body, "rounded", lambda values: values)
+    spec = skewed()
+    if kind == "region":
+        spec["shell"] |= {"materials": {"metal": METAL}, "laminates": {}}
+        region = {"material": "metal", "thickness": 3e-3, "offset": 0.0, "axis": [1.0, 0.0, 0.0]}
+        spec["shell"]["regions"] = {"all": region}
+        places = ["regions.all.thickness", "regions.all.offset", "materials.metal.rho"]
+    else:
+        K, M = (
+            np.diag([1e6, 3e5, 3e5, 20.0, 30.0, 30.0]),
+            0.1 * np.diag([1, 1, 1, 2e-4, 1e-4, 1e-4]),
+        )
+        rib = {"at": "top", "stiffness": K.tolist(), "mass": M.tolist(), "offset": [0.0, 0.01]}
+        spec["shell"]["stiffeners"] = {"rib": rib}
+        places = ["stiffeners.rib.stiffness.4.4", "laminates.skin.plies.0.angle_deg"]
+    spec["design"] = {f"p{k}": [{"of": f"shell.{place}"}] for k, place in enumerate(places)}
+    found = worst(spec, 1.0)
+    assert len(found) == len(places)
+    assert max(found.values()) < LIMIT, found
