@@ -36,7 +36,7 @@ ALLOWED = {  # by the kind of a parameter that has such a target
 STEP = 5e-4  # of the values, for difference quotients of fourth order
 # Times this step for the mesh, whose nodes gmsh places with an error of 1e-8 of the curve: the
 # first for which the mesh has the same cells.
-OF_NODES = (20.0, 4.0, 1.0)
+OF_NODES = (20.0, 4.0, 1.0, 0.1)
 TINY = 1e-30  # imaginary step
 SMOOTH = 1e-2  # relative difference of two quotients, of first order, from nodes that jump
 

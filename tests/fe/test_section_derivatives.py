@@ -13,7 +13,7 @@ from plymotion.preprocess.section.derivatives import (
     changed,
     stiffness_terms,
 )
-from plymotion.preprocess.section.parameters import parameters
+from plymotion.preprocess.section.parameters import STEP, parameters
 from plymotion.preprocess.section.problem import section_problem, solve
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.spec import SectionError
@@ -105,21 +105,22 @@ def quotients(
             for i in PLACES
         }
         found.append({path: richardson({i: at[i][path] for i in at}, h) for path in at[1]})
+        found[-1]["size"] = 1.0 if parameter.kind == "angle" else parameter.step / STEP
     return found
 
 
 def differences(section: SectionFile, expected: list[Numbers]) -> Numbers:
     """Largest difference of K', M' and of the recovery.
 
-    K and M in units of sqrt(K_ii K_jj) per change by its own size, strains by resultant and others
-    in units of the largest rate.
+    K and M in units of sqrt(K_ii K_jj) per degree, or per relative change of other numbers; the
+    recovery in units of the largest rate, strains by resultant.
     """
     found: Numbers = {}
     for one, other in zip(section.design, expected, strict=True):
         for path, whole in (("K", section.K), ("M", section.M)):
             rate = other[path]
             own = one.values.get(path, np.zeros((6, 6)))
-            off = scaled(own - rate, whole).max() / max(1.0, scaled(rate, whole).max())
+            off = other["size"] * scaled(own - rate, whole).max()
             found[path] = max(found.get(path, 0.0), off)
         for path in ("recovery/strain_M", "recovery/A_BM", "recovery/points", "recovery/weights"):
             rate = other[path]
@@ -161,7 +162,11 @@ OTHERS: dict[str, tuple[dict[str, Any], Design, float]] = {
         {"left-2": ANGLES["left-2"], "nu": of("materials.ply.nu12")},
         10.0,
     ),
-    "station of a blade": (station(), {"cap": CAP, "E2": of("materials.ply.E2")}, 10.0),
+    "station of a blade": (
+        station(),
+        {"cap": CAP, "web": of("regions.web-1.plies.0.angle_deg")},
+        10.0,
+    ),
     "constants": (
         PRISMATIC,
         {key: of(f"materials.ply.{key}") for key in ("E1", "nu23", "rho")},

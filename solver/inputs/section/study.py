@@ -5,15 +5,15 @@ import itertools
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
-from ...package.common.design import PLACES, differenced
 from ..common.table import Table, entry, is_number, optional, validated
 from ..common.text_file import read_toml
 from .specification import section_spec
@@ -198,7 +198,9 @@ def _column(path: Path, index: int, sweep: Sweep) -> list[tuple[str, Any]]:
 STEP = 5e-4  # of a number, for difference quotients
 ROUNDING = 1e-13  # of a number: a change below it is none
 RIGHT_ANGLE = 90.0  # deg: the size of an angle
+POINTS = ((-2.0, -1.0, 0.0, 1.0, 2.0), (0.0, 1.0, 2.0, 3.0, 4.0), (0.0, -1.0, -2.0, -3.0, -4.0))
 Parameters = Mapping[str, Mapping[str, float]]  # name -> dotted key and factor of each target
+Leaves = dict[tuple[str | int, ...], Any]  # values of nested tables and lists by their keys
 
 
 def design_of(
@@ -220,26 +222,45 @@ def design_of(
             / abs(factors[key])
             for key, value in values.items()
         ]
-        step, at = STEP * min(sizes), []
-        for place in (*PLACES, 0.0):
-            moved = {key: v + place * step * factors[key] for key, v in values.items()}
-            at.append(_leaves(section_spec(changed(table, moved, file), file, folder)))
-        whole = [{k: v for k, v in one.items() if not isinstance(v, float)} for one in at]
-        if any(one != whole[0] for one in whole) or any(one.keys() != at[0].keys() for one in at):
+        step = STEP * min(sizes)
+
+        moves = {key: (value, step * factors[key]) for key, value in values.items()}
+
+        def leaves(place: float, moves: dict[str, tuple[float, float]] = moves) -> Leaves:
+            moved = {key: value + place * move for key, (value, move) in moves.items()}
+            return _leaves(section_spec(changed(table, moved, file), file, folder))
+
+        rates, here = _rates(leaves)
+        if rates is None:
             raise InputError(
-                f"{file}: {', '.join(factors)}: a number of elements changes at this value, so "
-                "that there is no derivative; expected a slightly different one"
+                f"{file}: {', '.join(factors)}: a number of elements changes on both sides of this "
+                "value, so that there is no derivative; expected a slightly different one"
             )
-        numbers = [{k: v for k, v in one.items() if k not in whole[0]} for one in at]
-        rates = differenced(numbers[: len(PLACES)], step)
         found[name] = [
-            {"of": list(path), "factor": float(f"{rate:.13g}")}
+            {"of": list(path), "factor": float(f"{rate / step:.13g}")}
             for path, rate in rates.items()
-            if abs(rate) * step > ROUNDING * abs(at[-1][path])
+            if abs(rate) > ROUNDING * abs(here[path])
         ]
         if not found[name]:
             raise InputError(f"{file}: {', '.join(factors)}: expected a number that has an effect")
     return found
+
+
+def _rates(leaves: Callable[[float], Leaves]) -> tuple[Leaves | None, Leaves]:
+    """Return rates of all numbers but whole ones, and their values.
+
+    Where whole numbers, of elements, change on one side, the other counts; None: on both.
+    """
+    here = leaves(0.0)
+    fixed = {path: value for path, value in here.items() if not isinstance(value, float)}
+    for places in POINTS:
+        at = [leaves(place) if place else here for place in places]
+        if all(one.keys() == here.keys() and fixed.items() <= one.items() for one in at):
+            weights = np.linalg.solve(np.vander(places, increasing=True).T, np.eye(len(places))[1])
+            numbers = here.keys() - fixed.keys()
+            rows = {path: [one[path] - here[path] for one in at] for path in numbers}
+            return {path: float(weights @ rows[path]) for path in here if path in numbers}, here
+    return None, here
 
 
 def _number(table: dict[str, Any], key: str, file: Path) -> float:
@@ -252,10 +273,10 @@ def _number(table: dict[str, Any], key: str, file: Path) -> float:
     return float(place)
 
 
-def _leaves(spec: Any, path: tuple[str | int, ...] = ()) -> dict[tuple[str | int, ...], Any]:
+def _leaves(spec: Any, path: tuple[str | int, ...] = ()) -> Leaves:
     """Return all values of nested tables and lists by their keys."""
     pairs = spec.items() if isinstance(spec, dict) else enumerate(spec)
-    found: dict[tuple[str | int, ...], Any] = {}
+    found: Leaves = {}
     for key, value in pairs:
         nested = isinstance(value, dict | list)
         found |= _leaves(value, (*path, key)) if nested else {(*path, key): value}
