@@ -11,6 +11,7 @@ import argparse
 import json
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from plymotion.solver.mechanism.build import build
 HERE = Path(__file__).parent
 ALLOWED = ("inertia", "units")  # files of others are taken as they are
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"  # in the site packages of the wheels
+TORQUES = np.array([20.0, 20.0, 10.0, 0.2, 0.2, 0.02])  # of the joints, from the base on [N m]
 WHERE = "import sysconfig; print(sysconfig.get_path('purelib'))"
 
 
@@ -79,6 +81,38 @@ def compared(file: Path, base: str, peer: str, count: int, folder: str) -> dict[
     return {"coordinates": n, **worst}
 
 
+def stepping(case_file: Path, folder: str, chunks: int = 4, count: int = 50) -> object:
+    """Return the CPU time of a step of 1 ms of the arm with two flexible links [s].
+
+    Motors in the six joints are inputs, which jump at every step. By accuracy and cutoff frequency.
+    The shortest mean of `count` steps: on a busy machine others are longer.
+    """
+    result = {}
+    for rtol, cutoff in ((1e-5, None), (1e-3, None), (1e-3, 1000.0)):
+        case = pm.load(case_file)
+        for name, joint in case.table["joints"].items():
+            del joint["drive"]
+            places, axis = joint["between"], joint["axis"]
+            case.rotary_spring(f"{name}_motor", *places, axis=axis, actuator={"constant": 0.0})
+        case.table["signals"], case.table["figures"] = {}, {}
+        case.table["variants"]["tubes"]["signals"] = {}
+        case.table["solver"] |= {"rtol": rtol, "start": "positions"}
+        if cutoff is not None:
+            case.solver.cutoff_frequency = cutoff
+        sim, found = pm.simulate(case, "tubes", out=folder), []
+        for _ in range(chunks):
+            begin = time.process_time()
+            for _ in range(count):
+                sim.step(1e-3, TORQUES * np.sin(10.0 * sim.t + np.arange(6)))
+            found.append((time.process_time() - begin) / count)
+        result[f"rtol {rtol:g}, cutoff_frequency {cutoff}"] = {
+            "modes": len(sim.coordinates) - 6,
+            "cpu_s_per_step": min(found),
+            "angles": sim.q[:6].tolist(),
+        }
+    return result
+
+
 def main() -> None:
     """Compare all files and write the JSON."""
     parser = argparse.ArgumentParser()
@@ -89,7 +123,10 @@ def main() -> None:
     options = parser.parse_args()
     package = subprocess.run([options.python, "-c", WHERE], capture_output=True, text=True)
     root = Path(package.stdout.strip()) / ROBOTS
-    result = {}
+    result: dict[str, object] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        result["steps of 1 ms"] = stepping(HERE.parent / "cases/robot-import/case.toml", folder)
+        print(result, flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for file in sorted(root.rglob("*.urdf")):
             name = str(file.relative_to(root))
@@ -97,7 +134,7 @@ def main() -> None:
                 continue
             for base in ("fixed", "free"):
                 try:
-                    found = compared(file, base, options.python, options.states, folder)
+                    found: object = compared(file, base, options.python, options.states, folder)
                 except (InputError, RuntimeError) as error:
                     found = {"refused": str(error).replace(f"{root}/", "")}
                 result[f"{name}, {base} root"] = found

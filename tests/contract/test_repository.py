@@ -17,7 +17,7 @@ REGISTRY_HOST = re.compile(
     + r"|\b[\w.-]*(?:artifact|artifactory|mirror)[\w-]*(?:\.[\w-]+)+"
     + DOMAIN
 )
-BINARY = {".png", ".vtkhdf", ".h5", ".pdf", ".gz", ".npz"}
+BINARY = {".png", ".vtkhdf", ".h5", ".pdf", ".gz", ".npz", ".stl"}
 
 
 def tracked(repository: Path) -> list[Path]:

@@ -42,6 +42,21 @@ def test_a_robot_becomes_a_case(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert "is there already" in capsys.readouterr().err
 
 
+def test_the_case_is_that_of_its_file(tmp_path: Path, repository: Path) -> None:
+    """Bodies, places and axes of cases/robot-import are those that its arm.urdf gives."""
+    out = tmp_path / "robot-import"
+    folder = repository / "cases/robot-import"
+    assert main(["import", str(folder / "arm.urdf"), "--out", str(out)]) == 0
+    fresh, kept = pm.load(out).table, pm.load(folder).table
+    for group in ("bodies", "ground"):
+        assert fresh[group] == kept[group]
+    for name, joint in fresh["joints"].items():
+        assert {**joint, "drive": 0} == {**kept["joints"][name], "drive": 0}
+    for name in fresh["bodies"]:
+        mesh = f"meshes/{name}.stl"
+        assert (out / mesh).read_bytes() == (folder / mesh).read_bytes()
+
+
 def test_what_acts_in_free_joints(tmp_path: Path) -> None:
     """Actuators, friction, damping and stops of joints that no drive holds."""
     out = tmp_path / "arm"
