@@ -1113,6 +1113,58 @@ class Builders:
         the table, with keys as attributes
         """
 
+    def contact(
+        self,
+        name: str,
+        one: str,
+        two: str,
+        *,
+        stiffness: Number,
+        axis: Vector | None = None,
+        radius: Number | None = None,
+        other_radius: Number | None = None,
+        disc_axis: Vector | None = None,
+        exponent: Number | None = None,
+        restitution: Number | None = None,
+        impact_speed: Number | None = None,
+        coefficient: Number | None = None,
+        rest_velocity: Number | None = None,
+    ) -> Keys:
+        """Add a force of kind "contact": a contact of a sphere, a point or the rim of a disc with a plane, or of two spheres.
+
+        Parameters
+        ----------
+        name : of the table in the case
+        one, two : places, "BODY.INTERFACE" or "ground.POINT"
+        axis :
+            normal of the plane at the start, global, towards the sphere; fixed in the first
+            place; absent: z [-]
+        radius :
+            of the sphere at the second place; 0: a point [m]; default 0.0
+        other_radius :
+            of a sphere at the first place; absent: a plane [m]
+        disc_axis :
+            axis at the start, global, of a thin disc about the second place, whose rim
+            touches the plane; absent: a sphere [-]
+        stiffness :
+            k [N/m^n or N m/rad^n]
+        exponent :
+            n; 1.5: Hertz; default 1.5
+        restitution :
+            speed after an impact over that before it; default 1.0
+        impact_speed :
+            speed for which `restitution` holds; absent: it holds for every impact [m/s or
+            rad/s]
+        coefficient :
+            of Coulomb's friction; default 0.0
+        rest_velocity :
+            sliding at which friction has 1 / sqrt(2) of its size [m/s]; default 0.001
+
+        Returns
+        -------
+        the table, with keys as attributes
+        """
+
     def friction(
         self,
         name: str,
