@@ -93,6 +93,7 @@ SIXES = {
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("reference", "mass_form"),
     [(CLAMPED, "consistent"), (MEAN, "lumped"), (MEAN, "consistent"), (CHORD, "consistent")],
@@ -110,6 +111,7 @@ def test_beams_of_any_6x6(reference: dict[str, Any], mass_form: str) -> None:
     assert max(found.values()) < LIMIT, found
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("reference", [CLAMPED, MEAN])
 def test_clusters_of_a_square_section(reference: dict[str, Any]) -> None:
     """Equal frequencies: a change that couples both planes has terms outside the diagonal."""
@@ -127,6 +129,7 @@ def test_clusters_of_a_square_section(reference: dict[str, Any]) -> None:
     )
 
 
+@pytest.mark.one_end
 def test_a_mode_of_a_pair_alone_has_no_derivative_if_it_turns() -> None:
     spec = beam(square(), 7, modes=[{"kind": "bending-xy", "count": 2}])
     package = build_body(spec | {"design": {"b": entry(4, 4)}})  # stays in its plane
@@ -135,6 +138,7 @@ def test_a_mode_of_a_pair_alone_has_no_derivative_if_it_turns() -> None:
         build_body(spec | {"design": {"a": entry(4, 5)}})
 
 
+@pytest.mark.one_end
 def test_curved_tapered_classical_and_spinning_beams() -> None:
     angle = np.linspace(0.0, 1.0, 9)
     nodes = np.column_stack([np.sin(angle), 1.0 - np.cos(angle), 0.1 * angle**2])
@@ -210,6 +214,7 @@ def test_the_file_has_them(tmp_path: Path) -> None:
     assert "modes/mass" not in found.values
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("of", "message"),
     [
@@ -225,6 +230,7 @@ def test_wrong_targets_are_named(of: str, message: str) -> None:
         build_body(skewed(design={"a": [{"of": of}]}))
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("kind", ["solid", "imported"])
 def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> None:
     spec = {"kind": kind, "design": {"a": [{"of": "solid.materials.a.E"}]}}
