@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-import scipy.optimize
 
 from ...solver.errors import coded, few
 from ...solver.math.arrays import Array, IntArray
@@ -212,9 +211,11 @@ def _owners(work: Array) -> IntArray:
     `work` (l, k): rows loads, columns modes. If loads do equal work (the two ends of a free
     beam), they are assigned in order.
     """
+    from scipy.optimize import linear_sum_assignment  # takes as long to load as all the rest
+
     order = np.outer(np.arange(work.shape[0]), np.arange(work.shape[1]))
     claim = work**2 + TIE * order / max(order.size, 1)
-    load, mode = scipy.optimize.linear_sum_assignment(claim, maximize=True)
+    load, mode = linear_sum_assignment(claim, maximize=True)
     return np.asarray(load[np.argsort(mode)], dtype=np.int64)
 
 

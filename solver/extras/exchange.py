@@ -13,7 +13,6 @@ from pathlib import Path
 
 from ..system.interrupts import INTERRUPTED
 from ..workers.launch import environment, importable
-from .measured_modes import experimental_package, load_measurement, write_measured
 
 MEASURED = "measured"
 TABLES = 4  # exit code of the exchange: the source has modes only, and their tables are written
@@ -31,6 +30,9 @@ def import_body(
     source : the other code; None: its key `from`; "measured": `file` has measured modes
         (docs/modes.md), which this process reads
     """
+    # Pydantic takes longer than an export.
+    from .measured_modes import experimental_package, load_measurement, write_measured
+
     if source == MEASURED:
         return 0, write_measured(out, experimental_package(load_measurement(file)), file)
     words = ["import", str(file), "--out", str(out)]
