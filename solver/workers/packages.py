@@ -24,7 +24,11 @@ Entry = dict[str, Any]  # file and digests of a package, as a run file has them
 
 
 class BodiesFailed(InputError):
-    """Some bodies could not be built; the others were."""
+    """Some bodies could not be built; the others were. `reasons` has why, by specification."""
+
+    def __init__(self, message: str, reasons: Mapping[Path, str]) -> None:
+        super().__init__(message)
+        self.reasons = dict(reasons)
 
 
 def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
@@ -126,19 +130,19 @@ def build_packages(
         return []
     refuse_link(folder / "any")
     folder.mkdir(parents=True, exist_ok=True)
-    failed: list[Path] = []
+    failed: dict[Path, str] = {}
 
     def done(spec: Path, line: Line) -> None:
         _tell(spec, line)
         if line["status"] == "failed" or not (folder / f"{spec.stem}.vtkhdf").is_file():
-            failed.append(spec)
+            failed[spec] = line["error"]
 
     start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
     groups = by_mesh((spec, _mesh_of(table)) for spec, table in wanted.items())
     make_all(groups, start, executor=place, done=done, progress=lambda _: None)
     if failed:
         names = few([spec.stem for spec in failed])
-        raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")
+        raise BodiesFailed(f"{folder}: not built, see the messages above: {names}", failed)
     return [spec.stem for spec in wanted]
 
 

@@ -4,7 +4,7 @@ import json
 import logging
 import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -71,7 +71,7 @@ def optimise(
     shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
     for name in (RESULT, VARIANT):
         refuse_foreign(order.folder / name)
-    order = with_plan(trials)
+    order = _with_gradient(with_plan(trials), trials, where)
     trials = Trials(order)
     key = trials.digest()
     Memory(order.folder / FILE, key, fresh=fresh)
@@ -102,6 +102,15 @@ def optimise(
     write_text(order.folder / VARIANT, variant_text(result))
     write_text(order.folder / RESULT, json.dumps(result, indent=1) + "\n")
     return result
+
+
+def _with_gradient(order: Order, trials: Trials, where: str) -> Order:
+    """Return the order with the kind of derivatives that the study asks for, or can have."""
+    wanted = trials.study.table.gradient
+    why = "" if wanted == "differences" else trials.why_not_exact()
+    if why and wanted == "exact":
+        raise InputError(f'{where}.gradient = "exact": {why}; expected "differences"')
+    return replace(order, exact=wanted != "differences" and not why)
 
 
 def _best(found: Sequence[Start]) -> Start | None:

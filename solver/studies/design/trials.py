@@ -36,7 +36,8 @@ from ...run.preparation import histories_of, integrated, prepare
 from ...signals import Recording
 from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
-from ...workers.packages import build_packages
+from ...workers.packages import BodiesFailed, build_packages
+from .exact import STEP, beside, runs_beside, with_targets
 from .measures import Made, Measure, Values, measure_of
 
 LOGGER = logging.getLogger(__name__)
@@ -55,6 +56,7 @@ class Order:
     study: str
     folder: Path  # of the study, for packages and state
     plan: Any = None  # of a run with [fidelity], frozen (planning.py)
+    exact: bool = False  # derivatives by those of packages
 
 
 class Trials:
@@ -66,7 +68,9 @@ class Trials:
         self.study: CheckedStudy = case.studies[order.study]
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
-        self._plan = order.plan
+        self._plan, self.exact = order.plan, order.exact
+        self._beside: list[tuple[RunSpec, RunSpec]] = []  # of the last design, by parameter
+        self._failed: dict[Path, str] = {}  # packages that could not be built
         self._last: tuple[bytes, Made, list[Array]] | None = None
         keep_preprocessors()
 
@@ -80,14 +84,14 @@ class Trials:
         targets = {n: [t.model_dump() for t in ts] for n, ts in study.targets.items()}
         own: list[Any] = [study.merged, study.table.model_dump(), targets, others, fingerprints]
         own += [p.model_dump() for p in study.parameters.values()]
-        own.append(self._plan.table() if self._plan is not None else None)
+        own += [self._plan.table() if self._plan is not None else None, self.order.exact]
         return data_sha256([STATE, __version__, solver_sha256(), *own])
 
     # Values and slopes of designs.
 
     def values(self, p: Array) -> Values:
         """Return the values of a design (p,), or why it is invalid."""
-        made = self._made([p])[0]
+        made = self._made_exact(p) if self.exact else self._made([p])[0]
         if isinstance(made, str):
             return Values(made, [], [], [])
         try:
@@ -111,7 +115,7 @@ class Trials:
         assert self._last is not None
         _, made, raws = self._last
         weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
-        columns = self._differences(p)
+        columns = self._exact() if self.exact else self._differences(p)
         return [
             np.stack(
                 [np.tensordot(w, column[k], axes=column[k].ndim) for column in columns], axis=1
@@ -121,6 +125,8 @@ class Trials:
 
     def words_of_gradient(self) -> str:
         """Return how derivatives are computed, and how exact they are."""
+        if self.exact:
+            return "exact: by the derivatives that packages carry"
         steps = ", ".join(
             f"{name} {h:.3g}" for name, h in zip(self.study.parameters, self.steps(), strict=True)
         )
@@ -134,6 +140,7 @@ class Trials:
         """Return trials of finer bodies, without a plan."""
         found = copy(self)
         found.study, found._plan, found._last = self.study.richer(), None, None
+        found.exact = False
         return found
 
     def steps(self) -> Array:
@@ -166,7 +173,56 @@ class Trials:
             columns.append([(a - b) / (h * (up - down)) for a, b in zip(high, low, strict=True)])
         return columns
 
+    def _exact(self) -> list[list[Array]]:
+        """Return derivatives of the arrays of all measures, by parameter."""
+        columns = []
+        for h, pair in zip(self._steps_beside(), self._beside, strict=True):
+            low, high = (
+                [m.raw(Made(spec, None, {}, None)) for m in self.measures] for spec in pair
+            )
+            columns.append([(b - a) / (2.0 * h) for a, b in zip(low, high, strict=True)])
+        return columns
+
+    def _steps_beside(self) -> Array:
+        ranges = [p.range() for p in self.study.parameters.values()]
+        return np.array([STEP * (high - low) for low, high in ranges])
+
+    def why_not_exact(self) -> str:
+        """Return what has no exact derivative; "" if all quantities have one."""
+        for measure in self.measures:
+            if measure.runs:
+                return f"{measure.quantity.words()}: no exact derivative of a run is available"
+        self.exact = True
+        try:
+            return self.values(self.study.start).why
+        except InputError as error:
+            return _line(error)
+        finally:
+            self.exact, self._last = self.order.exact, None
+
     # How a design is made.
+
+    def _made_exact(self, p: Array) -> Made | str:
+        """Return a design whose packages carry derivatives; of an invalid one, why."""
+        names, steps = list(self.study.parameters), self._steps_beside()
+        try:
+            designs = self.study.designs(beside(p, steps))
+            own, count = designs.own, 1 + 2 * p.size
+            bodies = [model_and_check(own.bodies[k])[0] for k in range(count)]
+            specs = with_targets(names, bodies, steps)
+            own.bodies[0] = dict(specs)
+            others = [s for m in designs.others.values() for s in m.bodies[0].items()]
+            files = self.build([*specs.items(), *others])
+        except InputError as error:
+            return _line(error)
+        try:
+            made = self._run(own, designs.others, 0, files)
+        finally:
+            self.forget(files)
+        if isinstance(made, Made):
+            mechanisms = [self.mechanism(own, k) for k in range(count)]
+            self._beside = runs_beside(made.spec, names, mechanisms, steps)
+        return made
 
     def _made(self, points: Sequence[Array]) -> list[Made | str]:
         """Return designs that were built and run; of an invalid one, why."""
@@ -205,14 +261,14 @@ class Trials:
                 table = {**spec.content, "inputs_sha256": spec.inputs_sha256}
                 write_text(file.with_suffix(".json"), dump(table))
                 files[spec.inputs_sha256] = file
+        self._failed.clear()
         level, logger = LOGGER.getEffectiveLevel(), logging.getLogger("plymotion")
         logger.setLevel(logging.CRITICAL)  # a line for each package of each design
         try:
             wanted = [f.with_suffix(".json") for f in files.values()]
             build_packages(wanted, folder, executor=lambda: Local(1, threads=True))
-        except InputError as error:
-            if "not built" not in str(error):
-                raise
+        except BodiesFailed as error:
+            self._failed = {spec.with_suffix(".vtkhdf"): why for spec, why in error.reasons.items()}
         finally:
             logger.setLevel(level)
         return files
@@ -230,9 +286,14 @@ class Trials:
 
     def spec(self, run: str, members: Members, k: int, files: Mapping[str, Path]) -> RunSpec:
         """Return a run of a design with its packages. Raises PackageError."""
+        specs = model_and_check(members.bodies[k])[0]
+        return self.read(run, self.mechanism(members, k), specs, files)
+
+    def mechanism(self, members: Members, k: int) -> Mechanism:
+        """Return the mechanism of a design, in the bodies that are built."""
         rtol = min(members.base.solver.rtol, self.study.table.rtol)
-        mechanism = changed_mechanism(members.base, {**members.changes[k], "solver.rtol": rtol})
-        return self.read(run, in_segments(mechanism), model_and_check(members.bodies[k])[0], files)
+        changes = {**members.changes[k], "solver.rtol": rtol}
+        return in_segments(changed_mechanism(members.base, changes))
 
     def read(
         self,
@@ -242,6 +303,9 @@ class Trials:
         files: Mapping[str, Path],
     ) -> RunSpec:
         """Return a run with its packages. Raises PackageError."""
+        for name, s in specs.items():
+            if why := self._failed.get(files[s.inputs_sha256]):
+                raise InputError(f"bodies.{name}: {why}")
         packages: dict[str, ModalPackage] = {
             name: package_of(files[s.inputs_sha256], s.inputs_sha256, f"body {name}", "run")
             for name, s in specs.items()
