@@ -7,6 +7,7 @@ from pathlib import Path
 from ..errors import InputError, few, nearest
 from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
+from ..report.design import PAGE
 from ..report.table import json_text
 from ..studies.cases import build_folder, turn
 from ..studies.design.problem import FEASIBLE
@@ -44,6 +45,6 @@ def run_optimise(options: argparse.Namespace) -> int:
     if options.json:
         print(json_text(found))
     else:
-        print("\n".join(outcome_lines(found, order.folder)))
+        print("\n".join([*outcome_lines(found, order.folder), str(order.folder / PAGE)]))
     refused = found.get("verified", {}).get("why")
     return INCOMPLETE if refused or found["optimum"]["violation"] > FEASIBLE else 0

@@ -15,6 +15,7 @@ from ..package.common.files import write_text
 from ..system.interrupts import ignore, shielded
 from ..system.platform import cores, processes
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
+from .design import design_sections, study_files
 from .fidelity import fidelity_section, ladder_file, with_ladder
 from .figures import draw_balance, draw_comparison, draw_exposure, draw_motion, draw_spectrum
 from .inline import NUMBERS as HISTORIES
@@ -74,7 +75,9 @@ def view(left_out: list[str]) -> str:
 LIMIT = 2_900_000  # bytes of a page that can be mailed
 
 
-def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str:
+def page(
+    title: str, stories: list[Story], comparisons: list[Comparison], designs: Sequence[str] = ()
+) -> str:
     """Return the page as HTML; the data of all plots and of the animation are embedded.
 
     Longer histories keep their extremes only; runs that do not fit into LIMIT have no animation.
@@ -95,6 +98,7 @@ def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str
         signals_section(stories),
         doubts(stories),
         outcomes(stories),
+        *designs,
         fidelity_section(stories),
         modes_section(stories),
         masses_section(stories),
@@ -330,7 +334,7 @@ def make_report(
         ]
         draw_all(case_dir, [drawing for each in same for drawing in each])
     title = str(case.get("title") or stories[0].result.case)
-    write_text(target, page(title, stories, shown))
+    write_text(target, page(title, stories, shown, design_sections(case_dir)))
     remember(case_dir, PAGE, key)
     return target
 
@@ -373,6 +377,8 @@ def _content(
         json.dumps([runs, case, results, formats, version() if formats else ""]).encode()
     )
     found.update(sources_sha256("solver/report").encode())
+    for file in study_files(case_dir):
+        found.update(file_sha256(file).encode())
     for run in runs:
         own = case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"
         for file in (*own, ladder_file(case_dir, run)):

@@ -121,6 +121,12 @@ class Mass(Measure):
 class SectionEntry(Measure):
     """Entry of stiffness or flexibility of the first section of a beam."""
 
+    def __init__(self, quantity: Quantity) -> None:
+        super().__init__(quantity)
+        name = str(quantity.entry)
+        unit = ("N", "N m", "N m2")[(name[1] > "3") + (name[2] > "3")]
+        self.unit = unit if name[0] == "K" else f"1/({unit})"
+
     def raw(self, made: Made) -> Array:
         """Return the 6x6 stiffness."""
         sections = made.parts(self.quantity.name)[0].sections

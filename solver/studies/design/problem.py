@@ -83,12 +83,24 @@ class Problem:
         sizes = [float(np.abs(v).max()) for v in first.values]
         self._scale = sizes[0] or 1.0
         self._sizes = [s or 1.0 for s in sizes]
-        u0 = (self.z0 - self._mid) / self._half
-        top = self.sign * np.array(first.values[0]) / self._scale
-        self.x0 = np.r_[u0, top.max()] if self.bounded else u0
-        self.bounds = np.repeat([[-1.0, 1.0]], u0.size, axis=0)
+        self._peaks = len(first.values[0])
+        self.x0 = self.x_of(self.space.p(self.z0))
+        self.bounds = np.repeat([[-1.0, 1.0]], self.z0.size, axis=0)
         if self.bounded:
             self.bounds = np.r_[self.bounds, [[-1e6, 1e6]]]
+
+    @property
+    def peaks(self) -> int:
+        """Number of the first entries of `cons` that bound the objective."""
+        return self._peaks if self.bounded else 0
+
+    def x_of(self, p: Array) -> Array:
+        """Return the x of a design (p,); the bound of its peaks is the largest of them."""
+        u = (self.space.z(p) - self._mid) / self._half
+        if not self.bounded:
+            return u
+        top = self.sign * np.array(self.designs.values(p).values[0]) / self._scale
+        return np.r_[u, top.max()]
 
     def z(self, x: Array) -> Array:
         """Return the free parameters of x, in their units."""

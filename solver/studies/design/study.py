@@ -14,6 +14,7 @@ from ...errors import InputError
 from ...math.arrays import Array
 from ...math.compiled import tell_if_slow
 from ...package.common.files import refuse_foreign, write_text
+from ...report.design import PAGE, write_page
 from ...workers.executors import Executor, Task, distribute
 from .drivers.table import driver_of
 from .memory import FILE, Memory
@@ -69,7 +70,7 @@ def optimise(
     driver_of(study.table.driver, where)
     space = space_of(study)
     shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
-    for name in (RESULT, VARIANT):
+    for name in (RESULT, VARIANT, PAGE):
         refuse_foreign(order.folder / name)
     order = _with_gradient(with_plan(trials), trials, where)
     trials = Trials(order)
@@ -100,6 +101,7 @@ def optimise(
             result["plan"] = plan_again(trials, p)
     shutil.rmtree(order.folder / BODIES, ignore_errors=True)
     write_text(order.folder / VARIANT, variant_text(result))
+    write_page(order.folder, result)
     write_text(order.folder / RESULT, json.dumps(result, indent=1) + "\n")
     return result
 
@@ -148,6 +150,7 @@ def _content(
     study, table = trials.study, trials.study.table
     assert best.best is not None
     names = list(study.parameters)
+    units = memory.get("values", np.array(best.best.p))["units"]
     first = found[0].history[0] if found[0].history else None
     p0, p = study.start, np.array(best.best.p)
     return {
@@ -164,9 +167,9 @@ def _content(
                 "words": q.words(),
                 "least": getattr(q, "least", None),
                 "most": getattr(q, "most", None),
-                "unit": m.unit,
+                "unit": unit,
             }
-            for q, m in zip(table.quantities(), trials.measures, strict=True)
+            for q, unit in zip(table.quantities(), units, strict=True)
         ],
         "parameters": {
             name: {

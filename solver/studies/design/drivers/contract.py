@@ -2,7 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
 
+from ....errors import InputError
 from ....math.arrays import Array
 from ..problem import Options, Problem
 
@@ -30,3 +33,13 @@ class Driver:
     name: str
     meaning: str
     minimise: Callable[[Problem, Options], Ending]
+
+
+def library(name: str, extra: str) -> ModuleType:
+    """Return the library of a driver. Raises InputError with the line that installs it."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InputError(
+            f"driver {extra}: needs {name} ({error}): pip install 'plymotion[{extra}]'"
+        ) from error

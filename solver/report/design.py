@@ -1,0 +1,209 @@
+"""Studies of a design in the report: before and after, lay-ups, what helps most, history."""
+
+import json
+from collections.abc import Sequence
+from html import escape
+from math import cos, radians, sin
+from pathlib import Path
+from typing import Any
+
+from ..package.common.files import write_text
+from .inline import policy, style
+from .sections import Row, section, table
+from .style import COLOURS, GREY, INK
+from .table import number
+
+RESULT, PAGE = "design.json", "design.html"
+ACTIVE = 1e-3  # distance from a limit, relative, below which it is active
+STACK, PLY, MOST = 150, 22, 40  # width, height of a ply [px]; plies that are drawn
+ROOM = 90  # beside a ply, for its angle
+WIDE, HIGH = 480, 160  # of the history [px]
+
+
+def study_files(case_dir: Path) -> list[Path]:
+    """Return the results of the studies of a case."""
+    return sorted((case_dir / "studies").glob(f"*/{RESULT}"))
+
+
+def design_sections(case_dir: Path) -> list[str]:
+    """Return a section of the report for each study of a case."""
+    return [
+        study_section(json.loads(file.read_text(encoding="utf-8")))
+        for file in study_files(case_dir)
+    ]
+
+
+def write_page(folder: Path, found: dict[str, Any]) -> Path:
+    """Write the page of a study into its folder; return its path."""
+    title = f"{found['case']}: {found['title']}"
+    text = (
+        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+        f'<meta http-equiv="Content-Security-Policy" content="{policy()}">'
+        "<meta name='viewport' content='width=device-width, initial-scale=1'>"
+        f"<title>{escape(title)}</title><style>{style()}</style></head>\n<body>"
+        f"<header><h1>{escape(title)}</h1></header><main>{study_section(found)}</main>"
+        "</body></html>\n"
+    )
+    write_text(folder / PAGE, text)
+    return folder / PAGE
+
+
+def study_section(found: dict[str, Any]) -> str:
+    """Return the section of a study, from the content of design.json."""
+    best, shown = found["optimum"], found["optimum"]["shown"]
+    verified = found.get("verified", {}).get("shown")
+    rows: list[Row] = []
+    for k, measure in enumerate(found["measures"]):
+        unit = f" [{measure['unit']}]" if measure["unit"] else ""
+        words = f"{found['sense']} {measure['words']}" if k == 0 else measure["words"]
+        before = found["start"]["shown"]
+        limits = [("&gt;=", measure["least"]), ("&lt;=", measure["most"])]
+        texts = [
+            f"{sign} {value:g}" + " (active)" * _active(shown[k], value)
+            for sign, value in limits
+            if value is not None
+        ]
+        rows.append(
+            [
+                escape(words + unit),
+                number(before[k] if before else None, 5),
+                number(shown[k], 5),
+                number(verified[k] if verified else None, 5),
+                ", ".join(texts),
+            ]
+        )
+    head = ["quantity", "start", "best", "verified, richer model", "limit"]
+    own = [
+        [escape(name), number(p, 5), number(value, 5), escape(", ".join(q["targets"]))]
+        for (name, value), p, q in zip(
+            best["values"].items(), found["start"]["p"], found["parameters"].values(), strict=True
+        )
+    ]
+    doubt = ""
+    if found.get("verified", {}).get("why"):
+        doubt = f"<p class='note'>Not verified: {escape(found['verified']['why'])}</p>"
+    return section(
+        f"study-{escape(found['study'])}",
+        f"Design: {escape(found['title'])}",
+        table("Quantities of the study", head, rows),
+        doubt,
+        table("Parameters", ["parameter", "start", "best", "keys"], own),
+        _stacks(found["layups"]),
+        _arrows(found),
+        _history(found),
+        f"<p class='note'>Derivatives: {escape(found['gradient'])}.</p>",
+    )
+
+
+def _active(value: float, limit: float) -> bool:
+    return abs(value - limit) <= ACTIVE * (abs(limit) or 1.0)
+
+
+def _text(x: float, y: float, words: str, anchor: str = "start", colour: str = INK) -> str:
+    return (
+        f"<text x='{x:.1f}' y='{y:.1f}' font-size='12' fill='{colour}' "
+        f"text-anchor='{anchor}'>{escape(words)}</text>"
+    )
+
+
+def _picture(width: float, height: float, name: str, parts: Sequence[str]) -> str:
+    return (
+        f"<svg viewBox='0 0 {width:.0f} {height:.0f}' width='{width:.0f}' height='{height:.0f}' "
+        f"role='img' aria-label='{escape(name)}'>"
+        f"<rect width='{width:.0f}' height='{height:.0f}' fill='#ffffff'/>{''.join(parts)}</svg>"
+    )
+
+
+def _stacks(layups: Sequence[dict[str, Any]]) -> str:
+    """Return pictures of lay-ups: plies in the order of the description, before and after."""
+    found = []
+    for layup in layups:
+        plies = len(layup["after"]["angles_deg"][:MOST])
+        parts = [_text(10, 16, layup["name"])]
+        for column, which in enumerate(("before", "after")):
+            x = 10 + column * (STACK + ROOM)
+            parts.append(_text(x, 34, which, colour=GREY))
+            for k, angle in enumerate(layup[which]["angles_deg"][:MOST]):
+                parts.append(_ply(x, 40 + k * PLY, float(angle)))
+        found.append(
+            _picture(2 * (STACK + ROOM) + 10, 50 + plies * PLY, f"Lay-up of {layup['name']}", parts)
+        )
+    return f"<h3>Lay-ups</h3>{''.join(found)}" if found else ""
+
+
+def _ply(x: float, y: float, angle: float) -> str:
+    """Return a bar with lines along the fibres, seen from above, and the angle beside it."""
+    c, s, middle, lines = cos(radians(angle)), sin(radians(angle)), y + 0.5 * (PLY - 3), []
+    half = 0.5 * (PLY - 3)
+    for k in range(1, 10):
+        at = x + k * STACK / 10
+        reach = min(half / abs(s) if abs(s) > 0.05 else 6.0, 6.0 if abs(c) > 0.95 else half)
+        lines.append(
+            f"<line x1='{at - reach * c:.1f}' y1='{middle + reach * s:.1f}' "
+            f"x2='{at + reach * c:.1f}' y2='{middle - reach * s:.1f}' stroke='{INK}'/>"
+        )
+    hue = (2.0 * angle) % 360.0
+    return (
+        f"<rect x='{x}' y='{y}' width='{STACK}' height='{PLY - 3}' fill='hsl({hue:.0f},60%,82%)'/>"
+        f"{''.join(lines)}{_text(x + STACK + 6, y + 14, f'{angle:.4g} deg')}"
+    )
+
+
+def _arrows(found: dict[str, Any]) -> str:
+    """Return arrows: what a parameter does for the objective, over its range; right: more of it."""
+    parts, y = list[str](), 20.0
+    sign = -1.0 if found["sense"] == "minimise" else 1.0
+    names = list(found["parameters"])
+    spans = [q["range"][1] - q["range"][0] for q in found["parameters"].values()]
+    for which in ("start", "optimum"):
+        slopes = found["sensitivities"][which]
+        if not slopes:
+            continue
+        effects = [sign * d * span for d, span in zip(slopes[0], spans, strict=True)]
+        largest = max(map(abs, effects)) or 1.0
+        parts.append(_text(10, y, f"at the {which}", colour=GREY))
+        y += 20.0
+        order = sorted(range(len(names)), key=lambda k: -abs(effects[k]))
+        for k in order[:12]:
+            length = 150.0 * effects[k] / largest
+            colour, tip = COLOURS[0 if length > 0 else 1], 240.0 + length
+            back = tip - (6.0 if length > 0 else -6.0)
+            parts.append(
+                f"<line x1='240' y1='{y - 4:.1f}' x2='{tip:.1f}' y2='{y - 4:.1f}' "
+                f"stroke='{colour}' stroke-width='3'/>"
+                f"<path d='M{tip:.1f} {y - 4:.1f} L{back:.1f} {y - 9:.1f} v10 Z' "
+                f"fill='{colour}'/>{_text(10, y, names[k])}{_text(410, y, f'{slopes[0][k]:.3g}')}"
+            )
+            y += 18.0
+        y += 8.0
+    if not parts:
+        return ""
+    words = (
+        "<p class='note'>Arrows: change of the objective for the better, to the right if the "
+        "parameter grows; their length is the derivative times the range of the parameter. The "
+        "number is the derivative of the objective.</p>"
+    )
+    return f"<h3>What helps most</h3>{words}{_picture(520, y, 'What helps most', parts)}"
+
+
+def _history(found: dict[str, Any]) -> str:
+    """Return the objective over the iterations of all starts."""
+    lines = [[p["shown"][0] for p in start["history"]] for start in found["starts"]]
+    values = [v for line in lines for v in line]
+    if len(values) < 2:
+        return ""
+    low, high, longest = min(values), max(values), max(map(len, lines))
+    size, steps = (high - low) or 1.0, max(longest - 1, 1)
+    parts = [
+        _text(10, 14, number(high, 4)),
+        _text(10, HIGH + 10, number(low, 4)),
+        _text(WIDE - 10, HIGH + 28, f"iteration {steps}", "end"),
+    ]
+    for k, line in enumerate(lines):
+        points = " ".join(
+            f"{70 + (WIDE - 80) * i / steps:.1f},{10 + HIGH * (high - v) / size:.1f}"
+            for i, v in enumerate(line)
+        )
+        colour = COLOURS[k % len(COLOURS)]
+        parts.append(f"<polyline points='{points}' fill='none' stroke='{colour}'/>")
+    return f"<h3>History of all starts</h3>{_picture(WIDE, HIGH + 36, 'History', parts)}"
