@@ -16,7 +16,7 @@ STEP = re.compile(
     r"|^    (?P<command>(?:\.venv/bin/plymotion|plymotion|ccx) [^\n]*)$",
     re.MULTILINE | re.DOTALL,
 )
-TUTORIALS = ("antenna-panel", "bracket", "foreign-body", "robot-arm", "section")
+TUTORIALS = ("antenna-panel", "bracket", "design", "foreign-body", "robot-arm", "section")
 
 
 @pytest.mark.parametrize("name", TUTORIALS)
