@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import InputError, few, nearest
 from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
-from ..report.design import PAGE
+from ..report.design.page import PAGE
 from ..report.table import json_text
 from ..studies.cases import build_folder, turn
 from ..studies.design.problem import FEASIBLE

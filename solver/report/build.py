@@ -15,7 +15,7 @@ from ..package.common.files import write_text
 from ..system.interrupts import ignore, shielded
 from ..system.platform import cores, processes
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
-from .design import design_sections, study_files
+from .design.page import design_sections, study_files
 from .fidelity import fidelity_section, ladder_file, with_ladder
 from .figures import draw_balance, draw_comparison, draw_exposure, draw_motion, draw_spectrum
 from .inline import NUMBERS as HISTORIES

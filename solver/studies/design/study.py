@@ -14,7 +14,7 @@ from ...errors import InputError
 from ...math.arrays import Array
 from ...math.compiled import tell_if_slow
 from ...package.common.files import refuse_foreign, write_text
-from ...report.design import PAGE, write_page
+from ...report.design.page import PAGE, write_page
 from ...workers.executors import Executor, Task, distribute
 from .drivers.table import driver_of
 from .memory import FILE, Memory

@@ -7,11 +7,11 @@ from math import cos, radians, sin
 from pathlib import Path
 from typing import Any
 
-from ..package.common.files import write_text
-from .inline import policy, style
-from .sections import Row, section, table
-from .style import COLOURS, GREY, INK
-from .table import number
+from ...package.common.files import write_text
+from ..inline import policy, style
+from ..sections import Row, section, table
+from ..style import COLOURS, GREY, INK
+from ..table import number
 
 RESULT, PAGE = "design.json", "design.html"
 ACTIVE = 1e-3  # distance from a limit, relative, below which it is active
