@@ -20,6 +20,7 @@ import numpy as np
 
 from ..dynamics.analysis.recovery import Recording, body_frames
 from ..dynamics.evaluation import series
+from ..errors import few
 from ..math.arrays import Array
 from ..math.rotations import skew
 from ..package import ModalPackage
@@ -41,7 +42,7 @@ INERTIA = 12  # loads A [x; 1] dm, by rows of A (3, 4)
 def missing_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield flexible bodies whose modes miss much of the static deformation under their loads.
 
-    Packages without a compliance are not judged: those of modes alone, and of earlier versions.
+    Packages without a compliance are not judged, see `unjudged_hints`.
     """
     packages = {
         i: run.packages[name]
@@ -58,6 +59,21 @@ def missing_findings(run: FinishedRun) -> Iterator[Finding]:
             yield FEW_MODES.finding(
                 found.text(name, package), body=name, t=found.t, value=found.share
             )
+
+
+def unjudged_hints(run: FinishedRun) -> list[str]:
+    """Return a remark on the flexible bodies whose packages have no compliance, if there are any.
+
+    Those of modes alone, and of earlier versions: mass stations and modes do not tell what the
+    modes miss.
+    """
+    bare = [n for n, p in run.packages.items() if p.n_mode and p.compliance is None]
+    if not bare:
+        return []
+    return [
+        f"not judged: whether the modes of {few(bare)} carry the loads of the run (modes-too-few); "
+        "packages of earlier versions and of modes alone have no compliance: build them again"
+    ]
 
 
 def unit_motions(package: ModalPackage) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..checks.course import stall_finding
 from ..checks.finished import FinishedRun
+from ..checks.statics import unjudged_hints
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.generic.drive import Steps, StopRequest, Watch
@@ -268,6 +269,8 @@ def _collected(
     result, summary = collect(spec, prepared.measured, finished, solve_s, folder, told)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
+    for text in unjudged_hints(finished) if progress else ():
+        LOGGER.info("%s: %s", spec.run, text)
     return result, summary
 
 

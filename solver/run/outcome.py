@@ -20,6 +20,7 @@ from plymotion import __version__
 from ..checks.finished import FinishedRun, Past
 from ..checks.judge import judge
 from ..checks.modes import loaded_damping
+from ..checks.statics import unjudged_hints
 from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
 from ..math.compiled import numba_version
@@ -165,7 +166,7 @@ def collect(
             "factorisations": counters.factorisations,
             "integrator": spec.mechanism.solver.integrator,
         },
-        "hints": [*solution.hints, *hints],
+        "hints": [*solution.hints, *hints, *unjudged_hints(finished)],
         "warnings": [finding.entry() for finding in judgement.findings],
     }
     return result, summary

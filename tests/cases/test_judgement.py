@@ -213,6 +213,8 @@ def test_two_vibration_modes_for_a_force_at_the_tip(tmp_path):
     for enough in (without_compliance(column(4, tip=False)), column(2, tip=False).package):
         four = judged(tmp_path, load, {"column": enough}, **RADAU)
         assert not {"modes-too-few", "modes-cut-early"} & set(four.codes)
+        told = any(hint.startswith("not judged: ") for hint in four.summary["hints"])
+        assert told == (enough.compliance is None)
 
 
 @pytest.mark.provokes("modes-too-few")
