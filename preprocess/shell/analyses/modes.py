@@ -25,9 +25,6 @@ from .frequencies import natural_modes
 
 # Estimated error of a first load factor, a frequency or a strain energy that is warned about.
 COARSE = 0.05
-# An error of first order, as at sharp corners of plates, over that of second order, which is 4/3 of
-# the difference of two meshes: each halving of the cells leaves half of it, twice the difference.
-SLOW = 1.5
 # A plate with an acute corner has an obtuse one, where moments are infinite (Williams 1952: where
 # it is simply supported, above 90 deg).
 SHARP = np.radians(75.0)
@@ -118,19 +115,18 @@ def case_errors(
     """
     if not cases.names or not (asked or finer.cheap):
         return None
-    error = energy_errors(finer, cases.energy)
+    error = energy_errors(finer, cases.energy, slow=has_sharp_corner(problem))
     codes = {warning["code"] for warning in warnings}
     if error is None or codes & WARPED:  # the other warning names the cause
         return error
     moments, forces = (at_points(problem, key) for key in ("moment", "force"))
-    factor = SLOW if has_sharp_corner(problem) else 1.0
-    judged = [0.0 if n in moments else factor * e for n, e in zip(cases.names, error, strict=True)]
+    judged = [0.0 if n in moments else e for n, e in zip(cases.names, error, strict=True)]
     worst = int(np.argmax(np.abs(judged)))
     if abs(judged[worst]) > COARSE:
         bad = int(np.count_nonzero(np.abs(judged) > COARSE))
         more = "" if bad == 1 else f" (worst of {bad})"
         what = f"load case {cases.names[worst]}{more}: the strain energy"
-        found = _coarse(what, float(error[worst]), factor)
+        found = _coarse(what, float(error[worst]))
         if cases.names[worst] in forces:
             found["message"] += ", and give forces at points a length or an area"
         warnings.append(found)
@@ -172,13 +168,11 @@ def _coarse_frequencies(values: Array, error: Array, n_zero: int) -> dict[str, s
     return _coarse(what, float(error[worst]))
 
 
-def _coarse(what: str, error: float, factor: float = 1.0) -> dict[str, str]:
-    """A warning; `factor` times the error it is if it falls with the size of the cells."""
+def _coarse(what: str, error: float) -> dict[str, str]:
+    """A warning."""
     way = "high" if error > 0.0 else "low"
-    at_most = 100.0 * factor * abs(error)
-    corners = f" ({at_most:.2g} % if its sharp corner is the cause)" if factor > 1.0 else ""
     text = (
-        f"{what} is about {100.0 * abs(error):.2g} % too {way}{corners} by its mesh; use smaller "
+        f"{what} is about {100.0 * abs(error):.2g} % too {way} by its mesh; use smaller "
         "cells: refine = 1 in [mesh]"
     )
     return {"code": "shell-mesh-coarse", "message": text}
