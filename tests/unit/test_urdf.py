@@ -1,6 +1,7 @@
 """`plymotion import ROBOT.urdf`: the case that it makes, and what it says of broken files."""
 
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -200,3 +201,20 @@ def test_meshes_are_thinned() -> None:
     found = fewer(np.concatenate([one, two]), 800)
     assert 100 < len(found) <= 800
     assert abs(volume(found)) == pytest.approx(4.0 / 3.0 * np.pi, rel=0.1)
+
+
+def test_meshes_that_need_a_library(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without trimesh an OBJ file has a message with the installation; a package is found above."""
+    (tmp_path / "arm_data/urdf").mkdir(parents=True)
+    (tmp_path / "arm_data/part.obj").write_text("v 0 0 0\n")
+    file = tmp_path / "arm_data/urdf/arm.urdf"
+    mesh = '<mesh filename="package://arm_data/part.obj"/>'
+    file.write_text(ARM.replace('<box size="0.4 0.06 0.05"/>', mesh))
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    assert main(["import", str(file), "--out", str(tmp_path / "case")]) == 2
+    text = capsys.readouterr().err
+    assert re.search(r"part\.obj: \.obj needs trimesh; expected `pip install .*robot", text), text
+    words = ["import", str(file), "--out", str(tmp_path / "case"), "--no-meshes"]
+    assert main(words) == 0

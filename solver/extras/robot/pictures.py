@@ -104,7 +104,7 @@ def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
     InputError
         No such file.
     """
-    found = re.fullmatch(r"(?:package|model)://([^/]+)/(.+)", name)
+    found = re.fullmatch(r"(?:package|model):/+([^/]+)/(.+)", name)
     if found is None:
         path = urdf.parent / re.sub(r"^file://", "", name)
         if not path.is_file():
