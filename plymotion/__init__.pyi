@@ -23,6 +23,8 @@ from .api.result import Result as Result
 from .api.result import run as run
 from .api.section import Section as Section
 from .api.section import section as section
+from .api.sensitivities import Sensitivities as Sensitivities
+from .api.sensitivities import sensitivities as sensitivities
 from .api.signal import Signal as Signal
 from .api.signal import norm as norm
 from .api.simulation import Simulation as Simulation

@@ -168,6 +168,34 @@ def add_modes(parser: Any) -> None:
     flag(parser, "quiet", "no progress")
 
 
+@command("sensitivities", "sensitivities:run_sensitivities")
+def add_sensitivities(parser: Any) -> None:
+    """Differentiate the signals of a run by numbers of its case.
+
+    The derivatives of the motion are integrated beside the run, whose integrator must be "radau",
+    for all numbers together. Keys are those of sweeps, such as forces.spring.stiffness or
+    gravity.2.
+
+    Writes result.vtkhdf (the run, with /sensitivities/SIGNAL/KEY at all output times) and
+    summary.json, and prints which number has the most effect. Method and limits:
+    docs/sensitivities.md
+
+    exit code: 0 done; 2 something is wrong with the input, or has no derivative; 130 interrupted.
+
+    example:
+      plymotion sensitivities case.toml --run base --of masses.tip.mass gravity.2
+    """
+    parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
+    parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
+    text = "keys of numbers"
+    parser.add_argument("--of", nargs="+", required=True, metavar="KEY", help=text)
+    text = "folder of the case (default build/CASE); results go to DIR/sensitivities/RUN"
+    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add_case_options(parser)
+    add_no_scripts(parser)
+    flag(parser, "quiet", "no progress")
+
+
 @command("plan", "plan:run_plan")
 def add_plan(parser: Any) -> None:
     """Choose the model of a run by its accuracy.

@@ -52,7 +52,7 @@ def add_completion(parser: Any) -> None:
 # A case, its parts, packages, many runs, the rest.
 COMMANDS = (
     *(cases.add_new, cases.add_check, cases.add_run, cases.add_report),
-    *(cases.add_modes, cases.add_plan),
+    *(cases.add_modes, cases.add_sensitivities, cases.add_plan),
     *(bodies.add_section, bodies.add_shell, bodies.add_solid, bodies.add_blade),
     *(bodies.add_import, bodies.add_export),
     *(bodies.add_info, bodies.add_validate),

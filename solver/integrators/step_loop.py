@@ -67,18 +67,31 @@ class StrideMemory(Integrator):
     """
 
     _workspace: Any  # of the compiled loop
+    _model: Model
+    keeps_stages = False  # `radau`: whether steps that are kept have their stages
 
     def _forget(self) -> None:
         """Begin without a stride."""
-        nowhere = np.empty(0), np.empty((0, self.n))
-        self._nowhere = *nowhere, 0, Ends(*nowhere)
+        self._nowhere = np.empty(0), np.empty((0, self.n)), 0, self._room(0)
         self._ends = self._nowhere[3]
         self._begun: Any = None  # mark of the beginning of the last stride
         self._stood: Any = None  # step of it after which the loop stands, mark of its end
 
     def steps_taken(self) -> Steps:
         """Return the steps of the last stride; valid up to the next."""
-        return Steps(*self._ends_since(self._begun), self._stand)
+        t, y = self._ends_since(self._begun)
+        stages = (self._ends.Z[: t.size - 1], self._ends.multipliers[: t.size - 1])
+        return Steps(t, y, self._stand, *(stages if self.keeps_stages else ()))
+
+    def _room(self, count: int) -> Ends:
+        """Return memory for `count` steps."""
+        kept, rows = (count, self._model.plan.newton.place.size) if self.keeps_stages else (0, 0)
+        return Ends(
+            np.empty(count),
+            np.empty((count, self.n)),
+            np.empty((kept, 3, self.n)),
+            np.empty((kept, 3, rows)),
+        )
 
     def _ends_since(self, mark: Any) -> tuple[Array, Array]:
         """Return times (k + 1,) and states (k + 1, n) of the k steps since `mark`, with its own."""
@@ -247,7 +260,7 @@ class StepLoop(StrideMemory):
         ends = keep or self.hidden is not None
         if ends and (self._begun is None or not self._ends.t.size):
             most = max(10, min(CHUNK, MOST_KEPT // self.n))
-            self._ends = Ends(np.empty(most), np.empty((most, self.n)))
+            self._ends = self._room(most)
         most = 1 if watched else self._ends.t.size if ends else CHUNK
         self._begun, self._stood = self._mark() if keep else None, None
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -283,7 +296,7 @@ class StepLoop(StrideMemory):
     ) -> int:
         """Take steps as `stride` does, up to the first event, whose instant is located."""
         if not keep:
-            self._ends = Ends(np.empty(LOCATED), np.empty((LOCATED, self.n)))
+            self._ends = self._room(LOCATED)
         most, begun = min(most, LOCATED), self._mark()
         found, last = -1, np.inf
         for passes_left in range(MOST_PASSES - 1, -1, -1):
@@ -391,7 +404,7 @@ class StepLoop(StrideMemory):
             code, _ = self._call(1, *self._nowhere)
             self._take_over(code)
         else:
-            self._ends = Ends(np.empty(1), np.empty((1, self.n)))
+            self._ends = self._room(1)
             self._take(1, *self._nowhere[:3])
 
     def _take_over(self, code: int) -> None:

@@ -1,11 +1,20 @@
 """Results of a run: result.vtkhdf with all histories, summary.json with the main numbers."""
 
 from .file import read_result, write_animation, write_result
-from .schema import BodyGeometry, ResultError, RunResult, Signal, energy_in_play, relative_balance
+from .schema import (
+    BodyGeometry,
+    Derivative,
+    ResultError,
+    RunResult,
+    Signal,
+    energy_in_play,
+    relative_balance,
+)
 from .summary import read_summary, signal_summary, write_summary
 
 __all__ = [
     "BodyGeometry",
+    "Derivative",
     "ResultError",
     "RunResult",
     "Signal",

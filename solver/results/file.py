@@ -46,6 +46,7 @@ from .schema import (
     FORMAT_VERSION,
     TABLES_VERSION,
     BodyGeometry,
+    Derivative,
     ResultError,
     RunResult,
     Signal,
@@ -104,6 +105,7 @@ def write_result(
         else:
             set_text(file, "provenance", provenance)
         written = dict(_write_results(group, result, all_positions, told))
+        written |= _write_sensitivities(file, result)
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
         points = result.node_positions_G[chosen]
@@ -156,6 +158,17 @@ def _write_results(
     if result.node_deflection is not None:
         text = "magnitude of the elastic displacement"
         put(group, "node_deflection", result.node_deflection, "m", "B", text)
+    return datasets.written
+
+
+def _write_sensitivities(
+    file: h5py.File, result: RunResult
+) -> Mapping[str, Array | IntArray | LongRows]:
+    datasets = Datasets()
+    for index, one in enumerate(result.sensitivities):
+        group, text = file.require_group(f"sensitivities/{one.signal}"), "derivative of the signal"
+        item = datasets.put(group, one.parameter, one.values, one.unit, "-", text)
+        item.attrs["index"], item.attrs["value"] = index, one.value
     return datasets.written
 
 
@@ -390,7 +403,23 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         loads=loads_of(f"{path}: /results/loads", read_record(group["loads"]))
         if "loads" in group
         else None,
+        sensitivities=_sensitivities(file),
         provenance=json.loads(provenance or "{}"),
+    )
+
+
+def _sensitivities(file: h5py.File) -> tuple[Derivative, ...]:
+    signals = file["sensitivities"].values() if "sensitivities" in file else ()
+    items = sorted(
+        (item for signal in signals for item in signal.values()),
+        key=lambda item: int(item.attrs["index"]),
+    )
+    names = [item.name.rsplit("/", 2) for item in items]
+    return tuple(
+        Derivative(
+            signal, parameter, get_text(item, "unit"), float(item.attrs["value"]), read_array(item)
+        )
+        for item, (_, signal, parameter) in zip(items, names, strict=True)
     )
 
 

@@ -117,8 +117,8 @@ class Loads:
 
 
 FORMAT = "plymotion result"
-FORMAT_VERSION = (1, 4)
-TABLES_VERSION = (2, 1)  # of a file with tables: older readers would miss what is in them
+FORMAT_VERSION = (1, 5)
+TABLES_VERSION = (2, 2)  # of a file with tables: older readers would miss what is in them
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative
@@ -180,6 +180,17 @@ class BodyGeometry:
 
 
 @dataclass(frozen=True)
+class Derivative:
+    """The derivative of a signal by a parameter of the case, at the output times."""
+
+    signal: str
+    parameter: str
+    unit: str
+    value: float  # of the parameter
+    values: Array  # (k,)
+
+
+@dataclass(frozen=True)
 class RunResult:
     """All results of a run, at its k output times."""
 
@@ -198,6 +209,7 @@ class RunResult:
     node_deflection: Array | None = None  # (k, n) magnitude of the elastic displacement [m]
     links: tuple[Link, ...] = ()  # joints, for pictures
     loads: Loads | None = None
+    sensitivities: tuple[Derivative, ...] = ()
     provenance: dict[str, Any] = field(default_factory=dict)  # versions, command, digest of inputs
 
     @property
@@ -225,6 +237,8 @@ def check_result(result: RunResult) -> None:
         shapes["node_deflection"] = (result.node_deflection, (k, n))
     for signal in result.signals:
         shapes[f"signals/{signal.name}"] = (signal.values, (k,))
+    for one in result.sensitivities:
+        shapes[f"sensitivities/{one.signal}/{one.parameter}"] = (one.values, (k,))
     for group in ("energies", "violations"):
         for name, values in getattr(result, group).items():
             shapes[f"{group}/{name}"] = (values, (k,))

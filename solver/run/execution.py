@@ -139,7 +139,7 @@ def package_of(
     return package
 
 
-class _Progress:
+class Progress:
     """Show simulated time and pass the steps on to the monitors.
 
     On a terminal by a bar; elsewhere by lines, the first after 2 s, then at doubled intervals.
@@ -166,6 +166,7 @@ class _Progress:
             )
 
     def __call__(self, steps: Steps) -> StopRequest | None:
+        """Show steps, and let the monitors look at them."""
         self.steps += len(steps)
         if self.bar is not None:
             self.bar.update(steps.t[-1] - self.bar.n)
@@ -237,7 +238,7 @@ def _solved(
         histories=histories_of(spec.mechanism.signals, spec.other_runs, allow_python=allow_python),
     )
     clock.lap("build")
-    follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
+    follow = Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     if prepared.buckling is not None:
         follow.findings = prepared.buckling.findings
     try:

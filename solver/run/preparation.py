@@ -218,6 +218,8 @@ def integrated(
     look: Look | None = None,
     on_stall: Callable[[Stall], None] | None = None,
     folder: Path | None = None,
+    *,
+    stages: bool = False,
 ) -> FinishedRun:
     """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
 
@@ -229,6 +231,7 @@ def integrated(
     look : at how many output times the checks look
     on_stall : told at once of a run that has come to a stall
     folder : for states that are too many for memory; None: that of temporary files
+    stages : of `radau`, whether the steps that `watch` sees have their stages
     """
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
@@ -240,6 +243,8 @@ def integrated(
             prepared.treatment,
             functions=prepared.functions,
         )
+        if stages:
+            integrator.keeps_stages = True  # type: ignore[attr-defined]
         if integrator.unsearched:
             prepared.notes.append(_unsearched(integrator.unsearched))
         times = output_times(solver.t_end, solver.output_step)

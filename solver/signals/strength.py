@@ -12,12 +12,17 @@ from ..package import ModalPackage
 from ..package.body.schema import CellResultants, LaminateData
 from ..package.section.schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
-from ..strength.search import Place, envelope
+from ..strength.search import Place, envelope, exposures_at, governing
 from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells
 from .sections import resultants_at
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import StrengthSignal
+
+
+# In the memory of a recording, a table: the first values under a key note which points govern,
+# later ones are those of the same points. A derivative needs no search.
+HELD = "governing points"
 
 
 def strength_values(
@@ -42,12 +47,23 @@ def strength_values(
             f"{key}: no material of these plies of {package.body} has strengths"
             + (f" for {signal.criterion}" if signal.criterion else "")
         )
+
+    def exposure(recording: Recording) -> Array:
+        q, held = recording.modes(body), recording.memory.get(HELD)
+        if held is None:
+            return envelope(places, q)
+        if key in held:
+            return exposures_at(places, held[key], q)
+        top = envelope(places, q)
+        held[key] = governing(places, q, top)
+        return top
+
     if signal.kind == "exposure":
-        return lambda recording: envelope(places, recording.modes(body))
+        return exposure
 
     def ratio(recording: Recording) -> Array:
         with np.errstate(divide="ignore", over="ignore"):
-            return np.asarray(1.0 / envelope(places, recording.modes(body)))
+            return np.asarray(1.0 / exposure(recording))
 
     return ratio
 

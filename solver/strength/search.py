@@ -207,6 +207,39 @@ def envelope(places: Sequence[Place], q: Array) -> Array:
     return top
 
 
+GOVERNS = 1e-9  # below the highest exposure, relative: round-off
+
+
+def governing(places: Sequence[Place], q: Array, top: Array) -> tuple[IntArray, IntArray]:
+    """Return the place and its point that have the highest exposure `top` (t,) at each time.
+
+    Point -1: none has, as without load.
+    """
+    place, point = np.zeros(len(q), dtype=np.int64), np.full(len(q), -1)
+    for number, (resultants_E, search) in enumerate(places):
+        F = resultants_E @ q.T
+        parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)
+        live = np.flatnonzero((point < 0) & (search.bounds.max(axis=0) @ parts >= top))
+        if not live.size:
+            continue
+        points, instants = np.nonzero(search.bounds @ parts[:, live] >= top[live])
+        at = live[instants]
+        there = _exposures(search, F, points, at) >= top[at] * (1.0 - GOVERNS)
+        place[at[there]], point[at[there]] = number, points[there]
+    return place, point
+
+
+def exposures_at(places: Sequence[Place], held: tuple[IntArray, IntArray], q: Array) -> Array:
+    """Return the exposure (t,) of the place and point of each time, see `governing`."""
+    found = np.zeros(len(q))
+    for number in np.unique(held[0]).tolist():
+        resultants_E, search = places[number]
+        at = np.flatnonzero((held[0] == number) & (held[1] >= 0))
+        F = resultants_E @ q[at].T
+        found[at] = _exposures(search, F, held[1][at], np.arange(at.size))
+    return found
+
+
 def raise_to_peaks(search: PeakSearch, F: Array, top: Array) -> None:
     """Raise top (t,), in place, to the highest exposure under resultants F (6 or 8, t)."""
     parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)

@@ -158,6 +158,12 @@ def advance(
             begin_anew(model, workspace)
             counts[EVALUATIONS] += 1
         keep_end(ends, taken, t_new, workspace.y)
+        if taken < ends.Z.shape[0]:
+            for k in range(3):
+                for i in range(ends.Z.shape[2]):
+                    ends.Z[taken, k, i] = workspace.Z[k, i]
+                for i in range(ends.multipliers.shape[2]):
+                    ends.multipliers[taken, k, i] = workspace.multipliers[k, i]
         taken, failures = taken + 1, 0
     return ARRIVED, filled
 

@@ -51,10 +51,12 @@ class Options(NamedTuple):
 
 @structure
 class Ends(NamedTuple):
-    """Buffer for the ends of accepted steps of one call; empty if they are not requested."""
+    """Buffer for accepted steps of one call; empty if they are not requested."""
 
-    t: Array  # (k,) [s]
+    t: Array  # (k,) their ends [s]
     y: Array  # (k, n)
+    Z: Array  # (k, 3, n) changes at the stages of `radau`; empty if only ends are requested
+    multipliers: Array  # (k, 3, n_r) at the stages
 
 
 @inlined

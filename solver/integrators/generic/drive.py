@@ -31,6 +31,8 @@ class Steps:
     t: Array  # (k + 1,) [s]
     y: Array  # (k + 1, n)
     _stand: Callable[[int], Integrator]
+    Z: Array | None = None  # (k, 3, n) changes at the stages of each step, where they are kept
+    multipliers: Array | None = None  # (k, 3, n_r) there
 
     def __len__(self) -> int:
         return self.t.size - 1

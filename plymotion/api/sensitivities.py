@@ -1,0 +1,157 @@
+"""`plymotion.sensitivities`: derivatives of the signals of a run by numbers of its case."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ..solver.math.arrays import Array
+from ..solver.results import RunResult
+from ..solver.studies.cases import turn
+from ..solver.studies.screen import shown
+from ..solver.studies.sensitivities.work import (
+    compute_sensitivities,
+    scaled,
+    sensitivity_table,
+    write_sensitivities,
+)
+from .case import ByName, Case, as_case
+from .keys import plain
+from .result import folder_of, named, run_named
+from .signal import Signal, table
+
+
+class Sensitivities:
+    """Derivatives of the signals of a run by numbers of its case; docs/sensitivities.md.
+
+    Attributes
+    ----------
+    t : (k,) output times [s]
+    data : content of result.vtkhdf
+    summary : content of summary.json
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.sensitivities("pendulum.toml", of=["gravity.2", "bodies.rod.mass"])
+    <Sensitivities pendulum/base: 3 signals by gravity.2, bodies.rod.mass>
+    """
+
+    def __init__(self, result: RunResult, summary: dict[str, Any]) -> None:
+        self.data, self.summary, self.t = result, summary, result.t
+
+    @cached_property
+    def signals(self) -> ByName[Signal]:
+        """Signals of the run by name.
+
+        >>> import plymotion as pm
+        >>> list(pm.sensitivities("pendulum.toml", of=["gravity.2"]).signals)
+        ['angle', 'tip_x', 'tip_z']
+        """
+        found = {
+            s.name: Signal(s.name, s.unit, s.description, self.t, s.values)
+            for s in self.data.signals
+        }
+        return ByName("signals", found)
+
+    @cached_property
+    def parameters(self) -> ByName[float]:
+        """Values of the parameters by key.
+
+        >>> import plymotion as pm
+        >>> pm.sensitivities("pendulum.toml", of=["gravity.2"]).parameters["gravity.2"]
+        -9.81
+        """
+        return ByName("parameters", {one.parameter: one.value for one in self.data.sensitivities})
+
+    @cached_property
+    def derivatives(self) -> ByName[ByName[Array]]:
+        """Derivatives (k,) by signal and key, in units of the signal per unit of the key.
+
+        >>> import plymotion as pm
+        >>> found = pm.sensitivities("pendulum.toml", of=["gravity.2", "bodies.rod.mass"])
+        >>> found.derivatives["angle"]["gravity.2"].shape
+        (101,)
+        """
+        found: dict[str, dict[str, Array]] = {}
+        for one in self.data.sensitivities:
+            found.setdefault(one.signal, {})[one.parameter] = one.values
+        return ByName("signals", {name: ByName("parameters", own) for name, own in found.items()})
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write result.vtkhdf, with /sensitivities, and summary.json; return them.
+
+        >>> import plymotion as pm
+        >>> found = pm.sensitivities("pendulum.toml", of=["gravity.2"])
+        >>> [file.name for file in found.write("build/sensitivities")]
+        ['result.vtkhdf', 'summary.json']
+        """
+        with named(folder):
+            names = write_sensitivities(Path(folder), self.data, self.summary)
+            return [Path(folder) / name for name in names]
+
+    def __str__(self) -> str:
+        return sensitivity_table(self.data)
+
+    def __repr__(self) -> str:
+        keys = ", ".join(self.parameters)
+        return (
+            f"<Sensitivities {self.data.case}/{self.data.run}: {len(self.data.signals)} signals "
+            f"by {keys}>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [one.signal, one.parameter, one.value, *scaled(one)] for one in self.data.sensitivities
+        ]
+        head = ["signal", "parameter", "value", "peak", "rms"]
+        return table(head, rows, repr(self).strip("<>"))
+
+
+def sensitivities(
+    case: Case | str | Path,
+    run: str | None = None,
+    *,
+    of: Sequence[str],
+    packages: str | Path | None = None,
+    coarse: bool = False,
+    progress: bool = False,
+) -> Sensitivities:
+    """Differentiate the signals of a run by numbers of its case.
+
+    Parameters
+    ----------
+    case, run, packages, coarse, progress : as for `plymotion.run`
+    of : keys of numbers, as in sweeps, and design parameters by which packages have derivatives
+
+    Raises
+    ------
+    InputError
+        A mistake in the case; a key that is none of a number of the mechanism; what has no
+        derivative, or one that is not implemented, by name.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> pm.sensitivities("pendulum.toml", of=["gravity.3"])
+    Traceback (most recent call last):
+    plymotion.solver.errors.InputError: pendulum.toml: --of gravity.3: unknown key \
+gravity.3; known: 0, 1, 2
+    """
+    case = as_case(case)
+    run = run_named(case.name, run, case.check(coarse=coarse, sweeps=()).runs)
+    folder = folder_of(case, None, coarse=coarse)
+    file = case.folder / case.name if case._file is None else case._file
+    with shown(steps=progress), turn(folder):
+        return Sensitivities(
+            *compute_sensitivities(
+                plain(case.table),
+                file,
+                run,
+                of,
+                build=folder,
+                packages=None if packages is None else Path(packages),
+                coarse=coarse,
+                progress=progress,
+            )
+        )

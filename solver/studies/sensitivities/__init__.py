@@ -1,0 +1,1 @@
+"""Derivatives of a run by parameters of its case: the motion, its start and its signals."""

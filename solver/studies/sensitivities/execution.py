@@ -1,0 +1,253 @@
+"""A run with the derivatives of its motion, and from them those of its signals."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
+from ...errors import InputError
+from ...integrators.generic.drive import Steps, StopRequest
+from ...math.arrays import Array
+from ...math.expressions import operations as op
+from ...results import Derivative, RunResult
+from ...run.execution import Progress
+from ...run.outcome import RunSpec, collect
+from ...run.preparation import Prepared, integrated, output_times, prepare
+from ...run.timing import Stopwatch
+from ...signals import HELD, Recording, sensors
+from .kinematics import displaced
+from .parameters import Parameter, Variant, check_variant, start_tangent, variant
+from .tangent import Column, Tangent
+
+SLOW = 1e-4  # of an impact, below which a stop is taken for one at rest [m/s, rad/s]
+# Operations that bend or jump where their arguments pass a value.
+BENT = frozenset((op.MINIMUM, op.MAXIMUM, op.ABS, op.SIGN, op.FLOOR, op.LESS, op.LESS_EQUAL))
+STOP = "limit_stop"  # whose bends are located
+
+
+class _Follower:
+    """Watch that carries the tangent along the steps of a run."""
+
+    def __init__(self, prepared: Prepared, tangent: Tangent) -> None:
+        self._watch, self._tangent, self._functions = prepared.watch, tangent, prepared.functions
+        self.note = self._watch.note
+        solver = prepared.mechanism.solver
+        self._times = output_times(solver.t_end, solver.output_step)
+        self.S = np.empty((self._times.size, *tangent.S.shape))
+        self.S[0] = tangent.S
+        self._last, self._sampled = prepared.y0, 0.0  # state; instant of the last sampling [s]
+        self._instants = Instants(prepared.model, solver.t_end)
+        self._first = prepared.model.n_pos + prepared.model.n_vel
+
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        request = self._watch(steps)
+        if len(steps):
+            t, y = steps.t, steps.y
+            moved, due = not np.array_equal(y[0], self._last), self._instants.sampled_at(t[0]).any()
+            if moved or (due and self._sampled < t[0]):
+                self._jump(float(t[0]), self._last, y[0])
+            begin = 0
+            for end in [*self._sampled_within(steps), len(steps)]:
+                if end > begin:
+                    self._follow(steps, begin, end)
+                begin = end
+            self._last = y[-1].copy()
+        return request
+
+    def _follow(self, steps: Steps, begin: int, end: int) -> None:
+        """Carry the tangent over some steps, and the sampling at their end within the loop."""
+        assert steps.Z is not None
+        assert steps.multipliers is not None
+        t, y = steps.t[begin : end + 1], steps.y[begin : end + 1]
+        part = replace(
+            steps, t=t, y=y, Z=steps.Z[begin:end], multipliers=steps.multipliers[begin:end]
+        )
+        own = (self._times > t[0]) & (self._times <= t[-1])
+        self.S[own] = self._tangent.follow(part, self._times[own])
+        before = y[-1].copy()
+        before[self._first :] = y[-2, self._first :] + steps.Z[end - 1, 2, self._first :]
+        which = self._instants.sampled_at(t[-1])
+        if which.any():
+            model = self._tangent.model
+            expected = sampled(model, float(t[-1]), before, which, self._functions)
+            if np.array_equal(expected[self._first : -1], y[-1, self._first : -1]):
+                self._jump(float(t[-1]), before, y[-1])
+
+    def _sampled_within(self, steps: Steps) -> list[int]:
+        """Return the ends of steps at which the loop may have sampled."""
+        if not self._instants.t.size:
+            return []
+        return [k for k, t in enumerate(steps.t) if k and self._instants.sampled_at(t).any()]
+
+    def _jump(self, t: float, before: Array, after: Array) -> None:
+        """Carry the tangent over an instant of sampling, or of an impact."""
+        model, event, self._sampled = self._tangent.model, -1, t
+        which = Instants(model, t + 1.0).sampled_at(t)
+        expected = sampled(model, t, before, which, self._functions)
+        if model.quantities.event_state.size and not np.array_equal(expected, after):
+            gap = np.abs(beyond(model, t, before))
+            event = int(np.argmin(gap[:, 0] / np.maximum(gap[:, 1], 1e-300)))
+            if gap[event, 1] < SLOW:
+                raise InputError(
+                    f"t = {t:.6g} s: an impact at {gap[event, 1]:.3g} m/s or rad/s, a stop in "
+                    "contact at rest; sensitivities are not implemented beyond it. Expected a "
+                    "shorter solver.t_end, or a stop with impact_speed"
+                )
+        self._tangent.jump(t, before, after, event)
+
+
+def with_sensitivities(
+    spec: RunSpec,
+    parameters: Sequence[Parameter],
+    *,
+    progress: bool = False,
+    folder: Path | None = None,
+) -> tuple[RunResult, dict[str, Any]]:
+    """Integrate a run with the derivatives of its motion; return result and summary.
+
+    Parameters
+    ----------
+    progress : show it
+    folder : for files without a name, of results that are too many for memory
+
+    Raises
+    ------
+    InputError
+        As `prepare`; a run that does not finish; what has no derivative, or one that is not
+        implemented, by name.
+    KeyboardInterrupt
+        A signal has ended it.
+    """
+    clock = Stopwatch()
+    prepared = prepare(spec.mechanism, spec.packages)
+    require_derivatives(prepared)
+    model, y0, solver = prepared.model, prepared.y0, spec.mechanism.solver
+    pairs, columns, S = [], [], []
+    for parameter in parameters:
+        minus, plus = (variant(each, model) for each in (parameter.minus, parameter.plus))
+        for found in (minus, plus):
+            check_variant(parameter, found, model, solver.t_end)
+        pairs.append((minus, plus))
+        columns.append(Column(minus.built.model, plus.built.model, parameter.h))
+        S.append(start_tangent(model, y0, minus.y0, plus.y0, parameter.h))
+    tangent = Tangent(model, columns, y0, np.array(S).T, bends_of(prepared))
+    follower = _Follower(prepared, tangent)
+    shown = Progress(follower, solver.t_end, spec.run, progress)
+    try:
+        finished = integrated(prepared, shown, folder=folder, stages=True)
+    finally:
+        shown.close()
+    clock.lap("integrate")
+    solution = finished.solution
+    if solution.status == "interrupted":
+        raise KeyboardInterrupt
+    if solution.status != "finished":
+        raise InputError(f"{spec.run}: sensitivities need a run that finishes: {solution.message}")
+    result, summary = collect(spec, prepared.measured, finished, clock.seconds["integrate"], folder)
+    y, found_ = np.asarray(solution.y[:]), list[Derivative]()
+    held: dict[str, Any] = {}
+    recording = Recording(model, solution.t, y, {HELD: held})
+    for name, asked in spec.mechanism.signals.items():
+        if asked.kind in ("strength_ratio", "exposure") and name in prepared.measured:
+            prepared.measured[name].values(recording)
+    for p, (parameter, pair) in enumerate(zip(parameters, pairs, strict=True)):
+        changes = _of_signals(prepared, solution.t, y, follower.S[:, :, p], parameter, pair, held)
+        for signal in result.signals:
+            unit = _quotient(signal.unit, parameter.unit)
+            values = changes[signal.name]
+            found_.append(Derivative(signal.name, parameter.name, unit, parameter.value, values))
+    order = {signal.name: k for k, signal in enumerate(result.signals)}
+    found_.sort(key=lambda one: order[one.signal])
+    return replace(result, sensitivities=tuple(found_)), summary
+
+
+def _quotient(unit: str, by: str) -> str:
+    return f"({unit})/({by})" if by else unit
+
+
+def require_derivatives(prepared: Prepared) -> None:
+    """Raise InputError if the tangent of a run is not implemented; names what it is."""
+    solver, model, built = prepared.mechanism.solver, prepared.model, prepared.built
+    if solver.integrator != "radau":
+        raise InputError(
+            f'solver.integrator = "{solver.integrator}": sensitivities are implemented for '
+            '"radau" only'
+        )
+    if prepared.mechanism.rotor is not None:
+        raise InputError("rotor: sensitivities of blades in the wind are not implemented")
+    if prepared.mechanism.fidelity is not None:
+        raise InputError("fidelity: sensitivities are implemented for runs without a plan only")
+    if prepared.refused is not None:
+        raise InputError(f"sensitivities: the run does not begin: {prepared.refused.message}")
+    quantities = model.quantities
+    programs = quantities.programs
+    read: dict[str, list[int]] = {
+        name: [int(quantities.force[k])] for k, name in enumerate(built.force_names)
+    }
+    named = np.flatnonzero(quantities.of_coordinate < 0)[: len(built.state_names)]
+    for j, label in zip(named.tolist(), built.state_names, strict=False):
+        owner = label.rpartition(".")[0]
+        read.setdefault(owner, []).extend(
+            int(each[j]) for each in (quantities.rate, quantities.update)
+        )
+    for name, used in read.items():
+        key = f"forces.{name}"
+        kind = getattr(prepared.mechanism.forces.get(name), "kind", "")
+        if name in built.callers:
+            raise InputError(f"{key}: sensitivities of Python functions are not implemented")
+        for p in used:
+            if p < 0:
+                continue
+            codes = programs.code[programs.start[p] : programs.start[p + 1]].tolist()
+            if kind != STOP and op.LOAD in codes and not BENT.isdisjoint(codes):
+                raise InputError(
+                    f"{key}: its force or state has a bend or jump where the motion passes a value "
+                    "(min, max, abs, sign, comparisons), which sensitivities do not locate"
+                )
+    if reads_reactions(model):
+        raise InputError(
+            "forces that read reactions (coefficient of friction in a joint): sensitivities are "
+            "not implemented"
+        )
+
+
+def bends_of(prepared: Prepared) -> list[tuple[int, float]]:
+    """Return coordinates and the limits of stops along them."""
+    along, found = prepared.model.quantities.along, []
+    for name, force in prepared.mechanism.forces.items():
+        if force.kind == STOP:
+            number = int(along[prepared.built.force_names.index(name)])
+            limits = (getattr(force, "lower", None), getattr(force, "upper", None))
+            found += [(number, float(limit)) for limit in limits if limit is not None]
+    return found
+
+
+def _of_signals(
+    prepared: Prepared,
+    t: Array,
+    y: Array,
+    S: Array,
+    parameter: Parameter,
+    pair: tuple[Variant, Variant],
+    held: dict[str, Any],
+) -> dict[str, Array]:
+    """Return the derivatives (k,) of signals by a parameter, with its direct effect on them."""
+    h, values = parameter.h, list[dict[str, Array]]()
+    for sign, each in zip((-1.0, 1.0), pair, strict=True):
+        moved = displaced(prepared.model, y, sign * h * S)
+        recording = Recording(each.built.model, t, moved, {HELD: held})
+        own = sensors(each.built, prepared.mechanism.signals, prepared.mechanism.materials)
+        for sensor in own.values():
+            if sensor.look is not None:
+                sensor.look(recording)
+        values.append({name: sensor.values(recording) for name, sensor in own.items()})
+    found = {}
+    for name, sensor in prepared.measured.items():
+        change = values[1][name] - values[0][name]
+        if sensor.unit == "rad":  # the same turn of both
+            change = (change + np.pi) % (2.0 * np.pi) - np.pi
+        found[name] = change / (2.0 * h)
+    return found

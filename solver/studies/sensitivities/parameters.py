@@ -1,0 +1,195 @@
+"""Parameters of a run: its case with numbers a little smaller and larger, and their models."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...dynamics.elements.constraints.treatment import treated
+from ...dynamics.model.model import Model
+from ...errors import InputError, few, nearest
+from ...inputs.case.load import Case, checked_case
+from ...inputs.case.sweeps import CheckedSweep
+from ...inputs.case.tables.schema import split_key
+from ...integrators.breakpoints import breaks
+from ...integrators.choice import treatment_of
+from ...math.arrays import Array
+from ...mechanism import BuiltMechanism, build
+from ...mechanism.build import used_packages
+from ...mechanism.equilibrium import given_spin
+from ...mechanism.start import quasi_static_state, starting_state
+from ...package.common.dataset import all_values
+from ...package.common.design import moved
+from ...run.outcome import RunSpec
+from .kinematics import displacements
+
+# Over the number: central differences of arrays that are polynomials of it.
+RELATIVE = 1e-5
+SWEEP = "sensitivity-{}"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a case, and the run with it less and plus h."""
+
+    name: str
+    unit: str
+    value: float
+    h: float
+    minus: RunSpec
+    plus: RunSpec
+
+
+def with_parameters(
+    table: dict[str, Any], file: Path, run: str, keys: Sequence[str], *, coarse: bool = False
+) -> tuple[Case, list[tuple[str, float, CheckedSweep]]]:
+    """Return a checked case, and for each key its number and the run with that less and plus h.
+
+    Keys are those of sweeps (docs/sweeps.md). Numbers that are expressions of `[parameters]`
+    follow.
+
+    Raises
+    ------
+    InputError
+        As `checked_case`; a key that is not that of a number, is given twice, or changes the
+        package of a flexible body or the times of the run.
+    """
+    case = checked_case(table, file, coarse=coarse, sweeps=())
+    twice = {key for key in keys if list(keys).count(key) > 1}
+    if twice:
+        raise InputError(f"--of {few(twice)}: given twice")
+    mechanism = case.runs[run].model_dump()
+    sweeps = dict[str, dict[str, Any]]()
+    for k, key in enumerate(keys):
+        if key.startswith("solver."):
+            raise InputError(f"--of {key}: expected a number of the mechanism, not of its solution")
+        value = _value(mechanism, key)
+        h = RELATIVE * (abs(value) or 1.0)
+        sweeps[SWEEP.format(k)] = {"run": run, "vary": {key: {"values": [value - h, value + h]}}}
+    try:
+        added = {**table, "sweeps": sweeps}
+        varied = checked_case(added, file, coarse=coarse, sweeps=list(sweeps))
+    except InputError as error:
+        text = str(error)
+        for k, key in enumerate(keys):
+            text = text.replace(f"sweeps.{SWEEP.format(k)}.vary: {key}", f"--of {key}")
+            text = text.replace(f"sweeps.{SWEEP.format(k)}", f"--of {key}")
+        raise InputError(text) from None
+    found = [varied.sweeps[name] for name in sweeps]
+    for key, sweep in zip(keys, found, strict=True):
+        changed = {
+            name
+            for members in sweep.own.bodies
+            for name, spec in members.items()
+            if spec.inputs_sha256 != sweep.base_bodies[name].inputs_sha256
+        }
+        if changed:
+            raise InputError(
+                f"--of {key}: changes the package of {few(sorted(changed))}; expected a number of "
+                "the mechanism, or a parameter whose derivatives the package has (/design)"
+            )
+    values = [_value(mechanism, key) for key in keys]
+    return case, list(zip(keys, values, found, strict=True))
+
+
+def _value(mechanism: dict[str, Any], key: str) -> float:
+    """Return the number at a key; 0 where there is none, which is said later."""
+    here: Any = mechanism
+    for part in split_key(key):
+        try:
+            here = here[int(part)] if isinstance(here, list) else here[part]
+        except (LookupError, TypeError, ValueError):
+            return 0.0
+    return float(here) if isinstance(here, int | float) else 0.0
+
+
+def parameter_of(spec: RunSpec, key: str, value: float, sweep: CheckedSweep) -> Parameter:
+    """Return a parameter of a run from the two members of its sweep."""
+    minus, plus = (spec.changed(changes) for changes in sweep.own.changes)
+    low, high = map(float, sweep.points[:, 0])
+    return Parameter(key, sweep.parameters[0].unit, value, 0.5 * (high - low), minus, plus)
+
+
+def design_parameter(spec: RunSpec, name: str) -> Parameter:
+    """Return a design parameter of packages, by the derivatives that they have (/design/NAME).
+
+    Raises
+    ------
+    InputError
+        No package has derivatives by it.
+    """
+    steps, known = list[float](), set[str]()
+    for package in spec.packages.values():
+        known |= {one.name for one in package.design}
+        values = all_values(package)
+        for path, rate in next((d.values for d in package.design if d.name == name), {}).items():
+            size = float(np.abs(values[path]).max(initial=0.0))
+            if rate.any() and size > 0.0:
+                steps.append(RELATIVE * size / float(np.abs(rate).max()))
+    if not steps:
+        raise InputError(
+            f"--of {name}: no package of {spec.run} has derivatives by it (/design/{name}); "
+            f"expected a dotted key of a number{nearest(name, known)}"
+        )
+    h = min(steps)
+
+    def at(step: float) -> RunSpec:
+        packages = {
+            body: moved(package, {name: step})
+            if any(one.name == name for one in package.design)
+            else package
+            for body, package in spec.packages.items()
+        }
+        return replace(spec, packages=packages)
+
+    return Parameter(name, "", 0.0, h, at(-h), at(h))
+
+
+class Variant(NamedTuple):
+    """A run with another number: its mechanism and its start."""
+
+    built: BuiltMechanism
+    y0: Array
+
+
+def variant(spec: RunSpec, base: Model) -> Variant:
+    """Return the mechanism of a run, treated like that of `base`, and its start.
+
+    Raises
+    ------
+    InputError
+        As `build` and `starting_state`.
+    """
+    solver = spec.mechanism.solver
+    built = build(spec.mechanism, used_packages(spec.mechanism, spec.packages))
+    names = built.joint_names, built.body_names
+    spin = given_spin(solver)
+    y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
+    if solver.start == "quasi-static":  # a difference of two needs more digits than a run
+        again = replace(built.start, positions=y0[: built.model.n_pos])
+        y0 = quasi_static_state(built.model, again, y0, *names)
+    model = treated(built.model, treatment_of(solver))._replace(redundant=base.redundant)
+    return Variant(replace(built, model=model), y0)
+
+
+def start_tangent(model: Model, y0: Array, minus: Array, plus: Array, h: float) -> Array:
+    """Return the derivative of the start, (2 n_vel + n_aux,), from those less and plus h."""
+    change = (plus - minus) / (2.0 * h)
+    x = displacements(model, y0[: model.n_pos], change[: model.n_pos])
+    return np.concatenate([x, change[model.n_pos : -1]])
+
+
+def check_variant(parameter: Parameter, found: Variant, base: Model, t_end: float) -> None:
+    """Raise InputError if the parameter changes more than the numbers of the model."""
+    model = found.built.model
+    for name in ("n_pos", "n_vel", "n_constraint", "n_aux"):
+        if getattr(model, name) != getattr(base, name):
+            raise InputError(f"{parameter.name}: changes the equations, not only their numbers")
+    one, two = (breaks(each, t_end).jumps for each in (model, base))
+    if one.shape != two.shape or not np.allclose(one, two, rtol=0.0, atol=1e-12 * t_end):
+        raise InputError(
+            f"{parameter.name}: moves the instant at which a law of time jumps, for which "
+            "sensitivities are not implemented; expected a law without a jump there"
+        )

@@ -1,0 +1,421 @@
+"""The tangent of a motion: the equations of motion linearised along the accepted steps of a run.
+
+With displacements x along the velocity coordinates, changes v of velocities and z of auxiliary
+states per unit of each parameter, and D the derivative along (x, v, z) and by the parameter itself,
+
+    Phi_q x + Phi_p = 0,    D Phidot = 0,    x' = v - w x x (rotations, in body axes),
+    M v' + Phi_q' lambda' = D(f - M a - Phi_q' lambda),    Phi_q v' = D(gamma - Phi_q a),
+
+at known a and lambda. The constraints make the dependent coordinates follow, so that a tangent is
+one of independent coordinates u = x_I, s = v_I and z, by Radau IIA of order 5 on the steps of the
+run. It is the derivative of the exact motion, and satisfies the linearised constraints: what steps
+and corrections onto the constraints add to the motion has the size of the tolerance. Reasons:
+docs/sensitivities.md.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import qr
+
+from ...dynamics.analysis.recovery import extent
+from ...dynamics.evaluation.accelerations import derivative, masses_and_jacobians
+from ...dynamics.evaluation.evaluation import Instants, beyond, sampled
+from ...dynamics.evaluation.series import along_solution, quantities
+from ...dynamics.evaluation.variations import along_directions, terms
+from ...dynamics.model.model import Model
+from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
+from ...integrators.generic.drive import Steps
+from ...math.arrays import Array, IntArray
+from ..linearisation.differences import units_of
+from .kinematics import displaced, normalise, turning
+
+# Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
+STEP = 3e-8
+BATCH = 2_000_000  # numbers of the terms of one batch of steps
+NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
+MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
+
+
+class Column(NamedTuple):
+    """A parameter: the model at its value less and plus h, treated like that of the run."""
+
+    minus: Model
+    plus: Model
+    h: float
+
+
+class Partition(NamedTuple):
+    """Independent rows, dependent and independent coordinates."""
+
+    rows: IntArray
+    dependent: IntArray
+    independent: IntArray
+
+
+class Batch(NamedTuple):
+    """Stages of k steps."""
+
+    t: Array  # (k + 1,) ends [s]
+    y: Array  # (3 k, n) states at the stages, with their accelerations and multipliers
+    a: Array  # (3 k, n_vel)
+    multipliers: Array  # (3 k, n_c)
+
+    @property
+    def at(self) -> Array:
+        """Times of the stages (3 k,) [s]."""
+        return (self.t[:-1, None] + np.diff(self.t)[:, None] * C).ravel()
+
+
+class Tangent:
+    """Carries the derivatives of a state by P parameters along steps.
+
+    Parameters
+    ----------
+    model : of the run
+    columns : the parameters
+    y0 : (n,) start
+    S : its derivatives
+    bends : numbers of coordinates, and values at which a force along them has a bend
+
+    Attributes
+    ----------
+    S : (2 n_vel + n_aux, P) displacements, changes of velocities and of auxiliary states
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        columns: Sequence[Column],
+        y0: Array,
+        S: Array,
+        bends: Sequence[tuple[int, float]] = (),
+    ) -> None:
+        self.model, self.columns, self.S, self._bends = model, columns, S, bends
+        self._size = extent(model, y0)
+        self._units = units_of(model, self._size)
+        self._root = np.sqrt(model.inertia_scale)
+        n = model.n_vel
+        per_step = 3 * (2 * n + 4 * model.n_constraint + 10) * (3 * n + len(columns))
+        self._batch = int(np.clip(BATCH // per_step, 1, 500))
+        self._partials = [_Partial(model, column) for column in columns]
+
+    def follow(self, steps: Steps, times: Array) -> Array:
+        """Carry S over steps without a jump between them.
+
+        Returns S at `times` (m,), behind the beginning and not behind the end of the steps,
+        (m, 2 n_vel + n_aux, P).
+        """
+        found = np.empty((times.size, *self.S.shape))
+        t, begin = steps.t, 0
+        parts = self._bent(steps)
+        while begin < len(steps):
+            end = min(begin + self._batch, len(steps), *(i for i in parts if i > begin))
+            if begin in parts:
+                end = begin + 1
+                batch = self._split(steps, begin, parts[begin])
+            else:
+                batch = self._taken(steps, begin, end)
+            own = (times > t[begin]) & (times <= t[end])
+            done = self._over(batch, times[own])
+            while done is None:  # other independent coordinates sooner
+                end = begin + (end - begin + 1) // 2
+                own = (times > t[begin]) & (times <= t[end])
+                done = self._over(self._taken(steps, begin, end), times[own])
+            found[own] = done
+            begin = end
+        return found
+
+    def _taken(self, steps: Steps, begin: int, end: int) -> Batch:
+        """Return the stages of some steps as the run has left them."""
+        assert steps.Z is not None
+        assert steps.multipliers is not None
+        model, Z = self.model, steps.Z[begin:end]
+        h, v = np.diff(steps.t[begin : end + 1]), slice(model.n_pos, model.n_pos + model.n_vel)
+        stages = (steps.y[begin:end, None] + Z).reshape(-1, Z.shape[2])
+        normalise(model, stages)
+        rates = np.einsum("ab,kbi->kai", A_INVERSE, Z[:, :, v]) / h[:, None, None]
+        multipliers = steps.multipliers[begin:end, :, : model.n_constraint]
+        return Batch(
+            steps.t[begin : end + 1],
+            stages,
+            np.ascontiguousarray(rates.reshape(len(stages), -1)),
+            np.ascontiguousarray(multipliers.reshape(len(stages), -1)),
+        )
+
+    def _split(self, steps: Steps, i: int, parts: Array) -> Batch:
+        """Return step i in parts that end at bends, parts (k, 2) of it, from its polynomial.
+
+        Derivatives at the end of a part are those a bit earlier, on this side of the bend.
+        """
+        model, h = self.model, steps.t[i + 1] - steps.t[i]
+        begins = np.concatenate([[0.0], parts[:-1, 0]])
+        length = parts[:, 0] - begins
+        x = begins[:, None] + length[:, None] * C
+        x[:, 2] -= np.clip(parts[:, 1], 1e-4 * length, 0.1 * length)
+        t, y = steps.t[i] + x.ravel() * h, self._within(steps, i, x.ravel())
+        normalise(model, y)
+        rates, multipliers = along_solution(model, t, y)
+        a = rates[:, model.n_pos : model.n_pos + model.n_vel]
+        ends = np.concatenate([begins, [1.0]])
+        return Batch(steps.t[i] + ends * h, y, np.ascontiguousarray(a), multipliers)
+
+    def _within(self, steps: Steps, i: int, x: Array) -> Array:
+        """Return states at the parts x (k,) of step i."""
+        assert steps.Z is not None
+        return np.asarray(steps.y[i] + x[:, None] ** np.arange(1, 4) @ POWERS @ steps.Z[i])
+
+    def _bent(self, steps: Steps) -> dict[int, Array]:
+        """Return the steps with bends of forces along coordinates, and where: see `_split`."""
+        found: dict[int, list[tuple[float, float]]] = {}
+        if not self._bends:
+            return {}
+        near = NEAR * self._size
+        values = quantities(self.model, steps.t, steps.y)
+        for number, level in self._bends:
+            gap, h = values[:, 2 * number] - level, np.diff(steps.t)
+            early = near / np.maximum(np.abs(values[1:, 2 * number + 1]) * h, 1e-300)
+            at_end = np.abs(gap) < near
+            crossing = (gap[1:] * gap[:-1] < 0.0) & ~at_end[1:] & ~at_end[:-1]
+            for i in np.flatnonzero(crossing | at_end[1:]).tolist():
+                x = np.array([1.0])
+                if crossing[i]:
+                    x = self._passage(steps, i, number, level, float(gap[i]))
+                found.setdefault(i, []).append((float(x[0]), float(early[i])))
+        return {
+            i: np.array(sorted({x: e for x, e in [*parts, (1.0, 0.0), *parts]}.items()))
+            for i, parts in found.items()
+        }
+
+    def _passage(self, steps: Steps, i: int, number: int, level: float, before: float) -> Array:
+        """Return the part of step i at which a coordinate passes a level, (1,)."""
+        x = np.linspace(0.0, 1.0, 65)
+        for _ in range(4):
+            t = np.full(x.size, steps.t[i])
+            there = quantities(self.model, t, self._within(steps, i, x))[:, 2 * number]
+            passed = (there - level) * before <= 0.0
+            k = max(int(passed.argmax()), 1) if passed.any() else x.size - 1
+            x = np.linspace(x[k - 1], x[k], 65)
+        return x[:1]
+
+    def _over(self, batch: Batch, times: Array) -> Array | None:
+        """Carry S over a batch; return it at times (m,), or None where no partition holds."""
+        t, h = batch.t, np.diff(batch.t)
+        k = h.size
+        linear = self._linear(batch.at, *batch[1:], last=k <= 2)
+        if linear is None:
+            return None
+        w = self._stages(linear, h)
+        x, v = linear.x @ w + linear.x_p, linear.v @ w + linear.v_p
+        S = np.concatenate([x, v, w[:, 2 * linear.n_free :]], axis=1).reshape(k, 3, *self.S.shape)
+        S_old = np.concatenate([self.S[None], S[:-1, 2]])
+        self.S = S[-1, 2]
+        i = np.clip(np.searchsorted(t, times) - 1, 0, k - 1)
+        powers = ((times - t[i]) / h[i])[:, None] ** np.arange(1, 4) @ POWERS
+        return np.asarray(S_old[i] + np.einsum("tk,tkip->tip", powers, S[i] - S_old[i, None]))
+
+    def jump(self, t: float, before: Array, after: Array, event: int) -> None:
+        """Carry S over an instant at which auxiliary states take other values.
+
+        The state is `before` (n,) and `after` it. `event` >= 0: the instant is that of an event,
+        which moves with the parameters by dt = -D gap / rate: S+ = D(before + rate dt) - rate+ dt.
+        """
+        model, n = self.model, self.model.n_vel
+        first = model.n_pos + n
+        which = Instants(model, t + 1.0).sampled_at(t)
+        if event >= 0:
+            which[model.quantities.event_state[event]] = True
+        rates = [self._rates(t, y) for y in (before, after)]
+        for p, column in enumerate(self.columns):
+            h, late = column.h, 0.0
+            sides = ((column.minus, -h), (column.plus, h))
+            if event >= 0:
+                gaps = [
+                    beyond(m, t, displaced(model, before, s * self.S[:, p]))[event]
+                    for m, s in sides
+                ]
+                late = -(gaps[1][0] - gaps[0][0]) / (gaps[1][1] + gaps[0][1]) / h
+            S = self.S[:, p] + late * rates[0]
+            low, high = (
+                sampled(m, t + s * late, displaced(model, before, s * S), which)[first:-1]
+                for m, s in sides
+            )
+            S[2 * n :] = np.where(which, (high - low) / (2.0 * h), S[2 * n :])
+            self.S[:, p] = S - late * rates[1]
+
+    def _rates(self, t: float, y: Array) -> Array:
+        """Return the rate of a state (2 n_vel + n_aux,)."""
+        first = self.model.n_pos
+        return np.concatenate(
+            [y[first : first + self.model.n_vel], derivative(self.model, t, y)[first:-1]]
+        )
+
+    def _stages(self, linear: "Linear", h: Array) -> Array:
+        """Return the independent coordinates at the stages of steps h (k,), (3 k, m, P)."""
+        k, m = h.size, linear.J.shape[1]
+        J, g = linear.J.reshape(k, 3, m, m), linear.g.reshape(k, 3, m, -1)
+        hA = h[:, None, None] * A
+        matrix = np.eye(3 * m) - np.einsum("kab,kbij->kaibj", hA, J).reshape(k, 3 * m, 3 * m)
+        load = np.einsum("kab,kbip->kaip", hA, g).reshape(k, 3 * m, -1)
+        start = np.broadcast_to(np.tile(np.eye(m), (3, 1)), (k, 3 * m, m))
+        answer = np.linalg.solve(matrix, np.concatenate([start, load], axis=2))
+        w, last = np.empty_like(load), self.S[linear.kept]
+        for i in range(k):
+            w[i] = answer[i, :, :m] @ last + answer[i, :, m:]
+            last = w[i, 2 * m :]
+        return w.reshape(3 * k, m, -1)
+
+    def _linear(
+        self, t: Array, y: Array, a: Array, multipliers: Array, *, last: bool
+    ) -> "Linear | None":
+        """Return the equations of the independent coordinates at k states; see `_over`.
+
+        Parameters
+        ----------
+        a, multipliers : (k, n_vel), (k, n_c)
+        last : the partition is taken as it is
+        """
+        model, n, n_c, n_a = self.model, self.model.n_vel, self.model.n_constraint, self.model.n_aux
+        M, Phi_q = masses_and_jacobians(model, t, y)
+        chosen = partition(Phi_q[len(t) // 2] / self._root, n_c - model.redundant)
+        rows, dep, ind = chosen
+        inverse = np.linalg.inv(Phi_q[:, rows][:, :, dep])
+        Z = np.zeros((t.size, n, ind.size))
+        Z[:, ind] = np.eye(ind.size)
+        Z[:, dep] = -inverse @ Phi_q[:, rows][:, :, ind]
+        growth = np.abs(Z * self._root[:, None] / self._root[ind]).max(initial=0.0)
+        if not growth < MOST_GROWTH and not last:
+            return None
+
+        def answered(terms_: Array, which: int) -> Array:
+            """Dependent motions (k, n, d) that change terms (k, d, w) of the rows by as much."""
+            out = np.zeros((t.size, n, terms_.shape[1]))
+            begin = n + which * n_c
+            out[:, dep] = inverse @ terms_[:, :, begin + rows].transpose(0, 2, 1)
+            return out
+
+        def derived(x: Array | None, v: Array | None, z: Array | None = None) -> Array:
+            """Derivatives (k, d, w) of the terms along motions (k, n, d)."""
+            d = next(part.shape[2] for part in (x, v, z) if part is not None)
+            directions = np.zeros((t.size, d, 2 * n + n_a))
+            for begin, part in ((0, x), (n, v), (2 * n, z)):
+                if part is not None:
+                    directions[:, :, begin : begin + part.shape[1]] = part.transpose(0, 2, 1)
+            largest = np.abs(directions[:, :, :n] * self._units).max(axis=2, initial=0.0)
+            faster = np.abs(directions[:, :, n : 2 * n] * self._units).max(axis=2, initial=0.0)
+            other = np.abs(directions[:, :, 2 * n :]).max(axis=2, initial=0.0)
+            h = STEP / np.maximum(np.maximum(np.maximum(largest, faster), other), 1e-300)
+            h[(largest == 0.0) & (faster == 0.0) & (other == 0.0)] = 1.0
+            return along_directions(model, t, y, a, multipliers, directions, h)
+
+        partial = np.empty((t.size, len(self.columns), n + 3 * n_c + n_a))
+        for p, each in enumerate(self._partials):
+            each(t, y, a, multipliers, partial[:, p])
+        f, shape = ind.size, (t.size, n, len(self.columns))
+        moving = not all(each.is_internal for each in self._partials)
+        X = -answered(partial, 1) if moving else np.zeros(shape)
+        moving = moving and bool(X.any())
+        of_x = derived(np.concatenate([Z, X], axis=2) if moving else Z, None)
+        if moving:
+            of_x[:, f:] += partial
+        else:
+            of_x = np.concatenate([of_x, partial], axis=1)
+        V = -answered(of_x, 2)
+        if V.any():
+            own = slice(None) if V[:, :, f:].any() else slice(f)
+            of_x[:, own] += derived(None, V[:, :, own])
+        of_v = derived(None, Z)
+        of_z = np.zeros((t.size, 0, of_x.shape[2]))
+        if n_a:
+            of_z = derived(None, None, np.broadcast_to(np.eye(n_a), (t.size, n_a, n_a)))
+        every = np.concatenate([of_x[:, :f], of_v, of_z, of_x[:, f:]], axis=1)
+        beside = answered(every, 0)  # accelerations
+        left = every[:, :, :n].transpose(0, 2, 1) - M @ beside
+        Z_t = Z.transpose(0, 2, 1)
+        free = np.linalg.solve(Z_t @ M @ Z, Z_t @ left)
+        none = np.zeros((t.size, n, n_a))
+        x = np.concatenate([Z, np.zeros_like(Z), none, X], axis=2)
+        v = np.concatenate([V[:, :, :f], Z, none, V[:, :, f:]], axis=2)
+        u_d = (v + turning(model, y[:, model.n_pos : model.n_pos + n], x))[:, ind]
+        rate = np.concatenate([u_d, free, every[:, :, n + 3 * n_c :].transpose(0, 2, 1)], axis=1)
+        m = 2 * f + n_a
+        (J, g), (x, x_p), (v, v_p) = (np.split(each, [m], axis=2) for each in (rate, x, v))
+        kept = np.concatenate([ind, n + ind, 2 * n + np.arange(n_a)])
+        return Linear(J, g, x, x_p, v, v_p, kept, f)
+
+
+class Linear(NamedTuple):
+    """w' = J w + g of independent coordinates w at k states, and what follows from them."""
+
+    J: Array  # (k, m, m)
+    g: Array  # (k, m, P)
+    x: Array  # (k, n_vel, m) displacements x w + x_p
+    x_p: Array  # (k, n_vel, P)
+    v: Array  # (k, n_vel, m) changes of velocities v w + v_p
+    v_p: Array  # (k, n_vel, P)
+    kept: IntArray  # (m,) which of S are independent
+    n_free: int
+
+
+def partition(Phi_q: Array, rank: int) -> Partition:
+    """Return independent rows of Phi_q (n_c, n_vel), scaled, and coordinates that they determine.
+
+    Raises
+    ------
+    InputError
+        Rows depend on each other: a singular position.
+    """
+    n = Phi_q.shape[1]
+    if rank == 0:
+        none = np.zeros(0, dtype=np.int64)
+        return Partition(none, none, np.arange(n))
+    rows = np.sort(qr(Phi_q.T, pivoting=True, mode="r")[1][:rank])
+    order = qr(Phi_q[rows], pivoting=True, mode="r")[1]
+    return Partition(rows, np.sort(order[:rank]), np.sort(order[rank:]))
+
+
+class _Partial:
+    """Derivative of the terms by a parameter at known states."""
+
+    def __init__(self, model: Model, column: Column) -> None:
+        self._minus, self._plus, self._h = column
+        one, two = _arrays(self._minus), _arrays(self._plus)
+        changed = {name for name in one if not np.array_equal(one[name], two[name])}
+        self._matrices: list[tuple[int, int, Array, Array]] | None = None
+        if changed <= {"K_qq", "D_qq"}:  # forces of the modes alone
+            K, D = ((two[name] - one[name]) / (2.0 * self._h) for name in ("K_qq", "D_qq"))
+            self._matrices = []
+            for i, m in enumerate(model.n_mode.tolist()):
+                own = slice(int(model.square_start[i]), int(model.square_start[i]) + m * m)
+                at = int(model.pos_start[i]) + 7, int(model.vel_start[i]) + 6
+                self._matrices.append((*at, K[own].reshape(m, m), D[own].reshape(m, m)))
+
+    @property
+    def is_internal(self) -> bool:
+        """Whether the parameter changes forces of modes only."""
+        return self._matrices is not None
+
+    def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, out: Array) -> None:
+        """Fill out (k, w)."""
+        if self._matrices is None:
+            two, one = (terms(each, t, y, a, multipliers) for each in (self._plus, self._minus))
+            out[:] = (two - one) / (2.0 * self._h)
+            return
+        out[:] = 0.0
+        for q, v, K, D in self._matrices:
+            m = len(K)
+            out[:, v : v + m] -= y[:, q : q + m] @ K.T
+            rate = self._minus.n_pos + v
+            out[:, v : v + m] -= y[:, rate : rate + m] @ D.T
+
+
+def _arrays(model: Model) -> dict[str, Array]:
+    """Return all numbers of a model and of what its expressions read, by name."""
+    parts = (model, model.quantities, model.quantities.programs)
+    return {
+        name: np.asarray(value)
+        for part in parts
+        for name, value in part._asdict().items()
+        if name not in ("plan", "quantities", "programs", "rotor", "stack")
+    }

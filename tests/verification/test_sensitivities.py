@@ -1,0 +1,177 @@
+"""Derivatives of runs: closed forms, six-point differences, refusals, the command and its file."""
+
+import numpy as np
+import pytest
+from samples.case_samples import HEAD, case_runs
+from samples.coordinate_samples import carriage, force, wheel
+from samples.sensitivity_scenes import (
+    PID,
+    SCENES,
+    STOP,
+    Scene,
+    differences,
+    errors,
+    scaled,
+    specification,
+    with_modulus,
+)
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.errors import InputError
+from plymotion.solver.results import read_result
+from plymotion.solver.studies.sensitivities.execution import with_sensitivities
+from plymotion.solver.studies.sensitivities.parameters import design_parameter
+
+TESTED = (
+    "spring pendulum",
+    "spatial double pendulum",
+    "equilibrium start",
+    "filtered pid",
+    "sampled pid",
+    "table",
+    "drive",
+    "elastic stop",
+)
+
+
+def derivatives(scene, folder, rtol=1e-10):
+    """Result, and derivatives by signal and key."""
+    result, _ = with_sensitivities(*specification(scene, folder, rtol))
+    return result, {(s.signal, s.parameter): s.values for s in result.sensitivities}
+
+
+@pytest.mark.parametrize("name", TESTED)
+def test_against_differences(name, tmp_path):
+    scene = SCENES[name]
+    found = errors(scene, tmp_path, 1e-8, scene.keys[:1] + scene.keys[-2:])
+    assert found
+    assert max(found.values()) < 1e-5, max(found, key=found.get)
+
+
+def test_a_spring_and_a_mass(tmp_path):
+    """x = a + (v / w) sin(w t) - a cos(w t) with w^2 = k / m: all derivatives in closed form."""
+    k, m, v, a = 40.0, 1.3, 0.5, 0.2
+    spring = force("c", "controller", joint="rail", coordinate="z", proportional=k, setpoint=str(a))
+    keys = ("forces.c.proportional", "bodies.car.mass", "bodies.car.velocity.0")
+    result, found = derivatives(Scene(carriage(spring, mass=m, speed=v), keys, 2.0), tmp_path)
+    t, w = result.t, np.sqrt(k / m)
+    by_w = v * t / w * np.cos(w * t) + (a * t - v / w**2) * np.sin(w * t)
+    expected = by_w * w / (2.0 * k), -by_w * w / (2.0 * m), np.sin(w * t) / w
+    for key, values in zip(keys, expected, strict=True):
+        np.testing.assert_allclose(found["x", key], values, atol=1e-7 * np.abs(values).max())
+
+
+def test_the_period_of_a_pendulum(tmp_path):
+    """Small swings: angle = w0 / w sin(w t) with w^2 = m g d / J."""
+    text = SCENES["spring pendulum"].text
+    text = (
+        text[: text.index("[forces.spring]")] + '[signals.angle]\nkind = "joint"\njoint = "hinge"\n'
+    )
+    start = "centre = [0.0, 0.0, -0.5]\nangular_velocity = [0.0, 1e-4, 0.0]"
+    text = text.replace("centre = [0.5, 0.0, 0.0]", start)
+    tight = "atol_position = 1e-14\natol_velocity = 1e-14\n"
+    scene = Scene(text, ("gravity.2",), 2.0, head="gravity = [0.0, 0.0, -9.81]\n", solver=tight)
+    result, found = derivatives(scene, tmp_path)
+    w, t = np.sqrt(2.0 * 9.81 * 0.5 / (0.7 + 2.0 * 0.25)), result.t
+    by_w = 1e-4 * (t * np.cos(w * t) / w - np.sin(w * t) / w**2)
+    expected = by_w * w / (2.0 * -9.81)
+    size = np.abs(expected).max()
+    np.testing.assert_allclose(found["angle", "gravity.2"], expected, atol=1e-6 * size)
+
+
+def test_an_impact_with_restitution(tmp_path):
+    """A mass hits at v and leaves at e v after a time that does not depend on v (exponent 1).
+
+    Behind the impact x = L - e v (t - L / v - T): dx/dv = (x - L) / v - e L / v, dx/dL = 1 + e,
+    and the speed -e v.
+    """
+    e, v, L = 0.7, 1.0, 0.5
+    stop = force("stop", "limit_stop", restitution=e, **STOP)
+    keys = ("bodies.car.velocity.0", "forces.stop.upper", "forces.stop.restitution")
+    result, found = derivatives(Scene(carriage(stop, speed=v), keys, 1.0), tmp_path, 1e-9)
+    x = next(s.values for s in result.signals if s.name == "x")
+    after = result.t > 0.6
+    np.testing.assert_allclose(
+        found["x", keys[0]][after], ((x - L) / v - e * L / v)[after], atol=2e-5
+    )
+    np.testing.assert_allclose(found["v", keys[0]][after], -e, atol=2e-5)
+    np.testing.assert_allclose(found["x", keys[1]][after], 1.0 + e, atol=2e-5)
+    np.testing.assert_allclose(found["v", keys[2]][after], -v, atol=2e-5)
+
+
+def test_the_stiffness_of_a_flexible_body(repository, tmp_path):
+    """Young's modulus, K' = K / E in the package: motion, torques, margins of plies."""
+    file = case_runs(repository, "robot-arm", tmp_path) / "base.json"
+    changes = {"t_end": 0.25, "output_step": 0.05, "rtol": 1e-10}
+    spec = with_modulus(file, "upper", tmp_path, **changes)
+    result, _ = with_sensitivities(spec, [design_parameter(spec, "E")])
+    expected = differences(lambda x: scaled(spec, "upper", 1.0 + x), 2e-4)
+    for one in result.sensitivities:
+        values = expected[one.signal]
+        assert np.abs(one.values - values).max() < 1e-5 * np.abs(values).max(), one.signal
+
+
+REFUSED = {
+    "bend": (
+        Scene(carriage(force("c", "controller", upper=5.0, **PID)), ("bodies.car.mass",)),
+        r"forces\.c: its force or state has a bend or jump",
+    ),
+    "reaction": (
+        Scene(
+            wheel(force("f", "friction", joint="axle", coefficient=0.1, radius=0.1,
+                        rest_velocity=0.1), spin=2.0),
+            ("bodies.wheel.mass",),
+        ),
+        "read reactions",
+    ),
+    "unknown": (Scene(wheel(), ("bodies.wheel.mas",)), r"--of bodies\.wheel\.mas: unknown key"),
+    "solver": (Scene(wheel(), ("solver.t_end",)), r"--of solver\.t_end: expected a number of the"),
+    "bound": (
+        Scene(SCENES["spring pendulum"].text.replace("damping = 0.5", "damping = 0.0"),
+              ("forces.spring.damping",)),
+        r"--of forces\.spring\.damping",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "what", [name for name in REFUSED if name not in ("integrator", "moved jump")]
+)
+def test_refused_by_name(what, tmp_path):
+    scene, words = REFUSED[what]
+    with pytest.raises(InputError, match=words):
+        derivatives(scene, tmp_path)
+
+
+def test_a_mass_that_comes_to_rest_in_a_stop(tmp_path):
+    """Some impacts, then rest at the depth m g / k."""
+    stop = force("stop", "limit_stop", restitution=0.2, **STOP)
+    keys = "bodies.car.mass", "gravity.0", "forces.stop.upper"
+    scene = Scene(carriage(stop), keys, 3.0, head="gravity = [9.81, 0.0, 0.0]\n")
+    _, found = derivatives(scene, tmp_path, 1e-8)
+    k = STOP["stiffness"]
+    for key, expected in zip(keys, (9.81 / k, 1.0 / k, 1.0), strict=True):
+        assert found["x", key][-1] == pytest.approx(expected, rel=1e-5)
+
+
+def test_the_command(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    scene = SCENES["spring pendulum"]
+    specification(scene, tmp_path, 1e-6)
+    words = ["sensitivities", "case.toml", "--of", "gravity.2", "bodies.rod.mass", "--quiet"]
+    assert main(words) == 0
+    shown = capsys.readouterr().out
+    folder = tmp_path / "build" / tmp_path.name / "sensitivities" / "base"
+    assert "bodies.rod.mass" in shown
+    assert "peak" in shown
+    result = read_result(folder / "result.vtkhdf")
+    assert [(s.signal, s.parameter) for s in result.sensitivities[:2]] == [
+        ("x", "gravity.2"),
+        ("x", "bodies.rod.mass"),
+    ]
+    assert result.sensitivities[0].unit == "(m)/(m/s2)"
+    text = (tmp_path / "case.toml").read_text()
+    (tmp_path / "case.toml").write_text(text.replace('"radau"', '"rk8"'))
+    assert main(words) == 2
+    assert 'implemented for "radau" only' in capsys.readouterr().err
+    assert HEAD in text
