@@ -360,6 +360,11 @@ $(ROBOTS)/installed: Makefile | $(EMPTY)
 robots: $(ROBOTS)/installed | $(COMPILED) ## Robots from URDF files compared with Pinocchio: build/benchmarks/robots.json, docs/robots.md
 	$(BENCH) benchmarks/robots.py --python $(ROBOTS)/bin/python --out build/benchmarks/robots.json
 
+.PHONY: design
+design: $(FENICSX) | $(COMPILED) ## Best designs and their derivatives against closed forms and rebuilt packages: build/benchmarks/design.json
+	. ./$(FENICSX) && export FENICSX_PYTHON && \
+	    $(BENCH) benchmarks/design.py build/benchmarks/design.json
+
 .PHONY: fidelity
 fidelity: $(FENICSX) | $(COMPILED) ## Accuracy asked, estimated and true of planned runs, scene by scene: build/benchmarks/fidelity.json
 	. ./$(FENICSX) && export FENICSX_PYTHON && \
