@@ -54,7 +54,7 @@ def run_blade(options: argparse.Namespace) -> int:
     print(station_text(meshed.blade, stations))
     print(f"{out}/{TABLE}: {len(complete(stations))} stations")
     try:
-        files = write_whole(meshed, stations, options.to)
+        files = write_whole(meshed, stations, options.to, rotor=options.rotor)
     except InputError as error:
         if len(complete(stations)) == len(meshed.places):
             raise

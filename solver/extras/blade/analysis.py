@@ -11,6 +11,7 @@ from ...errors import InputError
 from ...inputs.case.record import CASE_FILE
 from ...package.common.files import refuse_foreign, write_text
 from .layers import StationMesh
+from .operation import write_rotor
 from .station import write_station
 from .stations import (
     Station,
@@ -134,12 +135,15 @@ def collected(meshed: Meshed, failed: Container[str]) -> list[Station]:
     return stations
 
 
-def write_whole(meshed: Meshed, stations: Sequence[Station], code: str | None) -> list[Path]:
+def write_whole(
+    meshed: Meshed, stations: Sequence[Station], code: str | None, *, rotor: bool = False
+) -> list[Path]:
     """Write what needs all stations: the beam body, its case, files for another code.
 
     Parameters
     ----------
     code : "beamdyn" or "hawc2"; None: no files for another code
+    rotor : also its strips and polars in the wind, and its steady operation
 
     Raises
     ------
@@ -155,6 +159,8 @@ def write_whole(meshed: Meshed, stations: Sequence[Station], code: str | None) -
     files += write_for(code, meshed.blade, stations, meshed.folder) if code else []
     if len(done) > 1:
         files.append(write_blade_case(meshed.blade, stations, meshed.folder))
+    if rotor:
+        files += write_rotor(meshed.blade, meshed.folder)
     return files
 
 

@@ -1,6 +1,6 @@
 """The outer shape of a blade and its contour at a station."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -204,25 +204,25 @@ def _blended(shape: Shape, r: float) -> Array:
     for airfoil in shape.airfoils:
         groups.setdefault(airfoil.thickness, []).append(airfoil)
     sizes = np.array(sorted(groups))
-    shapes = np.array([_along_span(groups[size], r) for size in sizes])
+    shapes = np.array([along_span(groups[size], r, lambda one: one.sampled) for size in sizes])
     if len(sizes) == 1:
         return np.asarray(shapes[0])
     thickness = np.clip(shape.thickness.at(r), sizes[0], sizes[-1])
     return np.asarray(PchipInterpolator(sizes, shapes)(thickness))
 
 
-def _along_span(airfoils: list[Airfoil], r: float) -> Array:
-    """Shape at r of airfoils of one thickness: linear between their places."""
+def along_span(airfoils: list[Airfoil], r: float, numbers: Callable[[Airfoil], Array]) -> Array:
+    """Return numbers at r of airfoils of one thickness: linear between their places."""
     if len(airfoils) == 1:
-        return airfoils[0].sampled
+        return numbers(airfoils[0])
     places = [(place, airfoil) for airfoil in airfoils for place in airfoil.places]
     places.sort(key=lambda one: one[0])
     after = next((k for k, (place, _) in enumerate(places) if place > r), len(places))
     (p0, one), (p1, two) = places[max(after - 1, 0)], places[min(after, len(places) - 1)]
     if p0 >= p1:
-        return one.sampled
+        return numbers(one)
     f = min(max((r - p0) / (p1 - p0), 0.0), 1.0)
-    return (1.0 - f) * one.sampled + f * two.sampled
+    return (1.0 - f) * numbers(one) + f * numbers(two)
 
 
 def edge_angle(points: Array) -> float:

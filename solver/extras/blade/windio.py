@@ -209,7 +209,7 @@ def read_blade(file: Path) -> Blade:
     ------
     InputError : it cannot be read, or has no blade of this form; the message names the key.
     """
-    top, tables = _turbine(file), Tables(file)
+    top, tables = turbine_table(file), Tables(file)
     blade = tables.table(tables.table(top, "components"), "components.blade")
     if old := [key for key in OLD if key in blade]:
         raise tables.error(
@@ -294,7 +294,8 @@ def _left_out(tables: Tables, structure: Table) -> Iterator[str]:
         )
 
 
-def _turbine(file: Path) -> dict[str, Any]:
+def turbine_table(file: Path) -> dict[str, Any]:
+    """Return a windIO file as a table. Raises InputError : no turbine, or unreadable."""
     table = read_yaml(file)
     if not isinstance(table, dict) or "components" not in table:
         raise InputError(f"{file}: components: missing; expected a windIO 2 turbine file")

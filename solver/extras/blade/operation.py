@@ -1,0 +1,237 @@
+"""Steady operation of a rotor with rigid blades: speed, pitch, power and thrust over the wind."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ...dynamics.analysis.recovery import Recording
+from ...inputs.case.tables.schema import mechanism_of
+from ...math.arrays import Array
+from ...math.rotations import matrix_to_vector, vector_to_matrix
+from ...mechanism.build import build
+from ...mechanism.consistent import consistent_state
+from ...package.common.files import write_text
+from ...signals.rotor import rotor_values
+from .aerodynamics import Strip, polar_csv, section_csv, strips
+from .stations import line_of
+from .tables import Tables
+from .windio import UPWIND, Blade, turbine_table
+
+STEEPEST = 45.0  # [deg] largest pitch that is looked for
+RPM = math.pi / 30.0
+MARGIN = 1.1  # by which the largest torque of a reference controller is above that at rated power
+STRIPS = 20  # of a blade
+WINDS = (5.0, 7.0, 8.0, 9.0, 10.0, 12.0, 14.0, 16.0, 18.0, 21.0, 25.0)  # [m/s]
+DENSE = 2001  # points along the line of a blade
+AERO, POLARS, OPERATION = "aero.csv", "polars.csv", "operation.csv"
+
+
+@dataclass(frozen=True)
+class Turbine:
+    """What the operation of a rotor needs: blades, speeds [rad/s], torque at the shaft [N m].
+
+    ratio : of the speed of tips and wind, below rated power
+    """
+
+    blades: int
+    slowest: float
+    rated: float
+    rated_torque: float
+    ratio: float
+    fine_pitch_deg: float
+
+
+def read_turbine(tables: Tables, top: Mapping[str, Any]) -> Turbine:
+    """Read assembly and control of a windIO file.
+
+    Raises
+    ------
+    InputError : a key is missing or wrong; a downwind rotor.
+    """
+    assembly = tables.table(top, "assembly")
+    side = str(assembly.get("rotor_orientation") or UPWIND).lower()
+    if side != UPWIND:
+        raise tables.error("assembly.rotor_orientation", f"{side!r}; expected 'upwind'")
+
+    def number(parent: Mapping[str, Any], path: str, default: float | None = None) -> float:
+        if default is not None and parent.get(path.rpartition(".")[2]) is None:
+            return default
+        return float(tables.numbers(parent, path, 1)[0])
+
+    control = tables.table(top, "control")
+    drive = tables.table(top, "components").get("drivetrain")
+    gear = (drive.get("gearbox") if isinstance(drive, dict) else None) or {}
+    rated = RPM * number(control, "control.rated_rotor_speed")
+    torque = number(assembly, "assembly.rated_power") / rated
+    largest = number(control, "control.max_gen_torque", 0.0) / MARGIN
+    largest *= number(gear, "components.drivetrain.gearbox.gear_ratio", 1.0)
+    for unit in (1.0, 1e3):  # files give N m or kN m, at the generator
+        if 1.0 <= largest * unit / torque < 1.15:  # with the losses of the generator
+            torque = largest * unit
+            break
+    return Turbine(
+        blades=int(number(assembly, "assembly.number_of_blades", 3.0)),
+        slowest=RPM * number(control, "control.min_rotor_speed", 0.0),
+        rated=rated,
+        rated_torque=torque,
+        ratio=number(control, "control.optimal_tsr"),
+        fine_pitch_deg=number(control, "control.fine_pitch", 0.0),
+    )
+
+
+@dataclass(frozen=True)
+class Point:
+    """One wind speed: speed of the rotor [rad/s], pitch [deg], torque [N m], thrust [N]."""
+
+    wind: float
+    speed: float
+    pitch: float
+    torque: float
+    thrust: float
+
+
+class RigidRotor:
+    """The strips of blades on rigid bodies that turn about x, to the wind, at a steady speed.
+
+    Parameters
+    ----------
+    places : (n, 3) of the strips in the axes of a blade [m]
+    root : radius of the root [m]; cone_deg : of the blades
+    """
+
+    def __init__(
+        self,
+        strips: Sequence[Strip],
+        places: Array,
+        root: float,
+        cone_deg: float,
+        turbine: Turbine,
+        folder: Path,
+    ) -> None:
+        self.places, self.root, self.cone = places, root, cone_deg
+        self.names, self.turbine, self.folder = [s.name for s in strips], turbine, folder
+        self.loads = lru_cache(maxsize=None)(self._loads)
+        cosine = math.cos(math.radians(cone_deg))
+        self.radius = cosine * (root + float(places[-1, 0]) + 0.5 * strips[-1].width)
+
+    def _loads(self, wind: float, speed: float, pitch: float) -> tuple[float, float]:
+        """Return torque [N m] and thrust [N]; pitch [deg]."""
+        hub: dict[str, Any] = {"kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist()}
+        hub["interfaces"] = {"centre": {"position": [0.0] * 3}}
+        table: dict[str, Any] = {
+            "bodies": {"hub": hub},
+            "ground": {"o": {"position": [0.0] * 3}},
+            "joints": {
+                "shaft": {
+                    "kind": "revolute",
+                    "between": ["ground.o", "hub.centre"],
+                    "axis": [1.0, 0.0, 0.0],
+                    "drive": {"speed": speed},
+                }
+            },
+            "solver": {"t_end": 1.0, "output_step": 1.0},
+        }
+        points = {n: {"position": p} for n, p in zip(self.names, self.places.tolist(), strict=True)}
+        blades = [f"blade-{i + 1}" for i in range(self.turbine.blades)]
+        for i, name in enumerate(blades):
+            A = blade_axes(i, self.turbine.blades, self.cone)
+            root = (self.root * A[:, 0]).tolist()
+            turned = A @ vector_to_matrix(np.array([-math.radians(pitch), 0.0, 0.0]))
+            table["bodies"][name] = {
+                "kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist(), "position": root,
+                "rotation_deg": np.degrees(matrix_to_vector(turned)).tolist(),
+                "interfaces": {"root": {"position": [0.0] * 3}, **points},
+            }  # fmt: skip
+            hub["interfaces"][name] = {"position": root}
+            ends = [f"hub.{name}", f"{name}.root"]
+            table["joints"][name] = {"kind": "fixed", "between": ends}
+        table["rotor"] = {
+            "hub": "hub.centre", "axis": [1.0, 0.0, 0.0], "blades": blades, "table": AERO,
+            "polar_table": POLARS, "wind": {"speed": {"constant": wind}},
+        }  # fmt: skip
+        built = build(mechanism_of(table, self.folder)[0], {})
+        y = consistent_state(built.model, built.start, built.joint_names)
+        recording = Recording(built.model, np.zeros(1), y[None])
+        torque, thrust = (rotor_values(built, q)(recording)[0] for q in ("torque", "thrust"))
+        return float(torque), float(thrust)
+
+
+def blade_axes(i: int, blades: int, cone_deg: float) -> Array:
+    """Return the axes (3, 3) of blade i of an upwind rotor, in columns.
+
+    The wind is along x, z upwards, the first blade upright; the rotor turns about the wind.
+    """
+    c, s = math.cos(math.radians(cone_deg)), math.sin(math.radians(cone_deg))
+    upright = np.array([[-s, 0.0, c], [0.0, -1.0, 0.0], [c, 0.0, s]])
+    turn = vector_to_matrix(np.array([2.0 * math.pi * i / blades, 0.0, 0.0]))
+    return np.asarray(turn @ upright)
+
+
+def operation(rotor: RigidRotor, winds: Sequence[float]) -> list[Point]:
+    """Return the operating points at wind speeds [m/s].
+
+    At the best speed of the tips up to the rated speed; then at the rated torque by pitch.
+    """
+    t, points = rotor.turbine, []
+    for wind in winds:
+        speed = min(max(t.ratio * wind / rotor.radius, t.slowest), t.rated)
+        pitch = t.fine_pitch_deg
+        if rotor.loads(wind, speed, pitch)[0] > t.rated_torque:
+            speed, pitch = t.rated, _pitch(rotor, wind)
+        points.append(Point(wind, speed, pitch, *rotor.loads(wind, speed, pitch)))
+    return points
+
+
+def _pitch(rotor: RigidRotor, wind: float) -> float:
+    """Return the pitch to feather with rated torque at rated speed [deg]."""
+    t = rotor.turbine
+
+    def excess(pitch: float) -> float:
+        return rotor.loads(wind, t.rated, pitch)[0] - t.rated_torque
+
+    if excess(t.fine_pitch_deg) <= 0.0:
+        return t.fine_pitch_deg
+    return float(brentq(excess, t.fine_pitch_deg, STEEPEST, xtol=1e-4))
+
+
+def operation_csv(points: Sequence[Point]) -> str:
+    """Return the table of operating points."""
+    rows = ["wind_m_s,speed_rpm,pitch_deg,power_kw,thrust_kn,torque_knm"]
+    for p in points:
+        power = p.torque * p.speed
+        values = (
+            p.wind,
+            30.0 * p.speed / math.pi,
+            p.pitch,
+            power / 1e3,
+            p.thrust / 1e3,
+            p.torque / 1e3,
+        )
+        rows.append(",".join(f"{value:.6g}" for value in values))
+    return "\n".join([*rows, ""])
+
+
+def write_rotor(blade: Blade, folder: Path) -> list[Path]:
+    """Write strips and polars of a blade in the wind, and its steady operation; returns the files.
+
+    Raises
+    ------
+    InputError : the file lacks polars, or numbers of the turbine.
+    """
+    tables, top = Tables(blade.file), turbine_table(blade.file)
+    turbine, r = read_turbine(tables, top), np.linspace(0.0, 1.0, DENSE)
+    line = line_of(blade, r.tolist())
+    found = strips(blade, tables, top, line, STRIPS)
+    places = np.column_stack([np.interp([s.r for s in found], r, column) for column in line.T])
+    write_text(folder / AERO, section_csv(found))
+    write_text(folder / POLARS, polar_csv(found))
+    hub = blade.hub
+    rotor = RigidRotor(found, places, hub.radius, hub.cone_deg, turbine, folder)
+    write_text(folder / OPERATION, operation_csv(operation(rotor, WINDS)))
+    return [folder / name for name in (AERO, POLARS, OPERATION)]
