@@ -27,8 +27,9 @@ gravity = [0.0, 0.0, GRAVITY]
 kind = "package"
 package = "arm.vtkhdf"
 velocity = [0.0, 0.0, 0.0]
-angular_velocity = [3.0, 20.0, 10.0]
+angular_velocity = SPIN
 """
+SPIN = [3.0, 20.0, 10.0]
 
 
 @pytest.fixture(scope="module")
@@ -112,15 +113,15 @@ def test_motion_is_the_same(
     assert bend > 0.05  # it moves far
 
 
-def our_path(folder: Path, out: Path, gravity: float) -> Array:
+def our_path(folder: Path, out: Path, gravity: float, joints: str = "", spin: Any = SPIN) -> Array:
     """Tip (k, 3) every millisecond by radau."""
-    lines = [CASE.replace("GRAVITY", str(gravity))]
+    lines = [CASE.replace("GRAVITY", str(gravity)).replace("SPIN", str(spin)), joints]
     lines += [f'[signals.{c}]\nkind = "position"\nat = "arm.tip"\ncomponent = "{c}"' for c in "xyz"]
     lines += [
         f'[solver]\nt_end = {T_END}\noutput_step = 1e-3\nintegrator = "radau"\nrtol = 1e-9',
         "[runs.base]",
     ]
-    case = folder / f"case{abs(gravity):g}.toml"
+    case = folder / f"case{abs(gravity):g}{len(joints)}.toml"
     case.write_text("\n".join(lines) + "\n")
     assert main(["check", str(case), "--out", str(out)]) == 0
     assert main(["run", str(out / "runs" / "base.json"), "--quiet"]) == 0
@@ -128,17 +129,19 @@ def our_path(folder: Path, out: Path, gravity: float) -> Array:
     return np.column_stack([signal.values for signal in result.signals])
 
 
-def exudyn_path(exudyn: Any, body_script: Any, gravity: float) -> Array:
+def exudyn_path(
+    exudyn: Any, body_script: Any, gravity: float, spin: Any = SPIN, joint: Any = None
+) -> Array:
     """The same by Exudyn's generalized-alpha with small steps."""
     from exudyn.itemInterface import SensorMarker
 
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    body = body_script.add_body(
-        mbs, positionRef=[0, 0, 0], initialAngularVelocity=[3.0, 20.0, 10.0]
-    )
+    body = body_script.add_body(mbs, positionRef=[0, 0, 0], initialAngularVelocity=spin)
     if gravity:
         body_script.add_weight(mbs, body, [0.0, 0.0, gravity])
+    if joint is not None:
+        joint(mbs, body_script, body)
     marker = body_script.add_marker(mbs, body, "tip")
     sensor = mbs.AddSensor(
         SensorMarker(
@@ -158,3 +161,25 @@ def exudyn_path(exudyn: Any, body_script: Any, gravity: float) -> Array:
     settings.timeIntegration.newton.relativeTolerance = 1e-10
     mbs.SolveDynamic(settings)
     return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:]
+
+
+def test_a_hinged_link_is_the_same(exudyn: Any, folder: Path, tmp_path: Path) -> None:
+    """A link on a hinge, with markers of rotation, falls in both codes along one path."""
+    from exudyn.itemInterface import GenericJoint, MarkerBodyRigid, ObjectGround
+
+    hinge = (
+        "[ground.O]\nposition = [0.0, 0.0, 0.0]\n"
+        '[joints.hinge]\nkind = "revolute"\nbetween = ["ground.O", "arm.root"]\naxis = [0, 1, 0]\n'
+    )
+    spin = [0.0, 20.0, 0.0]
+    mine = our_path(folder, tmp_path, -9.81, hinge, spin)
+
+    def joint(mbs: Any, body_script: Any, body: dict[str, Any]) -> None:
+        ground = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround())))
+        root = body_script.add_marker(mbs, body, "root")
+        axes = [1, 1, 1, 1, 0, 1]
+        mbs.AddObject(GenericJoint(markerNumbers=[ground, root], constrainedAxes=axes))
+
+    theirs = exudyn_path(exudyn, script(folder), -9.81, spin, joint)
+    assert np.abs(mine[-1] - mine[0]).max() > 0.05
+    assert np.abs(mine - theirs).max() < 1e-6

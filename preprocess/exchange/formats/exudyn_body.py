@@ -38,20 +38,49 @@ def read(file: Path = FILE) -> dict[str, Any]:
     return found
 
 
+AROUND = np.concatenate([np.eye(3), -np.eye(3)])  # ways to nodes about an interface, over ARM
+ARM = 0.01  # of the size of the body
+
+
+def interfaces(p: dict[str, Any]) -> list[str]:
+    """Names of the interfaces, in the order of their nodes."""
+    return sorted({path.split("/")[1] for path in p if path.startswith("interfaces/")})
+
+
+def nodes(p: dict[str, Any]) -> tuple[Any, Any]:
+    """Positions (n, 3) and shapes (m, n, 3) of the nodes of the mesh and of added ones.
+
+    The mass centre follows them: on it weight does the work of the invariants. Then six nodes about
+    each interface, which move with its translation and rotation.
+    """
+    x, shapes = [p["mesh/nodes_B"]], [p["modes/shapes_B"][:, :, :3]]
+    mass = p["invariants/mass"]
+    x.append(p["invariants/S0_B"][None, :] / mass)
+    shapes.append(p["invariants/S_B"].T[:, None, :] / mass)
+    way = ARM * float(np.ptp(x[0], axis=0).max()) * AROUND
+    for name in interfaces(p):
+        place = p[f"interfaces/{name}/position_B"]
+        phi, psi = (p[f"interfaces/{name}/{of}_B"].T[:, None, :] for of in ("phi", "psi"))
+        x.append(place + way)
+        shapes.append(phi + np.cross(psi, way))
+    return np.concatenate(x), np.concatenate(shapes, axis=1)
+
+
 def exudyn_data(p: dict[str, Any]) -> dict[str, Any]:
     """The dictionary of exudyn.FEM.ObjectFFRFreducedOrderInterface, from the datasets of `read`."""
     mass, S0, S = (p["invariants/" + name] for name in ("mass", "S0_B", "S_B"))
     T00, T01, T11 = (p["invariants/" + name] for name in ("T00_B", "T01_B", "T11_B"))
-    m, n, one = S.shape[1], len(p["mesh/nodes_B"]), np.eye(3)
+    x, shapes = nodes(p)
+    m, n, one = S.shape[1], len(x), np.eye(3)
     return {
-        "modeBasis": p["modes/shapes_B"][:, :, :3].reshape(m, 3 * n).T.copy(),
+        "modeBasis": shapes.reshape(m, 3 * n).T.copy(),
         "trigList": [],
         "postProcessingModes": {},
         "massMatrixReduced": p["modes/mass"],
         "stiffnessMatrixReduced": p["modes/stiffness"],
         "infoList": [m, n, 3, 4, 7, 7 + m],
         "rigidBodyNodeType": "NodeType.RotationEulerParameters",
-        "xRef": p["mesh/nodes_B"].ravel(),
+        "xRef": x.ravel(),
         "Mtt": mass * one,
         "totalMass": float(mass),
         "chiU": S0 / mass,
@@ -90,34 +119,16 @@ def add_body(mbs: Any, file: Path = FILE, **options: Any) -> dict[str, Any]:
     return {**found, "package": p}
 
 
-def weights(p: dict[str, Any]) -> Any:
-    """Share of each node in the weight: exact in mass, mass centre and every mode, (n,).
-
-    The nodal masses, changed as little as possible until they have the sums of the invariants.
-    """
-    w = p["nodal/mass"] / p["invariants/mass"]
-    x, phi = p["mesh/nodes_B"], p["modes/shapes_B"][:, :, :3]
-    rows = np.vstack([np.ones(len(w)), x.T, np.moveaxis(phi, 2, 1).reshape(-1, len(w))])
-    sums = np.concatenate([[1.0], p["invariants/S0_B"] / p["invariants/mass"]])
-    sums = np.concatenate([sums, (p["invariants/S_B"].T / p["invariants/mass"]).ravel()])
-    size = np.abs(rows).max(axis=1)
-    size[size == 0.0] = 1.0
-    rows, sums = rows / size[:, None], sums / size
-    scale = np.sqrt(w)
-    return w + scale * np.linalg.lstsq(rows * scale, sums - rows @ w, rcond=1e-13)[0]
-
-
 def add_weight(mbs: Any, body: dict[str, Any], gravity: Any) -> Any:
-    """Weight as a load on all nodes."""
+    """Weight as a load on the mass centre, which moves with the modes."""
     from exudyn.itemInterface import Force, MarkerSuperElementPosition
 
     p = body["package"]
-    share = weights(p)
     marker = mbs.AddMarker(
         MarkerSuperElementPosition(
             bodyNumber=body["oFFRFreducedOrder"],
-            meshNodeNumbers=list(range(len(share))),
-            weightingFactors=share,
+            meshNodeNumbers=[len(p["mesh/nodes_B"])],
+            weightingFactors=[1.0],
         )
     )
     force = float(p["invariants/mass"]) * np.asarray(gravity, dtype=float)
@@ -125,14 +136,15 @@ def add_weight(mbs: Any, body: dict[str, Any], gravity: Any) -> Any:
 
 
 def add_marker(mbs: Any, body: dict[str, Any], interface: str) -> Any:
-    """Marker at the first node of an interface."""
-    from exudyn.itemInterface import MarkerSuperElementPosition
+    """Marker of position and rotation at an interface, for any joint."""
+    from exudyn.itemInterface import MarkerSuperElementRigid
 
     p = body["package"]
-    label = p[f"interfaces/{interface}/node_ids"][0]
-    node = int(np.flatnonzero(p["mesh/node_ids"] == label)[0])
+    first = len(p["mesh/nodes_B"]) + 1 + len(AROUND) * interfaces(p).index(interface)
     return mbs.AddMarker(
-        MarkerSuperElementPosition(
-            bodyNumber=body["oFFRFreducedOrder"], meshNodeNumbers=[node], weightingFactors=[1.0]
+        MarkerSuperElementRigid(
+            bodyNumber=body["oFFRFreducedOrder"],
+            meshNodeNumbers=[first + k for k in range(len(AROUND))],
+            weightingFactors=[1.0 / len(AROUND)] * len(AROUND),
         )
     )
