@@ -248,8 +248,8 @@ def add_import(parser: Any) -> None:
     parser.add_argument("--out", "-o", type=Path, metavar="PACKAGE", help=text)
     flag(parser, "quiet", "no progress")
     robot = parser.add_argument_group("of a robot")
-    text = "hold: drives hold all joints (default); torque: an actuator in each; free: neither"
-    robot.add_argument("--joints", choices=["hold", "torque", "free"], default="hold", help=text)
+    text = "hold: drives hold all joints (default); motor: an actuator in each; free: neither"
+    robot.add_argument("--joints", choices=["hold", "motor", "free"], default="hold", help=text)
     text = "whether the root link is the ground (default), or a body that moves freely"
     robot.add_argument("--base", choices=["fixed", "free"], default="fixed", help=text)
     flag(robot, "keep-fixed", "links on fixed joints stay bodies if they have a mass")

@@ -61,7 +61,7 @@ def test_the_case_is_that_of_its_file(tmp_path: Path, repository: Path) -> None:
 def test_what_acts_in_free_joints(tmp_path: Path) -> None:
     """Actuators, friction, damping and stops of joints that no drive holds."""
     out = tmp_path / "arm"
-    words = ["import", str(ROBOTS / "arm.urdf"), "--out", str(out), "--joints", "torque"]
+    words = ["import", str(ROBOTS / "arm.urdf"), "--out", str(out), "--joints", "motor"]
     assert main(words) == 0
     forces = pm.load(out).forces
     assert forces.shoulder_friction == {

@@ -11,15 +11,19 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ...dynamics.elements.forces import rotary_spring
+from ...dynamics.elements.forces.controller import CONTROLLER
+from ...dynamics.elements.forces.friction import FRICTION
+from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...errors import InputError, refuse
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector
-from .urdf import HERE, Inertia, Pose, Robot, UrdfJoint, about
+from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about
 
 Tables = dict[str, Any]
-Moved = Literal["hold", "torque", "free"]
+Moved = Literal["hold", "motor", "free"]
 GROUND = "ground"
-SINGLE = ("revolute", "continuous", "prismatic")
+SINGLE = (Type.REVOLUTE, Type.CONTINUOUS, Type.PRISMATIC)
 TRIANGLE = 1e-5  # relative, of principal moments: that of the check of a case
 # Radius of gyration over the distance from the centre to the farthest joint. Of 1045 moving links
 # of 60 robots with an inertia, the least is 0.15; a mass 1e3 too large divides it by 32.
@@ -76,7 +80,7 @@ def robot_case(
 
     Parameters
     ----------
-    joints : hold: drives hold the coordinates; torque: an actuator in each joint; free: neither
+    joints : hold: drives hold the coordinates; motor: an actuator in each joint; free: neither
     base : whether the root link is the ground, or a body that moves freely
     keep_fixed : links with mass on fixed joints stay bodies, with a fixed joint
     allow : "inertia": principal moments that no solid has; "units": doubtful sizes
@@ -109,7 +113,7 @@ def _bodies(
             inside = inside @ _moved(joint, value)
         at_zero[joint.child] = at_zero[joint.parent] @ inside
         kept = keep_fixed and link.inertia.mass > 0.0
-        if joint.kind == "fixed" and not kept:
+        if joint.kind == Type.FIXED and not kept:
             head, pose = heads[joint.parent]
             heads[joint.child] = head, pose @ joint.pose
             body = bodies[head]
@@ -124,14 +128,14 @@ def _bodies(
 
 def start(robot: Robot, joint: UrdfJoint) -> float:
     """Return the coordinate of a joint where all that mimic none are 0 [rad, m]."""
-    if joint.mimic is None or joint.kind == "fixed":
+    if joint.mimic is None or joint.kind == Type.FIXED:
         return 0.0
     other = start(robot, robot.joints[joint.mimic.joint])
     return joint.mimic.offset + joint.mimic.multiplier * other
 
 
 def _moved(joint: UrdfJoint, value: float) -> Pose:
-    if joint.kind == "prismatic":
+    if joint.kind == Type.PRISMATIC:
         return Pose(value * joint.axis, np.eye(3))
     return Pose(np.zeros(3), about(joint.axis, value))
 
@@ -283,26 +287,26 @@ class _Writer:
 
     def _joint(self, joint: UrdfJoint) -> None:
         (one, pose), (two, _) = self._heads[joint.parent], self._heads[joint.child]
-        if one == two or joint.kind == "floating":
+        if one == two or joint.kind == Type.FLOATING:
             return
         name = self._name("joint", joint.name)
         places = [
             self._point(one, name, (pose @ joint.pose).p),
             self._point(two, name, np.zeros(3)),
         ]
-        kind = "revolute" if joint.kind == "continuous" else joint.kind
-        table: Tables = {"kind": kind, "between": places}
+        kind = Type.REVOLUTE if joint.kind == Type.CONTINUOUS else joint.kind
+        table: Tables = {"kind": str(kind), "between": places}
         self._tables["joints"][name] = table
-        if kind == "fixed":
+        if kind == Type.FIXED:
             return
         axis = table["axis"] = _numbers(self._bodies[two].pose.A @ joint.axis)
-        if kind == "planar":
+        if kind == Type.PLANAR:
             return
         of = {"joint": name}
-        angle = {"kind": "joint", **of, "coordinate": "angle" if kind == "revolute" else "z"}
+        angle = {"kind": "joint", **of, "coordinate": "angle" if kind == Type.REVOLUTE else "z"}
         self._tables["signals"][f"{name}_q"] = angle
         mimic = joint.mimic
-        if mimic is not None and self._robot.joints[mimic.joint].kind != "fixed":
+        if mimic is not None and self._robot.joints[mimic.joint].kind != Type.FIXED:
             self._couple(joint, mimic.joint, mimic.multiplier)
         elif self._way == "hold" or mimic is not None:
             self._hold(joint, table)
@@ -311,7 +315,7 @@ class _Writer:
 
     def _couple(self, joint: UrdfJoint, other: str, ratio: float) -> None:
         name, own = self._name("joint", joint.name), self._name("joint", other)
-        slides = [k.kind == "prismatic" for k in (joint, self._robot.joints[other])]
+        slides = [k.kind == Type.PRISMATIC for k in (joint, self._robot.joints[other])]
         if slides == [True, False]:
             table = {"kind": "rack", "joints": [own, name], "radius": ratio}
         elif slides == [False, True]:
@@ -327,7 +331,7 @@ class _Writer:
         signal: Tables = {
             "kind": "reaction",
             "joint": name,
-            "quantity": "force" if joint.kind == "prismatic" else "moment",
+            "quantity": "force" if joint.kind == Type.PRISMATIC else "moment",
             "component": "z",
             "axes": "joint",
         }
@@ -343,19 +347,19 @@ class _Writer:
     def _free(self, joint: UrdfJoint, places: list[str], axis: list[float]) -> None:
         """Add what acts in a joint that no drive holds."""
         name, forces = self._name("joint", joint.name), self._tables["forces"]
-        if self._way == "torque":
-            if joint.kind == "prismatic":
+        if self._way == "motor":
+            if joint.kind == Type.PRISMATIC:
                 self._notes.append(f"{joint.name}: no actuator: only rotations have one")
             else:
                 forces[f"{name}_motor"] = {
-                    "kind": "rotary_spring",
+                    "kind": rotary_spring.ELEMENT.kind,
                     "between": places,
                     "axis": axis,
                     "actuator": {"polynomial": [0.0]},
                 }
         if joint.friction > 0.0:
             forces[f"{name}_friction"] = {
-                "kind": "friction",
+                "kind": FRICTION.kind,
                 "joint": name,
                 "coulomb": joint.friction,
                 "viscous": joint.damping,
@@ -363,7 +367,7 @@ class _Writer:
             }
         elif joint.damping > 0.0:
             forces[f"{name}_damping"] = {
-                "kind": "controller",
+                "kind": CONTROLLER.kind,
                 "joint": name,
                 "setpoint": "0",
                 "derivative": joint.damping,
@@ -372,7 +376,7 @@ class _Writer:
             if joint.effort > 0.0:
                 first = start(self._robot, joint)
                 forces[f"{name}_stop"] = {
-                    "kind": "limit_stop",
+                    "kind": LIMIT_STOP.kind,
                     "joint": name,
                     "lower": joint.lower - first,
                     "upper": joint.upper - first,

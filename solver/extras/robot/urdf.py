@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from enum import StrEnum, auto
 from pathlib import Path
 from typing import TypeVar
 from xml.parsers import expat
@@ -19,8 +20,27 @@ from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
 
 Thing = TypeVar("Thing")
-MOVING = ("revolute", "continuous", "prismatic", "planar", "floating")
-TYPES = (*MOVING, "fixed")
+
+
+class Type(StrEnum):
+    """Types of joints in URDF."""
+
+    REVOLUTE = auto()
+    CONTINUOUS = auto()
+    PRISMATIC = auto()
+    PLANAR = auto()
+    FLOATING = auto()
+    FIXED = auto()
+
+
+class Dynamics(StrEnum):
+    """Attributes of the element of this name."""
+
+    DAMPING = auto()
+    FRICTION = auto()
+
+
+MOVING = tuple(kind for kind in Type if kind != Type.FIXED)
 MOST_BYTES = 50_000_000
 
 
@@ -336,10 +356,10 @@ class _Reader:
 
     def _joint(self, name: str, element: Element) -> UrdfJoint:
         where, kind = f"joint {name}", element.attributes.get("type", "")
-        if kind not in TYPES:
+        if kind not in tuple(Type):
             self._found.append(
                 f'{self._at(element)}: type = "{printable(kind)}"; expected one of '
-                f"{', '.join(TYPES)}{nearest(kind, TYPES)}"
+                f"{', '.join(Type)}{nearest(kind, tuple(Type))}"
             )
         ends = []
         for tag in ("parent", "child"):
@@ -353,14 +373,14 @@ class _Reader:
         if given is not None:
             axis = self._numbers(where, given, "xyz", 3, (1.0, 0.0, 0.0))
         length = float(np.linalg.norm(axis))
-        if length == 0.0 and kind not in ("fixed", "floating"):
+        if length == 0.0 and kind not in (Type.FIXED, Type.FLOATING):
             line = given.line if given is not None else element.line
             self._found.append(
                 f"{self._file}:{line}: {where}, <axis xyz>: expected a vector of non-zero length"
             )
         limit, dynamics = element.one("limit"), element.one("dynamics")
         lower = upper = None
-        if limit is not None and kind in ("revolute", "prismatic"):
+        if limit is not None and kind in (Type.REVOLUTE, Type.PRISMATIC):
             lower = self._number(where, limit, "lower", 0.0)
             upper = self._number(where, limit, "upper", 0.0)
             if lower > upper:
@@ -369,7 +389,7 @@ class _Reader:
                     f"most upper = {upper:g}"
                 )
         mimic = element.one("mimic")
-        values = [self._number(where, dynamics, key, 0.0) for key in ("damping", "friction")]
+        values = [self._number(where, dynamics, key, 0.0) for key in Dynamics]
         if min(values) < 0.0:
             self._found.append(f"{self._at(element)}, <dynamics>: expected values of 0 or above")
         follows = None
@@ -397,12 +417,12 @@ class _Reader:
 
     def _check_mimic(self, joint: UrdfJoint, mimic: Mimic, joints: dict[str, UrdfJoint]) -> None:
         where = f'<mimic joint="{mimic.joint}">'
-        one_way = ("revolute", "continuous", "prismatic")
+        one_way = (Type.REVOLUTE, Type.CONTINUOUS, Type.PRISMATIC)
         if mimic.joint == joint.name:
             self._wrong(joint, f"{where}: expected another joint")
         elif mimic.joint not in joints:
             self._wrong(joint, f"{where}: no such joint{nearest(mimic.joint, joints)}")
-        elif {joint.kind, joints[mimic.joint].kind} - {*one_way, "fixed"}:
+        elif {joint.kind, joints[mimic.joint].kind} - {*one_way, Type.FIXED}:
             self._wrong(joint, f"{where}: expected {', '.join(one_way)} joints on both sides")
         elif mimic.multiplier == 0.0:
             self._wrong(joint, f"{where}: multiplier = 0; expected another number, or type fixed")
