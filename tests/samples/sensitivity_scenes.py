@@ -118,6 +118,28 @@ SCENES = {
         + SECOND.replace("KIND", "revolute") + SIGNALS,
         ("bodies.two.mass", "gravity.2", "joints.hinge.drive.polynomial.1"), head=DOWN,
     ),
+    "jump": Scene(
+        ROD + SPRING + SIGNALS + PUSH + 'law = { expression = "8 * (t < 0.31)" }\n',
+        ("forces.spring.stiffness", "bodies.rod.mass"),
+        head=DOWN,
+    ),
+    "steady spin": Scene(
+        ROD.replace("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 1.0]")
+        + SECOND.replace("KIND", "revolute")
+        + SIGNALS,
+        ("bodies.two.mass",),
+        head=DOWN,
+        solver='start = "equilibrium"\nspin = { speed = 6.0, axis = [0.0, 0.0, 1.0] }\n',
+    ),
+    "redundant": Scene(
+        ROD
+        + '[joints.again]\nkind = "revolute"\nbetween = ["ground.O", "rod.a"]\n'
+        + "axis = [0.0, 1.0, 0.0]\n"
+        + SPRING
+        + position("x", "rod.tip", "x"),
+        ("forces.spring.stiffness", "bodies.rod.mass"),
+        head=DOWN,
+    ),
     "elastic stop": Scene(
         carriage(force("stop", "limit_stop", **STOP), speed=1.0),
         ("forces.stop.stiffness", "bodies.car.mass"), relative=1e-3,

@@ -131,12 +131,18 @@ REFUSED = {
               ("forces.spring.damping",)),
         r"--of forces\.spring\.damping",
     ),
+    "moved bend": (
+        Scene(
+            "[parameters]\nt1 = 0.31\n"
+            + SCENES["expression"].text.replace("6 * sin(7 * t) * exp(-t)", "8 * max(0, t1 - t)"),
+            ("parameters.t1",),
+        ),
+        r"parameters\.t1: moves the instant at which a law of time bends or jumps",
+    ),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "what", [name for name in REFUSED if name not in ("integrator", "moved jump")]
-)
+@pytest.mark.parametrize("what", REFUSED)
 def test_refused_by_name(what, tmp_path):
     scene, words = REFUSED[what]
     with pytest.raises(InputError, match=words):
