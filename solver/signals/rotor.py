@@ -1,4 +1,4 @@
-"""Aerodynamic loads of a rotor in the wind: thrust, torque, power."""
+"""Aerodynamic loads of a rotor in the wind: thrust, moment, power."""
 
 from collections.abc import Callable
 
@@ -8,11 +8,11 @@ from ..dynamics.analysis.recovery import Recording
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 
-UNITS = {"thrust": "N", "torque": "N m", "power": "W"}
+UNITS = {"thrust": "N", "moment": "N m", "power": "W"}
 
 
 def rotor_values(built: BuiltMechanism, quantity: str) -> Callable[[Recording], Array]:
-    """Return what gives thrust, torque or power (k,) about the shaft, of all sections."""
+    """Return what gives thrust, moment or power (k,) about the shaft, of all sections."""
     model = built.model
     elements = np.flatnonzero(model.rotor.section >= 0)
     places = [2 * (model.joint_kind.size + int(k)) + 1 for k in elements]
@@ -26,9 +26,9 @@ def rotor_values(built: BuiltMechanism, quantity: str) -> Callable[[Recording], 
         arms = np.stack([recording.position(int(k)) for k in ends], axis=1)
         arms -= recording.position(hub)[:, None]
         turns = np.cross(arms, loads[:, :, :3]) + loads[:, :, 3:]
-        torque = np.asarray(np.einsum("kia,ka->k", turns, n))
-        if quantity == "torque":
-            return torque
-        return torque * np.einsum("ka,ka->k", recording.spin(hub), n)
+        moment = np.asarray(np.einsum("kia,ka->k", turns, n))
+        if quantity == "moment":
+            return moment
+        return moment * np.einsum("ka,ka->k", recording.spin(hub), n)
 
     return values

@@ -108,7 +108,7 @@ kind = "rotor"
 quantity = "thrust"
 [signals.torque]
 kind = "rotor"
-quantity = "torque"
+quantity = "moment"
 [signals.power]
 kind = "rotor"
 quantity = "power"

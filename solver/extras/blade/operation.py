@@ -158,7 +158,7 @@ class RigidRotor:
         built = build(mechanism_of(table, self.folder)[0], {})
         y = consistent_state(built.model, built.start, built.joint_names)
         recording = Recording(built.model, np.zeros(1), y[None])
-        torque, thrust = (rotor_values(built, q)(recording)[0] for q in ("torque", "thrust"))
+        torque, thrust = (rotor_values(built, q)(recording)[0] for q in ("moment", "thrust"))
         return float(torque), float(thrust)
 
 

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
 from ...errors import InputError
 from ...integrators.generic.drive import Steps, StopRequest
+from ...integrators.radau import Radau
 from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...results import Derivative, RunResult
@@ -25,7 +27,7 @@ from .tangent import Column, Tangent
 SLOW = 1e-4  # of an impact, below which a stop is taken for one at rest [m/s, rad/s]
 # Operations that bend or jump where their arguments pass a value.
 BENT = frozenset((op.MINIMUM, op.MAXIMUM, op.ABS, op.SIGN, op.FLOOR, op.LESS, op.LESS_EQUAL))
-STOP = "limit_stop"  # whose bends are located
+STOP = LIMIT_STOP.kind  # whose bends are located
 
 
 class _Follower:
@@ -171,10 +173,10 @@ def _quotient(unit: str, by: str) -> str:
 def require_derivatives(prepared: Prepared) -> None:
     """Raise InputError if the tangent of a run is not implemented; names what it is."""
     solver, model, built = prepared.mechanism.solver, prepared.model, prepared.built
-    if solver.integrator != "radau":
+    if solver.integrator != Radau.name:
         raise InputError(
             f'solver.integrator = "{solver.integrator}": sensitivities are implemented for '
-            '"radau" only'
+            f'"{Radau.name}" only'
         )
     if prepared.mechanism.rotor is not None:
         raise InputError("rotor: sensitivities of blades in the wind are not implemented")

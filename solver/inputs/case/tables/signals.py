@@ -146,8 +146,8 @@ class RotorSignal(Measured):
     """`[signals.NAME]` with kind = "rotor": what the air does on the blades of `[rotor]`."""
 
     kind: Literal["rotor"]
-    quantity: Literal["thrust", "torque", "power"] = entry(
-        "force along the shaft [N]; torque about it [N m]; torque times the speed of the hub [W]"
+    quantity: Literal["thrust", "moment", "power"] = entry(
+        "force along the shaft [N]; moment about it [N m]; moment times the speed of the hub [W]"
     )
 
 
