@@ -145,6 +145,7 @@ class Case(Builders):
     gravity = _Entry()
     allow = _Entry()
     fidelity = _Entry()
+    rotor = _Entry()
     design = _Entry()
     materials = _Group()
     sections = _Group()

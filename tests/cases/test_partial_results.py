@@ -39,11 +39,11 @@ def test_ctrl_c_keeps_the_part(repository, tmp_path):
     ready = (
         "import sys, plymotion.solver.run.execution as r\n"
         "from plymotion.solver.__main__ import main\n"
-        "step = r._Progress.__call__\n"
+        "step = r.Progress.__call__\n"
         "def told(self, i):\n"
         "    print('stepping', flush=True) if i.t[-1] > 0.3 else None\n"
         "    return step(self, i)\n"
-        "r._Progress.__call__ = told\n"
+        "r.Progress.__call__ = told\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
     process = subprocess.Popen(

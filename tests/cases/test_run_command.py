@@ -44,7 +44,7 @@ variants = ["long"]
 TOLD = """
 import sys, plymotion.solver.run.execution as r
 from plymotion.solver.__main__ import main
-begin, step = r._Progress.__init__, r._Progress.__call__
+begin, step = r.Progress.__init__, r.Progress.__call__
 def begun(self, watch, t_end, label, show):
     begin(self, watch, t_end, label, show)
     self.label = label
@@ -53,7 +53,7 @@ def told(self, integrator):
         sys.stdout.write(self.label + " steps\\n"), sys.stdout.flush()
         self.label = ""
     return step(self, integrator)
-r._Progress.__init__, r._Progress.__call__ = begun, told
+r.Progress.__init__, r.Progress.__call__ = begun, told
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -64,8 +64,8 @@ def test_all_names_are_there_and_others_are_not():
     assert dir(pm) == pm.__all__, "neither os nor modules of the package, and no name twice"
     for name in pm.__all__:
         assert getattr(pm, name) is not None
-    with pytest.raises(AttributeError, match="no attribute 'simulate'"):
-        pm.simulate  # noqa: B018
+    with pytest.raises(AttributeError, match="no attribute 'simulation'"):
+        pm.simulation  # noqa: B018
 
 
 def test_stub_has_every_public_name(repository):

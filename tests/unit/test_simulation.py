@@ -17,7 +17,7 @@ Made = Callable[[], pm.Simulation]
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a rigid arm with a motor in each rotation and a signal of its tip."""
     out = tmp_path_factory.mktemp("robot")
-    import_robot(ROBOTS / "arm.urdf", out, joints="torque", meshes=False)
+    import_robot(ROBOTS / "arm.urdf", out, joints="motor", meshes=False)
     text = (out / "case.toml").read_text()
     for axis in "xyz":
         tip = f'at = "wrist.tip"\ncomponent = "{axis}"\n'
