@@ -23,7 +23,7 @@ from ..solver.inputs.case.tables.kinds import (
 )
 from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import Body, GroundPoint, PointMass
-from ..solver.inputs.common.table import members, validated, without_annotations
+from ..solver.inputs.common.table import members, unit, validated, without_annotations
 from .keys import Keys, kind_of, plain
 
 WIDTH = 84  # of docstrings
@@ -103,10 +103,8 @@ def text_of(kind: Kind) -> str:
         )
     fields = {k: f for k, f in kind.model.model_fields.items() if k in kind.first}
     for key, field in {**fields, **keys_of(kind)}.items():
-        extra = field.json_schema_extra
-        unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
         default = "" if field.is_required() or field.default is None else _default(field)
-        meaning = f"{field.description or ''}{f' [{unit}]' if unit else ''}{default}"
+        meaning = f"{field.description or ''}{f' [{unit(field)}]' if unit(field) else ''}{default}"
         lines += [
             f"{key} :",
             *fill(meaning, WIDTH, initial_indent="    ", subsequent_indent="    ").splitlines(),

@@ -141,6 +141,7 @@ class Case(Builders):
     __slots__ = ("_file", "folder", "name", "table")
 
     format = _Entry()
+    units = _Entry()
     title = _Entry()
     gravity = _Entry()
     allow = _Entry()

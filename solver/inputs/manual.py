@@ -159,7 +159,8 @@ A case is a TOML file; in the repository it is `cases/<name>/case.toml`. This pa
 generated from solver/inputs/case by `make docs`.
 
 A *run* is the case with some *variants* merged into it, in order: tables are merged, \
-values and lists are replaced. Units are SI; degrees only in keys that end in `_deg`. \
+values and lists are replaced. Units are SI, those of lengths as \
+`units` says ([runs.md](runs.md#units-of-lengths)); degrees only in keys that end in `_deg`. \
 Unknown keys are errors.
 """
 SECTIONS = """\

@@ -15,6 +15,7 @@ from ..package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_wor
 from ..package.specification import ShellLinkKind
 from .common.materials import Content, Laminate, Material, Ply
 from .common.table import Around, Axis, Name, Pair, Table, Vector, entry, optional, validated
+from .common.units import MEANING, Unit, file_units, own_scale
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -105,6 +106,8 @@ class Load(Table):
         "displacement of components that a support holds, instead of 0: motion = { uz = 1e-3 }",
         "m, rad",
     )
+
+    more_lengths = ("motion.ux", "motion.uy", "motion.uz")
 
     @model_validator(mode="after")
     def _one_load(self) -> Self:
@@ -205,7 +208,9 @@ class Mesh(Table):
         '"Parameters/KEY"; .py: what build gets'
     )
     scale: float | None = optional(
-        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", gt=0
+        "length in m of the unit of mesh or script; 1e-3 for mm; absent: the unit of `units`",
+        "-",
+        gt=0,
     )
     element: Literal["triangle", "quadrilateral"] | None = optional(
         "quadrilateral: pairs of triangles become quadrilaterals, as far as their angles allow; "
@@ -377,6 +382,7 @@ class ShellDescription(Table):
     """The top of a shell description."""
 
     format: Literal[1] = entry("version of this format")
+    units: Unit = entry(MEANING, default="m")
     title: str = entry("one line")
     allow: list[Literal["material-units", "size-units"]] = entry(
         "warnings that are not shown, because unusual materials or sizes are meant", default=[]
@@ -426,7 +432,7 @@ class ShellDescription(Table):
 
 def checked(table: Mapping[str, Any], file: Path) -> ShellDescription:
     """Check keys, types and bounds of a description. Raises InputError, one line per error."""
-    description = validated(ShellDescription, table, file)
+    description = validated(ShellDescription, own_scale(table), file, **file_units(table))
     wrong = [f"{file}: {line}" for line in _out_of_range(table, "")]
     refuse(wrong)
     return description

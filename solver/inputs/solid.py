@@ -10,8 +10,7 @@ from pydantic import model_validator
 from ..package.specification import LinkKind
 from .common.materials import Material
 from .common.table import Around, Axis, FilePath, Name, Oriented, Table, Vector, entry, optional
-
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+from .common.units import MEANING, Unit
 
 
 class SolidMesh(Table):
@@ -33,9 +32,7 @@ class SolidMesh(Table):
         gt=0,
         lt=1,
     )
-    unit: Literal["m", "cm", "mm", "in"] | None = optional(
-        "of length in the file; absent: STEP and IGES files have one"
-    )
+    unit: Unit | None = optional("of length in that file; absent: STEP and IGES files have one")
     parameters: dict[str, float | list[float]] | None = optional(
         'values of the DefineConstant entries "Parameters/KEY" of a .geo'
     )
@@ -153,6 +150,7 @@ class SolidDescription(Table):
     """The whole file."""
 
     format: Literal[1] = entry("of the file", default=1)
+    units: Unit = entry(MEANING, default="m")
     title: str = entry("one line", default="")
     allow: list[str] = entry("codes of warnings that are meant", default=[])
     mesh: SolidMesh = entry("geometry and cells")

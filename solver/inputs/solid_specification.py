@@ -19,8 +19,9 @@ from .common.materials import check_materials, plain
 from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source
 from .common.table import plain_table, validated
 from .common.text_file import read_toml
+from .common.units import LENGTHS, UNITS, file_units
 from .section.foreign import in_one_region, named_sets, read_mesh, region_sets
-from .solid import LENGTHS, SolidDescription
+from .solid import SolidDescription
 
 BUILD = Path("build/solids")  # folder of the meshes
 # Cells in the opposite order of nodes: MED counts those of solids the other way round.
@@ -116,9 +117,11 @@ def solid_table(
     table: Mapping[str, Any], file: Path, size: float | None = None
 ) -> tuple[SolidDescription, SolidTable]:
     """Return the same of a description already read, with another size of the cells if given."""
+    units = file_units(table)
     if size is not None and isinstance(table.get("mesh"), dict):
+        size = size / LENGTHS[units.get(UNITS, "m")]  # as in the file
         table = {**table, "mesh": {**table["mesh"], "size": size}}
-    description = validated(SolidDescription, table, file)
+    description = validated(SolidDescription, table, file, **units)
     problems = [*check_materials(description.materials), *_references(description)]
     mesh: dict[str, Any] = {}
     with collected(problems):
@@ -204,6 +207,8 @@ def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
     if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
         file = gmsh_mesh(file, f"{key}: expected {', '.join(CAD)}, .geo, .msh or another mesh")
     own_unit = file.suffix.lower() in CAD_WITH_UNIT
+    if not own_unit and table.unit is None and description.units != "m":
+        table = table.model_copy(update={"unit": description.units})
     if own_unit and table.unit is not None:
         raise InputError(f'mesh.unit = "{table.unit}": expected none: {table.file} has its own')
     if not own_unit and table.unit is None:

@@ -11,6 +11,7 @@ from ...errors import InputError, nearest, unknown
 from ...math.arrays import Array
 from ...package.specification import ModeKind
 from ..common.table import lines, plain_table
+from ..common.units import LENGTHS
 from .bodies.specifications import BodySpecs, rich_bodies
 from .sweeps import CheckedSweep, Misplaced, check_sweep, unit_at
 from .tables.beams import BeamBody
@@ -125,7 +126,7 @@ def check_study(
     if merged is None:
         return []
     try:
-        base, _ = mechanism_of(merged, specs.folder)
+        base, _ = mechanism_of(merged, specs.folder, specs.units)
     except ValidationError as error:
         return lines(error, Mechanism, where)
     found: list[str] = []
@@ -177,10 +178,12 @@ def _misplaced(
 ) -> list[str]:
     """Return what is wrong with a target, one line each."""
     try:
-        unit = unit_at(base, target.key, specs.folder)
+        unit = unit_at(base, target.key, specs.folder, specs.units)
         owner = split_key(target.key)
     except Misplaced as error:
         return [f"{at}.of: {error}"]
+    if unit in LENGTHS and unit != "m":
+        return [f'{at}.of: {target.key} is in {unit}; expected units = "m" to vary a length']
     wanted = UNITS.get(parameter.kind)
     if wanted is not None and unit != wanted:
         return [

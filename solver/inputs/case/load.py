@@ -1,5 +1,6 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
@@ -19,7 +20,7 @@ from .design import CheckedStudy, check_study
 from .expressions import drives, law
 from .messages import Findings
 from .record import case_name
-from .sweeps import CheckedSweep, check_sweep
+from .sweeps import CheckedSweep, check_sweep, unit_at
 from .tables.schema import CaseFile, Mechanism, mechanism_of
 
 Tables = dict[str, Any]
@@ -174,7 +175,7 @@ def checked_case(
         merge(merged, quick)
         return merged
 
-    specs = BodySpecs(file.parent)
+    specs = BodySpecs(file.parent, top.units)
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
     findings.add(
@@ -185,11 +186,12 @@ def checked_case(
     for name, run in top.runs.items():
         merged = merged_with(f"runs.{name}", run.variants)
         try:
-            mechanism, _ = mechanism_of(merged, file.parent)
+            mechanism, texts = mechanism_of(merged, file.parent, top.units)
         except ValidationError as error:
             findings.of_run(name, bare_lines(error, Mechanism))
             continue
         runs[name], bodies[name], found = in_parts(mechanism, specs)
+        found += [] if top.units == "m" else _in_two_units(mechanism, texts, top.units)
         findings.of_run(name, found)
     if not findings:  # otherwise a run that is wrong would be missing
         for name, mechanism in runs.items():
@@ -231,6 +233,20 @@ def checked_case(
     if findings:
         raise InputError("\n".join(findings.lines()))
     return Case(case_name(file), file, top, runs, bodies, checked_sweeps, studies)
+
+
+def _in_two_units(mechanism: Mechanism, texts: Mapping[str, str], unit: str) -> Iterator[str]:
+    """Yield parameters that lengths in the unit of the file and forces in SI read alike."""
+    forces = repr(mechanism.model_dump(include={"forces"}))
+    for key, text in texts.items():
+        if unit_at(mechanism, key, Path()) != "m":
+            continue
+        for name in mechanism.parameters:
+            if re.search(rf"\b{name}\b", text) and re.search(rf"\b{name}\b", forces):
+                yield (
+                    f'{key} = "{text}": a length in {unit} by the parameter {name}, which a force '
+                    'reads in SI; expected another parameter, or units = "m"'
+                )
 
 
 def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:

@@ -15,7 +15,9 @@ from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
 from ...math.expressions.program import Node, value_at
-from ..common.table import bare_lines, lines
+from ..common.table import Table, bare_lines, lines
+from ..common.table import unit as unit_of
+from ..common.units import LENGTHS, in_metres
 from .bodies.descriptions import described
 from .bodies.specifications import BodySpec, BodySpecs
 from .checks import in_parts
@@ -33,19 +35,29 @@ class Misplaced(Exception):
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a sweep varies, found in the mechanism."""
+    """What a sweep varies, found in the mechanism.
+
+    Attributes
+    ----------
+    unit : of its values
+    metres : of those of its keys that are lengths of the case: metres in the unit of the value
+    """
 
     name: str
     keys: list[str]
     unit: str
+    metres: dict[str, float]
 
 
-def parameters_of(sweep: Sweep, mechanism: "Mechanism", folder: Path) -> list[Parameter]:
+def parameters_of(
+    sweep: Sweep, mechanism: "Mechanism", folder: Path, units: str
+) -> list[Parameter]:
     """Return the parameters with the keys that depend on them, and their units.
 
     Parameters
     ----------
     folder : of the case file
+    units : of lengths in the case file
 
     Raises
     ------
@@ -57,7 +69,7 @@ def parameters_of(sweep: Sweep, mechanism: "Mechanism", folder: Path) -> list[Pa
         for key, text in sweep.expressions.items()
     }
     owner: dict[str, str] = dict.fromkeys(sweep.expressions, "set")
-    units = {key: unit_at(mechanism, key, folder) for key in sweep.expressions}
+    found_units = {key: unit_at(mechanism, key, folder, units) for key in sweep.expressions}
     found = []
     for name, variation in sweep.vary.items():
         by_expression = [key for key, names in read.items() if name in names]
@@ -66,14 +78,19 @@ def parameters_of(sweep: Sweep, mechanism: "Mechanism", folder: Path) -> list[Pa
             if key in owner:
                 raise Misplaced(f"{key}: varied twice, by {owner[key]} and {name}")
             owner[key] = name
-            units[key] = unit_at(mechanism, key, folder)
+            found_units[key] = unit_at(mechanism, key, folder, units)
         keys = [*own, *by_expression]
         unit = variation.unit
         if unit is None:
             direct = own or [k for k in keys if sweep.expressions[k].strip(" -+") == name]
-            known = {units[key] for key in direct}
+            known = {found_units[key] for key in direct}
             unit = known.pop() if len(known) == 1 else ""
-        found.append(Parameter(name, keys, unit))
+        metres = {
+            key: LENGTHS[unit if key in own and unit in LENGTHS else units]
+            for key in keys
+            if found_units[key] == units and ":" not in key
+        }
+        found.append(Parameter(name, keys, unit, metres))
     return found
 
 
@@ -110,6 +127,8 @@ def changes_of(
         if not math.isfinite(value):
             raise Misplaced(f'set."{key}" = "{text}": expected a finite value')
         found[key] = value
+    for parameter in parameters:
+        found |= {key: found[key] / (1.0 / metres) for key, metres in parameter.metres.items()}
     return {key: int(v) if v == int(v) else v for key, v in found.items()}
 
 
@@ -140,8 +159,12 @@ def _reads(key: str, text: str, sweep: Sweep, parameters: Mapping[str, float]) -
     return names
 
 
-def unit_at(mechanism: "Mechanism", key: str, folder: Path) -> str:
-    """Return the unit of the number at a key, "" for none.
+def unit_at(mechanism: "Mechanism", key: str, folder: Path, units: str = "m") -> str:
+    """Return the unit of the number at a key in the file that has it, "" for none.
+
+    Parameters
+    ----------
+    units : of lengths in the case file
 
     Raises
     ------
@@ -150,7 +173,7 @@ def unit_at(mechanism: "Mechanism", key: str, folder: Path) -> str:
     """
     owner, colon, inner = key.partition(":")
     if not colon:
-        return _unit(mechanism, key, key)
+        return _unit(mechanism, key, key, units)
     way = owner.split(".")
     try:
         model = described(way, mechanism, folder) if len(way) == 2 else None
@@ -161,10 +184,10 @@ def unit_at(mechanism: "Mechanism", key: str, folder: Path) -> str:
         known += [f"bodies.{n}" for n, b in mechanism.bodies.items() if hasattr(b, "changes")]
         hint = nearest(owner, known)
         raise Misplaced(f"{key}: expected a described section or a shell before the colon{hint}")
-    return _unit(model, inner, key)
+    return _unit(model, inner, key, getattr(model, "units", "m"))
 
 
-def _unit(model: BaseModel, key: str, shown: str) -> str:
+def _unit(model: BaseModel, key: str, shown: str, units: str) -> str:
     """Return the unit at a key below a model; `shown` is the key in messages."""
     here: Any = model
     unit, way = "", list[str]()
@@ -193,8 +216,10 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
         if part not in known:
             raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{nearest(part, known)}")
         if isinstance(here, BaseModel):
-            extra = type(here).model_fields[part].json_schema_extra
-            unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+            unit = unit_of(type(here).model_fields[part])
+            apart = (*here.more_lengths, *here.lengths_or_angles) if isinstance(here, Table) else ()
+            if units != "m" and any(part == each.partition(".")[0] for each in apart):
+                raise Misplaced(f'{shown}: is in {units} here; expected units = "m" to vary it')
             here = getattr(here, part)
         else:
             if isinstance(here, list) and "," in unit:  # those of its entries, as text
@@ -203,7 +228,7 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
     if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
         what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
         raise Misplaced(f"{shown}: expected the key of a number, this is {what}")
-    return unit
+    return units if unit == "m" else unit
 
 
 NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")
@@ -254,7 +279,7 @@ def check_sweep(
     if merged is None:
         return []
     try:
-        base, texts = mechanism_of(merged, specs.folder)
+        base, texts = mechanism_of(merged, specs.folder, specs.units)
     except ValidationError as error:
         return lines(error, Mechanism, where)
     _, base_bodies, wrong = in_parts(base, specs)
@@ -263,7 +288,7 @@ def check_sweep(
         for name in getattr(sweep, key):
             found += unknown(f"{where}.{key}", name, "signal", base.signals)
     try:
-        parameters = parameters_of(sweep, base, specs.folder)
+        parameters = parameters_of(sweep, base, specs.folder, specs.units)
     except Misplaced as error:
         return [*found, f"{where}.vary: {error}"]
     times = {"solver.t_end", "solver.output_step"}
@@ -285,7 +310,7 @@ def check_sweep(
         if table is None:
             return []  # said of the run
         try:
-            other, texts = mechanism_of(table, specs.folder)
+            other, texts = mechanism_of(table, specs.folder, specs.units)
         except ValidationError:
             return []  # said of the run
         others[run] = maker.members(other, texts, problems, partly=True)
@@ -327,7 +352,7 @@ class _Maker:
             try:
                 found = changes_of(self.sweep, self.parameters, values, base.parameters)
                 changes = {key: v for key, v in found.items() if key not in left_out}
-                changes |= _following(texts, changes, base.parameters)
+                changes |= self._following(base, texts, changes)
                 member = Mechanism.model_validate(put(table, changes), context={RESOLVED: True})
             except Misplaced as error:
                 problems.add(k, values, [str(error)])
@@ -341,29 +366,31 @@ class _Maker:
             members.bodies.append(bodies)
         return members
 
+    def _following(
+        self, base: Mechanism, texts: Mapping[str, str], changes: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Return the numbers that are expressions of parameters which a member changes."""
+        own = {
+            k.removeprefix("parameters."): v
+            for k, v in changes.items()
+            if k.startswith("parameters.")
+        }
+        found: dict[str, float] = {}
+        for key, text in texts.items() if own else ():
+            value = number_of(text, {**base.parameters, **own})
+            if value is None:
+                raise Misplaced(f'{key} = "{text}": expected a finite value')
+            if key not in changes:
+                is_length = unit_at(base, key, self.specs.folder) == "m"
+                found[key] = in_metres(value, self.specs.units) if is_length else value
+        return found
+
     def _has(self, mechanism: Mechanism, key: str) -> bool:
         try:
             unit_at(mechanism, key, self.specs.folder)
         except Misplaced:
             return False
         return True
-
-
-def _following(
-    texts: Mapping[str, str], changes: Mapping[str, float], parameters: Mapping[str, float]
-) -> dict[str, float]:
-    """Return the numbers that are expressions of parameters which a member changes."""
-    own = {
-        k.removeprefix("parameters."): v for k, v in changes.items() if k.startswith("parameters.")
-    }
-    found: dict[str, float] = {}
-    for key, text in texts.items() if own else ():
-        value = number_of(text, {**parameters, **own})
-        if value is None:
-            raise Misplaced(f'{key} = "{text}": expected a finite value')
-        if key not in changes:
-            found[key] = value
-    return found
 
 
 class _MemberProblems:

@@ -5,14 +5,25 @@ A message has one line: file, key, value, expectation.
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import cache
 from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Tag, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    Tag,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic.fields import FieldInfo
 
 from ...errors import InputError, few, nearest, printable
+from .units import unit_of, with_metres
 
 
 def usable_path(text: str) -> str:
@@ -65,6 +76,30 @@ class Table(BaseModel):
     model_config = ConfigDict(
         extra="forbid", allow_inf_nan=False, frozen=True, strict=True, defer_build=True
     )
+
+    # Keys within that are lengths, such as "table.values", though not by their own unit; those
+    # that are, if their table acts along one.
+    more_lengths: ClassVar[tuple[str, ...]] = ()
+    lengths_or_angles: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _lengths_in_metres(cls, data: Any, info: ValidationInfo) -> Any:
+        unit = unit_of(info)
+        return data if unit == "m" else with_metres(data, unit, _lengths(cls))
+
+
+def unit(field: FieldInfo) -> str:
+    """Return the unit of a key, "" for none."""
+    extra = field.json_schema_extra
+    return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+
+
+@cache
+def _lengths(model: type[BaseModel]) -> list[str]:
+    """Return the keys of a table that are lengths."""
+    own = [f.alias or name for name, f in model.model_fields.items() if unit(f) == "m"]
+    return [*own, *getattr(model, "more_lengths", ())]
 
 
 class Oriented(Table):
@@ -280,8 +315,7 @@ def _field(model: type[BaseModel], location: tuple[Any, ...]) -> FieldInfo | Non
 
 
 def _unit(field: FieldInfo | None) -> str:
-    extra = field.json_schema_extra if field is not None else None
-    return str(extra["unit"]).replace("-", "") if isinstance(extra, dict) else ""
+    return "" if field is None else unit(field).replace("-", "")
 
 
 def _of_numbers(field: FieldInfo | None) -> str:

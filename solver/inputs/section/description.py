@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model, m
 
 from ..common.materials import Angle, Content, Laminate, Material
 from ..common.table import Name, Pair, Table, entry, optional, validated
+from ..common.units import MEANING, Unit, file_units, own_scale
 from .shapes.library import SHAPES, Parameter, Shape
 
 FILE = "file"  # the member of a union that is not a shape
@@ -41,7 +42,7 @@ class FileMesh(MeshTable):
         ".med .bdf .vtu .xdmf ...); its x and y are x2 and x3"
     )
     scale: float | None = optional(
-        "length in m of the file's unit; 1e-3 for mm; absent: 1", "m", gt=0
+        "length in m of the mesh's unit; 1e-3 for mm; absent: the unit of `units`", "-", gt=0
     )
     parameters: dict[str, float | list[float]] | None = optional(
         '.geo only: numbers or lists for its DefineConstant entries "Parameters/KEY"'
@@ -159,6 +160,7 @@ class SectionDescription(Table):
     """The top of a section description."""
 
     format: Literal[1] = entry("version of this format")
+    units: Unit = entry(MEANING, default="m")
     title: str = entry("one line")
     convention: Literal["contour", "cartesian"] | None = optional(
         "sign convention of ply angles; required if one of them is not 0"
@@ -187,4 +189,4 @@ class SectionDescription(Table):
 
 def checked(table: Mapping[str, Any], file: Path) -> SectionDescription:
     """Check keys, types and bounds of a description. Raises InputError, one line per error."""
-    return validated(SectionDescription, table, file)
+    return validated(SectionDescription, own_scale(table), file, **file_units(table))

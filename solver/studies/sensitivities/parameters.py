@@ -1,6 +1,7 @@
 """Parameters of a run: its case with numbers a little smaller and larger, and their models."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ from ...dynamics.elements.constraints.treatment import treated
 from ...dynamics.model.model import Model
 from ...errors import InputError, few, nearest
 from ...inputs.case.load import Case, checked_case
-from ...inputs.case.sweeps import CheckedSweep
+from ...inputs.case.sweeps import CheckedSweep, Misplaced, unit_at
 from ...inputs.case.tables.schema import split_key
 from ...integrators.breakpoints import breaks
 from ...integrators.choice import treatment_of
@@ -67,7 +68,11 @@ def with_parameters(
             raise InputError(f"--of {key}: expected a number of the mechanism, not of its solution")
         value = _value(mechanism, key)
         h = RELATIVE * (abs(value) or 1.0)
-        sweeps[SWEEP.format(k)] = {"run": run, "vary": {key: {"values": [value - h, value + h]}}}
+        vary: dict[str, Any] = {"values": [value - h, value + h]}
+        with suppress(Misplaced):  # which is said below
+            if unit_at(case.runs[run], key, file.parent) == "m":
+                vary["unit"] = "m"
+        sweeps[SWEEP.format(k)] = {"run": run, "vary": {key: vary}}
     try:
         added = {**table, "sweeps": sweeps}
         varied = checked_case(added, file, coarse=coarse, sweeps=list(sweeps))

@@ -41,7 +41,7 @@ class Variant(Table):
 class Member(Variant):
     """One point of the design."""
 
-    values: tuple[float, ...]
+    values: Annotated[tuple[float, ...], Field(strict=False)]  # of a list in JSON
     other_runs: dict[str, Variant]  # that combined signals read
     number: Number = 0  # in the sweep
 

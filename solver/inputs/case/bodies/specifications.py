@@ -105,9 +105,11 @@ class BodySpecs:
     Attributes
     ----------
     folder : of the case file, where relative paths start
+    units : of lengths in the case file
     """
 
     folder: Path
+    units: str = "m"
     _known: dict[tuple[str, ...], BodySpec] = field(default_factory=dict)
 
     def of(

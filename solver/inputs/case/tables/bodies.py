@@ -16,6 +16,7 @@ from ....package.specification import (
     SpinningKind,
 )
 from ...common.table import FilePath, Name, Oriented, Table, Vector, entry, optional
+from ...common.units import UNITS, unit_of
 from ...section.description import ShapeMesh, shape_or
 from ...shell import LINKS, MOST_REFINED, REFINE
 from ...solid import SolidInterface
@@ -180,6 +181,14 @@ class DescribedSection(Table):
         "the case"
     )
     changes: dict[str, Any] = entry(CHANGES, default={})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_units_of_the_case(cls, data: Any, info: ValidationInfo) -> Any:
+        inner, unit = data.get("description") if isinstance(data, dict) else None, unit_of(info)
+        if unit == "m" or not isinstance(inner, dict):
+            return data
+        return {**data, "description": {UNITS: unit, **inner}}
 
     @model_validator(mode="after")
     def _one_of_two(self) -> "DescribedSection":

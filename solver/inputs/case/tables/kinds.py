@@ -1,5 +1,7 @@
 """Tables of joints, couplings and forces of a case, made from the keys of their kinds."""
 
+from collections.abc import Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from pydantic import (
@@ -167,6 +169,24 @@ def by_freedoms(table: Any) -> Any:
     )
 
 
+def is_along_length(force: Any, joints: Mapping[str, Any]) -> bool:
+    """Whether a force, as a user wrote it, acts along a coordinate that is a length."""
+    kind = force.get("kind") if isinstance(force, dict) else None
+    if not isinstance(kind, str) or not isinstance(FORCES.get(kind), CoordinateForce):
+        return False
+    if "between" in force:
+        return True
+    joint = joints.get(str(force.get("joint")))
+    with suppress(ValueError):  # which is said of the joint
+        joint = by_freedoms(joint)
+    known = JOINTS.get(str(joint.get("kind"))) if isinstance(joint, dict) else None
+    free = known.coordinates if known else ()
+    return any(
+        not isinstance(each, Angle) and force.get("coordinate", each.name) == each.name
+        for each in free
+    )
+
+
 JOINT_TABLES = tuple(table_of(JointTable, "joints", joint) for joint in JOINTS.values())
 if TYPE_CHECKING:
     CaseJoint = JointTable
@@ -219,6 +239,8 @@ class LoadTable(Table):
 
 class CoordinateTable(Table):
     """Keys of every force along a coordinate."""
+
+    lengths_or_angles = ("lower", "upper", "length", "force_displacement.x")
 
     joint: Name | None = optional("the joint whose coordinate it acts along; or `between`")
     coordinate: JointCoordinate | None = optional("of the joint; absent: the only one that it has")

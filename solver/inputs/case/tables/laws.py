@@ -18,6 +18,7 @@ from ....math.laws import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import PREFIX, Packed, column, packed
 from ...common.table import FilePath, Table, entry, optional
 from ...common.text_file import lines_of, read_text
+from ...common.units import LENGTHS, unit_of
 
 # Keys of the validation context: the folder of the case file; whether tables are read already.
 FOLDER, RESOLVED = "folder", "resolved"
@@ -216,6 +217,16 @@ class TranslationDrive(_Law):
     table: DriveTable | None = optional("displacements [m] at given times")
     smooth_step: SmoothStep | None = optional("from 0 to a displacement")
     expression: str | None = optional("of the time `t` and of parameters, see forces.md", "m")
+
+    more_lengths = ("polynomial", "table.values", "smooth_step.value")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _expression_in_metres(cls, data: Any, info: ValidationInfo) -> Any:
+        text, unit = data.get("expression") if isinstance(data, dict) else None, unit_of(info)
+        if unit == "m" or not isinstance(text, str):
+            return data
+        return {**data, "expression": f"({text})*{LENGTHS[unit]!r}"}
 
 
 class LoadLaw(_Law):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, ValidationError, model_validator
+from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
 from ....dynamics.elements.joints.table import JOINTS
 from ....errors import InputError
@@ -19,10 +19,18 @@ from ....math.expressions.parse import Plain, parsed
 from ....math.expressions.program import value_at
 from ...common.materials import Material
 from ...common.table import Name, Table, Vector, Word, entry, follow, is_number, optional, validated
+from ...common.units import MEANING, UNITS, Unit, unit_of, with_metres
 from .beams import BeamBody
 from .bodies import ImportedBody, PackageBody, RigidBody, Section, ShellBody, SolidBody
 from .design import Design
-from .kinds import CaseCoupling, CaseForce, CaseJoint, by_freedoms
+from .kinds import (
+    CaseCoupling,
+    CaseForce,
+    CaseJoint,
+    CoordinateTable,
+    by_freedoms,
+    is_along_length,
+)
 from .laws import FOLDER, RESOLVED, TablePoints
 from .rotor import Rotor
 from .signals import Signal
@@ -51,7 +59,10 @@ class Variation(Table):
         "dotted keys that all get the value; absent: the parameter's name, unless `set` uses it",
         min_length=1,
     )
-    unit: str | None = optional("for figures and tables; absent: that of its keys")
+    unit: str | None = optional(
+        "for figures and tables; absent: that of its keys. Of a length: m, cm, mm or in, which its "
+        "values then have"
+    )
     values: list[float] | None = optional("its values", min_length=1)
     low: float | None = optional("instead of values: first", alias="from")
     high: float | None = optional("last", alias="to")
@@ -233,6 +244,22 @@ class Mechanism(Table):
 
     @model_validator(mode="before")
     @classmethod
+    def _along_lengths(cls, data: Any, info: ValidationInfo) -> Any:
+        """Convert keys of forces that are lengths or angles, as the coordinate of a joint is."""
+        unit, forces = unit_of(info), data.get("forces") if isinstance(data, dict) else None
+        if unit == "m" or not isinstance(forces, dict):
+            return data
+        joints = data.get("joints")
+        found = {
+            name: with_metres(force, unit, CoordinateTable.lengths_or_angles)
+            if is_along_length(force, joints if isinstance(joints, dict) else {})
+            else force
+            for name, force in forces.items()
+        }
+        return {**data, "forces": found}
+
+    @model_validator(mode="before")
+    @classmethod
     def _only_coordinates(cls, data: Any) -> Any:
         """Give signals of joints with one coordinate its name."""
         joints, signals = (isinstance(data, dict) and data.get(k) for k in ("joints", "signals"))
@@ -273,6 +300,7 @@ class CaseFile(Table):
     """Top-level keys of a case file, in addition to the keys of the mechanism."""
 
     format: Literal[1] = entry("version of this format")
+    units: Unit = entry(MEANING, default="m")
     title: str = entry("one line")
     variants: dict[Name, dict[str, Any]] = entry(
         "partial cases: tables that are merged into the case", default={}
@@ -312,12 +340,15 @@ def output_findings(mechanism: Mechanism) -> list[str]:
     ]
 
 
-def mechanism_of(table: dict[str, Any], folder: Path) -> tuple[Mechanism, dict[str, str]]:
+def mechanism_of(
+    table: dict[str, Any], folder: Path, units: str = "m"
+) -> tuple[Mechanism, dict[str, str]]:
     """Return a mechanism as a user wrote it, and the texts at dotted keys in place of numbers.
 
     Parameters
     ----------
     folder : of the case file
+    units : of its lengths; those of the mechanism are in metres
 
     Raises
     ------
@@ -327,9 +358,10 @@ def mechanism_of(table: dict[str, Any], folder: Path) -> tuple[Mechanism, dict[s
     given = table.get("parameters")
     numbers = dict(given) if isinstance(given, dict) else {}
     texts: dict[str, str] = {}
+    context = {FOLDER: folder, UNITS: units}
     while True:
         try:
-            return Mechanism.model_validate(table, context={FOLDER: folder}), texts
+            return Mechanism.model_validate(table, context=context), texts
         except ValidationError as error:
             found = {}
             for item in error.errors():
