@@ -23,7 +23,7 @@ from solver_runs import REFERENCE, solve
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import RunResult
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.studies.sweep.plan import read_plan
 
 CASE = "double-pendulum"

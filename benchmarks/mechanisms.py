@@ -23,7 +23,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.run.preparation import integrated, prepare
 
 ROOT = Path(__file__).parents[1]

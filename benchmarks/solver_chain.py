@@ -21,7 +21,7 @@ from plymotion.solver.dynamics.elements.constraints.treatment import treated
 from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)
 WHOLE_LINKS = LINKS

@@ -18,7 +18,7 @@ from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import Interface, ModalPackage, read_package
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 
 SHIPPED = Path("tests/packages")
 EIGHT = SHIPPED / "double-pendulum-8"  # 8 elements a link, lumped, 4 + 4 modes

@@ -16,7 +16,7 @@ from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.execution import execute
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.run.preparation import output_times, prepare
 
 REFERENCE = Method("reference", "rk8", "projection", (1e-10,))

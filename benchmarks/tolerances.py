@@ -23,7 +23,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.report.style import Canvas, colour, house_style
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.run.preparation import prepare
 
 # Case, run, end [s].

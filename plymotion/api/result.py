@@ -14,7 +14,7 @@ from ..solver.math.arrays import Array
 from ..solver.math.compiled import tell_if_slow
 from ..solver.package.common.files import named_by_user
 from ..solver.results import RunResult, read_result, read_summary
-from ..solver.run.inputs_digest import up_to_date
+from ..solver.run.inputs import up_to_date
 from ..solver.studies.cases import turn
 from ..solver.studies.runs import run_one
 from ..solver.studies.screen import shown

@@ -11,7 +11,8 @@ from ..solver.dynamics.analysis.joint_coordinates import JointCoordinates, Proje
 from ..solver.errors import InputError, nearest
 from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
-from ..solver.mechanism.build import BuiltMechanism, build, used_packages
+from ..solver.mechanism.build import build, used_packages
+from ..solver.mechanism.built import BuiltMechanism
 from ..solver.run.coupled import Kept, Stepper
 from ..solver.run.execution import read_run
 from .case import Case, as_case

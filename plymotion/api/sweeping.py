@@ -14,8 +14,15 @@ from ..solver.math.arrays import Array
 from ..solver.package.common.files import write_text
 from ..solver.studies.cases import turn
 from ..solver.studies.screen import shown
-from ..solver.studies.sweep.file import CSV, FILE, SweepResult, read_sweep, result_of, sweep_csv
-from ..solver.studies.sweep.member import FINISHED
+from ..solver.studies.sweep.file import (
+    CSV,
+    FILE,
+    FINISHED,
+    SweepResult,
+    read_sweep,
+    result_of,
+    sweep_csv,
+)
 from ..solver.studies.sweep.plan import read_plan
 from ..solver.studies.sweep.work import Work, settled
 from ..solver.workers.executors import Here, Local

@@ -12,7 +12,7 @@ from ..errors import few
 from ..integrators.generic.advice import Stall
 from ..math.arrays import Array
 from ..math.catalogue import Code, Expression, Expressions
-from ..mechanism import BuiltMechanism
+from ..mechanism.built import BuiltMechanism
 from ..results.codes import (
     CODES,
     ENERGY_JUMP,

@@ -15,7 +15,7 @@ from ..dynamics.model.model import Model
 from ..integrators.generic.drive import Solution
 from ..math.arrays import Array, IntArray
 from ..math.rows import spans
-from ..mechanism import BuiltMechanism
+from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..results.codes import Finding
 from ..results.schema import ENERGIES, ROUNDING

@@ -15,7 +15,7 @@ from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from ..mechanism import build
+from ..mechanism.build import build
 from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION, Finding
 from .finished import FinishedRun
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness

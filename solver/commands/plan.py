@@ -12,7 +12,7 @@ from ..package.common.files import refuse_foreign, write_text
 from ..report.fidelity import ladder_file
 from ..report.style import GREY, INK, WARNING, Canvas, colour, house_style
 from ..report.table import aligned, json_text
-from ..run.inputs_digest import plan_file
+from ..run.inputs import plan_file
 from ..studies.cases import build_folder, chosen_run
 from ..studies.exit_codes import INCOMPLETE
 from ..studies.fidelity.answer import answer_text, entry

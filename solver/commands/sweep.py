@@ -10,8 +10,16 @@ from ..errors import InputError
 from ..package.common.files import refuse_foreign, refuse_link, write_text
 from ..package.common.plain_data import share
 from ..studies.exit_codes import INCOMPLETE
-from ..studies.sweep.file import CSV, FILE, SweepResult, result_of, sweep_csv
-from ..studies.sweep.member import FAILED, PENDING, STOPPED
+from ..studies.sweep.file import (
+    CSV,
+    FAILED,
+    FILE,
+    PENDING,
+    STOPPED,
+    SweepResult,
+    result_of,
+    sweep_csv,
+)
 from ..studies.sweep.plan import read_plan
 from ..studies.sweep.show import draw_sweep, outcome_lines
 from ..studies.sweep.work import Work, settled

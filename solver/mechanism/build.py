@@ -18,7 +18,7 @@ frozen at one orientation, then misses the mass ratio times the rotation within 
 iteration diverges. The force between the body and the virtual body is an unknown of the iteration.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import compress
 from math import ceil
@@ -31,11 +31,12 @@ from ..errors import InputError, nearest
 from ..inputs.case.expressions import joint_starts
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_parameters, vector_to_matrix
-from ..package import Interface, ModalPackage
+from ..package import ModalPackage
 from ..package.body.selection import rigid, selected
 from .assembly import assemble_model
-from .case_tables import BuiltJoint, Reader, coupling_rows, force_tables, joint_tables, wind_laws
-from .consistent import Start, assembled
+from .built import BuiltMechanism, Start, frame_marker
+from .case_tables import Reader, coupling_rows, force_tables, joint_tables, wind_laws
+from .consistent import assembled
 from .places import Places
 from .rotor import rotor_table
 from .tables import Body, JointTable, MarkerTable, flexible_body, rigid_body
@@ -181,26 +182,6 @@ def modal_values(
 MODERATE = 100.0  # mass point over its body: far from round-off
 
 
-@dataclass(frozen=True)
-class BuiltMechanism:
-    """A model with the names of its bodies, joints and places."""
-
-    model: Model
-    start: Start
-    body_names: list[str]  # bodies of the case, then virtual bodies
-    joint_names: list[str]  # one per joint row block, drives included
-    packages: dict[str, ModalPackage]  # flexible bodies only
-    places: dict[str, tuple[int, Interface]]  # "BODY.INTERFACE" -> body index, interface
-    joints: dict[str, BuiltJoint]  # joints of the case
-    signal_marker: dict[str, int]  # signal of a place -> marker index
-    state_names: list[str]  # auxiliary states, without those that count turns
-    light: Callable[[], Model]  # the same with mass points of moderate mass (`heaviest` of `build`)
-    force_names: list[str]  # in the order of the force elements of the model
-    callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
-    point_masses: tuple[tuple[int, float], ...] = ()  # marker and mass [kg], not of virtual bodies
-    markers: dict[str, int] = field(default_factory=dict)  # of all places, if they were asked for
-
-
 def build(
     mechanism: "Mechanism",
     packages: dict[str, ModalPackage],
@@ -310,11 +291,6 @@ def _joints_started(
         held = build(mechanism, packages, share=step / steps)
         start = replace(start, positions=assembled(held.model, start, held.joint_names))
     return start
-
-
-def frame_marker(signal: str, number: int) -> str:
-    """Return the name of a marker that carries the frame of a signal of a body in segments."""
-    return f"{signal}#{number}"
 
 
 def _bodies(

@@ -1,7 +1,7 @@
 """Joints, couplings, force elements, laws and measured quantities from the tables of a case."""
 
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,6 +45,7 @@ from ..math.expressions.program import Node, constant, value_at
 from ..math.laws import Law, NamedCurve, law_value
 from ..math.laws import curve as curve_of
 from ..math.rows import column
+from .built import BuiltJoint
 from .places import Places, axes
 from .tables import (
     CoordinateTable,
@@ -118,15 +119,6 @@ def shifted(law: Law, by: float) -> Law:
     coefficients = law.coefficients.copy()
     coefficients[:, 0] += by
     return replace(law, coefficients=coefficients)
-
-
-@dataclass(frozen=True)
-class BuiltJoint:
-    """Position of a joint of the case in the model."""
-
-    kind: str
-    rows: tuple[int, ...]  # joint tables of the model: the joint itself, then its drives
-    shift: Array  # (3,) vector from place one to two at the given start, in the joint's axes [m]
 
 
 def joint_tables(

@@ -25,6 +25,7 @@ from ..dynamics.model.model import Model
 from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding
+from .built import Start
 
 
 def rows_of(model: Model, joint: int) -> slice:
@@ -209,15 +210,6 @@ DEFORMED = (
 ALL = slice(None)
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
-
-
-@dataclass(frozen=True)
-class Start:
-    """Approximate positions and given velocities, in the order of the model's coordinates."""
-
-    positions: Array  # (n_pos,)
-    velocities: Array  # (n_vel,): values where given
-    given: Array  # (n_vel,) bool: True for given velocities, which must be kept
 
 
 @dataclass(frozen=True)

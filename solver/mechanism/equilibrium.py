@@ -22,8 +22,7 @@ from ..dynamics.model.coordinates import Spin, moved, spin_accelerations, spin_v
 from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, few
 from ..math.arrays import Array
-from .build import BuiltMechanism
-from .consistent import Start
+from .built import BuiltMechanism, Start
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.solver import Solver

@@ -23,7 +23,8 @@ from ..errors import InputError, few
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, rotation_matrix
 from ..results.codes import START_MOVED, Finding
-from .consistent import DEFORMED, Start, closed_by_frames, consistent_state, frames_close, rows_of
+from .built import Start
+from .consistent import DEFORMED, closed_by_frames, consistent_state, frames_close, rows_of
 from .equilibrium import equilibrium, relative_equilibrium
 
 if TYPE_CHECKING:

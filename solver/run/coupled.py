@@ -21,9 +21,9 @@ from ..integrators.generic.base import Integrator
 from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
-from ..mechanism import BuiltMechanism
+from ..mechanism.built import BuiltMechanism
 from ..signals import recorded
-from .outcome import RunSpec
+from .inputs import RunSpec
 from .preparation import Prepared, prepare
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from ..dynamics.evaluation.series import loads_of_markers
 from ..math.arrays import Array, IntArray
 from ..math.laws import lengths_along
 from ..math.rows import LongRows
-from ..mechanism import BuiltMechanism
+from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.section.stress import strengths
 from ..results import BodyGeometry

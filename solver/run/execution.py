@@ -20,8 +20,8 @@ from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.codes import Finding
 from ..system.interrupts import held
-from .inputs_digest import inputs_sha256, still
-from .outcome import RunSpec, collect, disk_note, nearest_folder
+from .inputs import RunSpec, inputs_sha256, still
+from .outcome import collect, disk_note, nearest_folder
 from .preparation import Prepared, histories_of, integrated, prepare
 from .timing import FIRST_LINE_S, Stopwatch, Told
 

@@ -7,7 +7,7 @@ import shutil
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,7 +25,7 @@ from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
 from ..math.compiled import numba_version
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
-from ..mechanism import BuiltMechanism
+from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes import FEEDBACK
@@ -34,42 +34,15 @@ from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
 from .drawing import drawn_loads, links, pictures, point_masses, with_views
+from .inputs import RunSpec
 
 if TYPE_CHECKING:
-    from ..inputs.case.tables.schema import Mechanism
+    pass
 
 # What a run leaves: histories, signals, checks and warnings from its solution.
 
 VTK_LINE = 3
 MOST_IN_MEMORY = 10 * IN_MEMORY  # bytes of reactions and signals
-
-
-@dataclass(frozen=True)
-class RunSpec:
-    """A run as `check` wrote it, with its packages read.
-
-    Attributes
-    ----------
-    other_runs : those that its combined signals read, by name
-    """
-
-    case: str
-    run: str
-    mechanism: "Mechanism"
-    packages: dict[str, ModalPackage]
-    other_runs: dict[str, "RunSpec"] = field(default_factory=dict)
-
-    def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
-        """Return the run with other values at dotted keys of its mechanism, checked as a file is.
-
-        Raises
-        ------
-        InputError
-            Values that a run file may not have.
-        """
-        from ..inputs.case.tables.schema import changed_mechanism  # a run does without the models
-
-        return replace(self, mechanism=changed_mechanism(self.mechanism, changes))
 
 
 def collect(

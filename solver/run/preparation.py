@@ -21,8 +21,8 @@ from ..integrators.choice import make_integrator, treatment_of
 from ..integrators.generic.advice import Stall
 from ..integrators.generic.drive import Solution, Watch, integrate
 from ..math.arrays import Array
-from ..mechanism import BuiltMechanism, build
-from ..mechanism.build import used_packages
+from ..mechanism.build import build, used_packages
+from ..mechanism.built import BuiltMechanism
 from ..mechanism.consistent import redundancy
 from ..mechanism.equilibrium import given_spin
 from ..mechanism.python_functions import Called, python_functions, require_permission
@@ -30,7 +30,7 @@ from ..mechanism.start import moved_findings, starting_state
 from ..package import ModalPackage
 from ..results.codes import BREAKS_UNSEARCHED, CHATTERS, SINGULAR, Finding
 from ..signals import Histories, Sensor, Turns, recorded, sensors
-from .outcome import RunSpec
+from .inputs import RunSpec
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism

@@ -10,8 +10,7 @@ from ..dynamics.analysis.recovery import Recording, stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
 from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, vectors_to_matrices
-from ..mechanism import BuiltMechanism
-from ..mechanism.build import frame_marker
+from ..mechanism.built import BuiltMechanism, frame_marker
 from ..package.body.schema import Interface
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from ..package.common.files import refuse_foreign
 from ..results import RunResult
 from ..results.summary import damping_lines, invalid_words
 from ..run.execution import run_file
-from ..run.inputs_digest import up_to_date
-from ..run.outcome import RunSpec
+from ..run.inputs import RunSpec, up_to_date
 from ..run.timing import timing_text
 from ..system.interrupts import (
     INTERRUPTED,

@@ -13,7 +13,7 @@ import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.report.build import make_report
 from plymotion.solver.results import read_result, read_summary
-from plymotion.solver.run.inputs_digest import up_to_date
+from plymotion.solver.run.inputs import up_to_date
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 

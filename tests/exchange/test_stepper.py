@@ -12,7 +12,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.coupled import Course, Stepper
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 
 CARRIAGE = (
     rigid("box", 2.0, 0.1, {"c": [0, 0, 0]}, position=[0.5, 0, 0])

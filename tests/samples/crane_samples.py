@@ -9,7 +9,7 @@ from samples.case_samples import HEAD, rigid
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 
 G, LOAD = 9.81, 2000.0
 E, NU, DENSITY, WIRE = 2e11, 0.3, 7850.0, 0.012  # steel, diameter of a link [m]

@@ -12,7 +12,7 @@ from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.body.selection import selected
 from plymotion.solver.run.execution import execute
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.studies.fidelity.plan import with_values
 
 Table = dict[str, Any]

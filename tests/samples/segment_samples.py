@@ -14,7 +14,7 @@ from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package import ModalPackage, SectionData
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 
 MATERIAL = {"kind": "isotropic", "E": 1.0, "nu": 0.0, "rho": 1.0}  # not used: matrices are given
 SECTION = {"shape": "rectangle", "width": 0.1, "height": 0.1}

@@ -13,7 +13,7 @@ from plymotion.solver.inputs.common.text_file import read_toml
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.run.preparation import integrated, prepare
 from plymotion.solver.studies.modes.state import spec_of_run
 from plymotion.solver.studies.sensitivities.execution import with_sensitivities

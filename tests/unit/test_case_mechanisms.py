@@ -9,7 +9,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.dynamics.evaluation.laws import law_at
 from plymotion.solver.inputs.case.load import load_case, source_files
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 from plymotion.solver.run.execution import read_run
 
 SOURCE = """

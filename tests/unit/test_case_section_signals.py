@@ -9,7 +9,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.signals import PlyStressSignal, ResultantSignal
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
 from plymotion.solver.strength.beam_bodies import resultants

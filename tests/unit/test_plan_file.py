@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.run.inputs_digest import plan_sha256
+from plymotion.solver.run.inputs import plan_sha256
 from plymotion.solver.studies.fidelity.choice import kept_plan, plan_of_table, read_plan, write_plan
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan
 

@@ -25,7 +25,7 @@ from plymotion.solver.report.story import read_story
 from plymotion.solver.report.style import house_style
 from plymotion.solver.results import write_result, write_summary
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 
 pytest.importorskip("matplotlib")
 

@@ -8,7 +8,7 @@ import pytest
 from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.math.compiled import statistics
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 from plymotion.solver.studies.fidelity.answer import Answer, answer_text, entry
 from plymotion.solver.studies.fidelity.checking import Checking
 from plymotion.solver.studies.fidelity.execution import checked, plan_of

@@ -5,7 +5,7 @@ import pytest
 from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.dynamics.evaluation.accelerations import residuals
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.indicators.loaded import without_second_order
 from plymotion.solver.studies.fidelity.indicators.response import samples

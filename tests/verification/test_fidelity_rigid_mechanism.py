@@ -3,7 +3,7 @@
 from samples.fidelity_samples import Table, pendulum, planned_run
 
 from plymotion.solver.inputs.case.tables.schema import Mechanism
-from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.studies.fidelity.answer import answer_text, entry
 from plymotion.solver.studies.fidelity.execution import checked, plan_of
 

@@ -14,7 +14,8 @@ from plymotion.solver.dynamics.model.model import state_size
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.robot.case import robot_case
 from plymotion.solver.extras.robot.urdf import read_urdf
-from plymotion.solver.mechanism.build import BuiltMechanism, build
+from plymotion.solver.mechanism.build import build
+from plymotion.solver.mechanism.built import BuiltMechanism
 
 ROBOTS = Path(__file__).parents[1] / "samples/robots"
 Found = tuple[JointCoordinates, BuiltMechanism]

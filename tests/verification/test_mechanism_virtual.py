@@ -6,7 +6,7 @@ import pytest
 from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.run.execution import execute, read_run
 

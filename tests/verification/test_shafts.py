@@ -14,7 +14,7 @@ from plymotion.solver.checks.stability import SpinMonitor
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.generic.drive import Steps
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 from plymotion.solver.package import write_package
 from plymotion.solver.run.execution import execute, read_run
 

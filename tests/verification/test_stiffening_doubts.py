@@ -16,7 +16,7 @@ from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.integrators.generic.drive import Solution
-from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.build import build
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH = 0.5

@@ -22,7 +22,8 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.signals import StrengthSignal
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.mechanism import BuiltMechanism, build
+from plymotion.solver.mechanism.build import build
+from plymotion.solver.mechanism.built import BuiltMechanism
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.section.schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths

@@ -18,7 +18,7 @@ from ...inputs.case.tables.schema import Mechanism
 from ...math.arrays import Array
 from ...package.common.design import moved
 from ...package.common.plain_data import inputs_sha256
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 
 STEP = 1e-5  # of the range of a parameter, along derivatives and between specifications
 Specs = Mapping[str, BodySpec]

@@ -22,7 +22,7 @@ from ...inputs.case.tables.signals import StrengthSignal
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...package.body.selection import vibrations
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from ...signals import Sensor
 from ...signals.strength import strength_values
 

@@ -10,7 +10,7 @@ from ...inputs.case.bodies.specifications import model_and_check
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...run.execution import package_of
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from .trials import Order, Trials
 
 PLAN = "plan.toml"
@@ -50,15 +50,12 @@ def with_plan(trials: Trials) -> Order:
     if fidelity is None or not trials.runs:
         return order
     from ..fidelity.choice import kept_plan, write_plan  # most studies need no planner
-    from ..fidelity.execution import flexible_names, shared_plan
-    from ..fidelity.plan import vibration_labels
+    from ..fidelity.execution import shared_plan
+    from ..fidelity.plan import known_vibrations
 
     spec, check = _specs(trials, study.start)
-    known = {
-        n: {"model": vibration_labels(spec.packages[n]), "check": ()} for n in flexible_names(spec)
-    }
     digest = trials.digest()
-    plan = kept_plan(order.folder / PLAN, known, digest)
+    plan = kept_plan(order.folder / PLAN, known_vibrations(spec), digest)
     if plan is None:
         plan = replace(shared_plan(spec, check).plan, inputs_sha256=digest)
         write_plan(order.folder / PLAN, plan, [f"Frozen for the study {study.name}."])

@@ -31,7 +31,7 @@ from ...package.common.files import write_text
 from ...package.common.plain_data import data_sha256
 from ...package.specification import fingerprint
 from ...run.execution import package_of
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from ...run.preparation import histories_of, integrated, prepare
 from ...signals import Recording
 from ...workers.executors import Local

@@ -9,7 +9,7 @@ import numpy as np
 from ...checks.modes import motion_findings
 from ...errors import counted
 from ...math.arrays import Array
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from .indicators.beam_theory import beam_theory
 from .indicators.indicators import Study
 from .plan import Plan

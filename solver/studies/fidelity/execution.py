@@ -10,8 +10,7 @@ from ...package import ModalPackage
 from ...package.body.selection import vibrations
 from ...results import RunResult
 from ...run.execution import package_of, read_run
-from ...run.inputs_digest import inputs_sha256, plan_file, plan_sha256, still
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec, inputs_sha256, plan_file, plan_sha256, still
 from ...run.timing import Stopwatch, work_s
 from .answer import Answer, beyond_theory, entry, remarks
 from .checking import Checking
@@ -20,16 +19,18 @@ from .indicators.indicators import study
 from .indicators.loaded import fixed_packages, loaded
 from .ladder import tried_models
 from .motions import base_motion, kind_of_signal
-from .plan import STATIC, BodyPlan, Plan, planned, vibration_labels
+from .plan import (
+    STATIC,
+    BodyPlan,
+    Plan,
+    flexible_names,
+    known_vibrations,
+    planned,
+    vibration_labels,
+)
 
 RUNS = ("model", "check", "split")  # what planning spends time on, after the plan
 ROUNDS = 8  # most of them have no check of their own, and the budget ends them
-
-
-def flexible_names(spec: RunSpec) -> list[str]:
-    """Return the flexible bodies that a plan is about: those that the case does not make rigid."""
-    bodies = spec.mechanism.bodies
-    return [n for n, b in bodies.items() if b.kind != "rigid" and not b.rigid]
 
 
 def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
@@ -145,13 +146,7 @@ def answered(
     spec, packages = read_planned(file, spec, allow_doubtful=allow_doubtful)
     where = plan_file(file)
     digest = still(file, before)
-    known = {
-        name: {
-            "model": vibration_labels(spec.packages[name]),
-            "check": vibration_labels(packages[name]),
-        }
-        for name in flexible_names(spec)
-    }
+    known = known_vibrations(spec, packages)
     of_file = plan_sha256(where)
     given = None if again or not digest else kept_plan(where, known, digest)
     answer = plan_of(spec, packages)

@@ -9,11 +9,10 @@ import numpy.typing as npt
 
 from ...dynamics.analysis.recovery import extent
 from ...dynamics.evaluation import series
-from ...dynamics.model.model import Model
 from ...errors import InputError
 from ...inputs.case.record import KINDS, parts
 from ...math.arrays import Array
-from ...mechanism import BuiltMechanism
+from ...mechanism.built import BuiltMechanism
 from ...package.body.schema import ModalPackage
 from ...package.body.selection import (
     axial_load,
@@ -24,37 +23,12 @@ from ...package.body.selection import (
     with_statics,
 )
 from ...package.specification import DIRECTIONS
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from ...run.preparation import complete, prepare
 from ...signals import Sensor, sensors
-from .plan import DAMPED, FAINT, with_values
+from .plan import DAMPED, FAINT, Base, with_values
 
 BASE_RTOL = 1e-4
-
-
-@dataclass(frozen=True)
-class Base:
-    """A motion with its accelerations and multipliers at the output times.
-
-    Attributes
-    ----------
-    built : the mechanism, with the packages of the base
-    t, y : (k,), (k, n)
-    accelerations, multipliers : (k, n_vel), (k, n_c)
-    reason : why the bodies are not rigid in it; "" if they are
-    """
-
-    built: BuiltMechanism
-    t: Array
-    y: Array
-    accelerations: Array
-    multipliers: Array
-    reason: str = ""
-
-    @property
-    def model(self) -> Model:
-        """The model of the base."""
-        return self.built.model
 
 
 def base_motion(spec: RunSpec, names: list[str]) -> Base:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...dynamics.model.model import Model
 from ...math.arrays import Array
+from ...mechanism.built import BuiltMechanism
 from ...package import ModalPackage
 from ...package.body.selection import (
     axial_load,
@@ -16,7 +18,7 @@ from ...package.body.selection import (
     vibrations,
     with_statics,
 )
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 
 if TYPE_CHECKING:
     from ...inputs.case.tables.schema import Mechanism
@@ -126,6 +128,31 @@ MOST_STATIC = 16  # static shapes of a check
 
 
 @dataclass(frozen=True)
+class Base:
+    """A motion with its accelerations and multipliers at the output times.
+
+    Attributes
+    ----------
+    built : the mechanism, with the packages of the base
+    t, y : (k,), (k, n)
+    accelerations, multipliers : (k, n_vel), (k, n_c)
+    reason : why the bodies are not rigid in it; "" if they are
+    """
+
+    built: BuiltMechanism
+    t: Array
+    y: Array
+    accelerations: Array
+    multipliers: Array
+    reason: str = ""
+
+    @property
+    def model(self) -> Model:
+        """The model of the base."""
+        return self.built.model
+
+
+@dataclass(frozen=True)
 class Rich:
     """The rich package of a body with the quasi-static response to the loads of the run.
 
@@ -170,6 +197,28 @@ class Rich:
 def vibration_labels(package: ModalPackage) -> tuple[str, ...]:
     """Return the labels of the vibrations of a package."""
     return tuple(package.mode_labels[i] for i in vibrations(package).tolist())
+
+
+def flexible_names(spec: RunSpec) -> list[str]:
+    """Return the flexible bodies that a plan is about: those that the case does not make rigid."""
+    bodies = spec.mechanism.bodies
+    return [n for n, b in bodies.items() if b.kind != "rigid" and not b.rigid]
+
+
+def known_vibrations(
+    spec: RunSpec, check: Mapping[str, ModalPackage] | None = None
+) -> dict[str, dict[str, tuple[str, ...]]]:
+    """Return the vibrations that a plan may name, by body and mesh; without `check` of the model.
+
+    Members of a sweep and designs have packages of the model only.
+    """
+    return {
+        name: {
+            "model": vibration_labels(spec.packages[name]),
+            "check": vibration_labels(check[name]) if check is not None else (),
+        }
+        for name in flexible_names(spec)
+    }
 
 
 def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:

@@ -11,7 +11,8 @@ from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...math.arrays import Array
 from ...package import ModalPackage
-from ...run.outcome import RunSpec, collect
+from ...run.inputs import RunSpec
+from ...run.outcome import collect
 from ...run.preparation import Prepared, complete, prepare
 from ...run.timing import work_s
 from ...signals import Recording

@@ -32,7 +32,7 @@ from ...dynamics.model.model import Model
 from ...inputs.case.expressions import drives
 from ...math.arrays import Array, IntArray
 from ...math.rotations import rotation_matrix, skew
-from ...mechanism import BuiltMechanism
+from ...mechanism.built import BuiltMechanism
 from ...signals import Recording, Sensor
 from .differences import Direction, Instant, derivatives
 

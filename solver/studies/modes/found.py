@@ -15,7 +15,7 @@ from ...dynamics.model.coordinates import Spin, spin_velocities, turned
 from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array, IntArray
 from ...math.rotations import vector_to_matrix
-from ...mechanism.consistent import Start
+from ...mechanism.built import Start
 from ...mechanism.equilibrium import after_turn, round_off
 from ...report.style import GREY, WARNING, Canvas, colour, house_style
 from ...signals import sensors

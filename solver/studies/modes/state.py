@@ -13,8 +13,9 @@ from ...inputs.case.load import Case, load_case
 from ...inputs.case.record import case_file
 from ...inputs.case.write import write_case
 from ...math.arrays import Array
-from ...mechanism import BuiltMechanism, build
-from ...mechanism.consistent import Start, consistent_state
+from ...mechanism.build import build
+from ...mechanism.built import BuiltMechanism, Start
+from ...mechanism.consistent import consistent_state
 from ...mechanism.equilibrium import (
     Steady,
     given_spin,
@@ -25,7 +26,7 @@ from ...mechanism.equilibrium import (
 )
 from ...mechanism.start import starting_state
 from ...run.execution import read_run
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from ...run.preparation import complete, prepare
 from ...workers.packages import build_packages, specs_of
 from ..cases import build_folder, chosen_run

@@ -16,7 +16,8 @@ from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...results import Derivative, RunResult
 from ...run.execution import Progress
-from ...run.outcome import RunSpec, collect
+from ...run.inputs import RunSpec
+from ...run.outcome import collect
 from ...run.preparation import Prepared, integrated, output_times, prepare
 from ...run.timing import Stopwatch
 from ...signals import HELD, Recording, sensors

@@ -17,13 +17,13 @@ from ...inputs.case.tables.schema import split_key
 from ...integrators.breakpoints import breaks
 from ...integrators.choice import treatment_of
 from ...math.arrays import Array
-from ...mechanism import BuiltMechanism, build
-from ...mechanism.build import used_packages
+from ...mechanism.build import build, used_packages
+from ...mechanism.built import BuiltMechanism
 from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
 from ...package.common.dataset import all_values
 from ...package.common.design import moved
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from .kinematics import displacements
 
 # Over the number: central differences of arrays that are polynomials of it.

@@ -8,48 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ...inputs.case.bodies.segments import in_segments
-from ...inputs.case.tables.schema import Mechanism
 from ...package import ModalPackage
 from ...package.common.files import write_text
 from ...results.codes import PLAN_TOO_COARSE
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from ..fidelity.answer import Answer, estimate_entry
-from ..fidelity.choice import kept_plan, read_plan, write_plan
-from ..fidelity.execution import checked_member, flexible_names, joined, of_model, shared_plan
-from ..fidelity.plan import Plan as ModelPlan
-from ..fidelity.plan import vibration_labels
+from ..fidelity.choice import kept_plan, write_plan
+from ..fidelity.execution import checked_member, joined, of_model, shared_plan
+from ..fidelity.plan import known_vibrations
 from .plan import Packages, Plan
-
-
-def model_plan(plan: Plan, packages: Mapping[str, ModalPackage]) -> ModelPlan:
-    """Return the plan that the command has written; `packages` are those of the base.
-
-    Raises
-    ------
-    InputError
-        There is none, or it is wrong.
-    """
-    file = plan.model_plan_file
-    if not file.is_file():
-        raise InputError(f"{file}: no such file; expected the plan that `plymotion sweep` makes")
-    base = RunSpec(plan.case, plan.run, base_mechanism(plan), dict(packages))
-    return read_plan(file, known_vibrations(base))
-
-
-def base_mechanism(plan: Plan) -> Mechanism:
-    """Return the run that members change, in the bodies that are built."""
-    return in_segments(plan.mechanism)
-
-
-def known_vibrations(base: RunSpec) -> dict[str, dict[str, tuple[str, ...]]]:
-    """Return the vibrations that a plan may name: members have packages of the model only."""
-    return {
-        name: {"model": vibration_labels(base.packages[name]), "check": ()}
-        for name in flexible_names(base)
-    }
-
 
 RECORD = "fidelity.json"
 
@@ -117,7 +84,7 @@ def _record(file: Path) -> dict[str, Any]:
 def _spec(
     plan: Plan, packages: Packages, numbers: Mapping[str, int], member: int | None
 ) -> RunSpec:
-    mechanism = base_mechanism(plan) if member is None else plan.mechanism_of(member)
+    mechanism = plan.base if member is None else plan.mechanism_of(member)
     return RunSpec(plan.case, plan.run, mechanism, packages.named(numbers))
 
 

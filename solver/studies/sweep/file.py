@@ -4,7 +4,7 @@ import csv
 import hashlib
 import io
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,44 @@ from ...package.common.plain_data import cell_text
 from ...results import ResultError
 from ...results.summary import MEASURES
 from ...run.preparation import output_times
-from .member import CHECKS, COST, DAMAGE, Row
 from .plan import Plan
+
+# What is kept of a member.
+
+PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
+INTERRUPTED = "interrupted"
+DAMAGE = "damage"  # Miner's sum, of stresses with an S-N line
+CHECKS = (
+    "constraint_position_max",
+    "constraint_rotation_max",
+    "constraint_velocity_max",
+    "energy_drift_relative",
+    "drive_work",
+)
+COST = ("solve_s", "steps", "rejected", "evaluations", "jacobians", "factorisations")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a sweep keeps of one member; empty tables where it has nothing to tell."""
+
+    key: str
+    status: str = PENDING  # pending, finished, stopped, failed
+    message: str = ""
+    code: str = ""
+    t_end: float = np.nan  # [s]
+    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit, MEASURES and DAMAGE
+    histories: dict[str, Array] = field(default_factory=dict)  # (n_t,), NaN after an early end
+    checks: dict[str, float] = field(default_factory=dict)
+    cost: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()  # codes
+    defect: str = ""  # traceback of an internal error; not stored in the file
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to compute."""
+        return self.status != PENDING
+
 
 # Checksums of the rows in sweep.h5: a restart computes rows with a wrong one again.
 

@@ -3,8 +3,7 @@
 import time
 import traceback
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,49 +13,18 @@ from ...errors import InputError, PackageError
 from ...inputs.case.messages import ERRORS, out_of_range
 from ...inputs.case.record import with_parts
 from ...math.arrays import Array
+from ...package import ModalPackage
 from ...results import Signal, signal_summary
 from ...results.codes import DEFECT, INPUT, PACKAGE
-from ...run.outcome import RunSpec
+from ...run.inputs import RunSpec
 from ...run.preparation import histories_of, integrated, output_times, prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
+from .file import CHECKS, COST, DAMAGE, FAILED, FINISHED, INTERRUPTED, Row
 from .plan import Packages, Plan
 
-PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
-INTERRUPTED = "interrupted"
-DAMAGE = "damage"  # Miner's sum, of stresses with an S-N line
-CHECKS = (
-    "constraint_position_max",
-    "constraint_rotation_max",
-    "constraint_velocity_max",
-    "energy_drift_relative",
-    "drive_work",
-)
-COST = ("solve_s", "steps", "rejected", "evaluations", "jacobians", "factorisations")
 # Every check of a single run, at fewer output times.
 LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)
-
-
-@dataclass(frozen=True)
-class Row:
-    """What a sweep keeps of one member; empty tables where it has nothing to tell."""
-
-    key: str
-    status: str = PENDING  # pending, finished, stopped, failed
-    message: str = ""
-    code: str = ""
-    t_end: float = np.nan  # [s]
-    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit, MEASURES and DAMAGE
-    histories: dict[str, Array] = field(default_factory=dict)  # (n_t,), NaN after an early end
-    checks: dict[str, float] = field(default_factory=dict)
-    cost: dict[str, float] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()  # codes
-    defect: str = ""  # traceback of an internal error; not stored in the file
-
-    @property
-    def done(self) -> bool:
-        """Whether there is nothing left to compute."""
-        return self.status != PENDING
 
 
 def compute(
@@ -103,10 +71,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     read = with_parts(kept, mechanism.signals)
     own = RunSpec(plan.case, plan.run, mechanism, packages.of(member))
     if plan.fidelity is not None:
-        from ..fidelity.execution import member_spec  # most sweeps need no planner
-        from .fidelity import model_plan
-
-        own = member_spec(own, model_plan(plan, packages.named(plan.fidelity.base)))
+        own = _planned(own, plan, packages.named(plan.fidelity.base))
     prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:
@@ -114,6 +79,22 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     seconds = time.perf_counter() - begin
     times = output_times(mechanism.solver.t_end, mechanism.solver.output_step)
     return _row_of(plan, row, finished, prepared.measured, times, seconds)
+
+
+def _planned(spec: RunSpec, plan: Plan, packages: dict[str, ModalPackage]) -> RunSpec:
+    """Return a member with the model of the plan that the command has written.
+
+    `packages` are those of the base. Raises InputError: there is no plan, or it is wrong.
+    """
+    from ..fidelity.choice import read_plan  # most sweeps need no planner
+    from ..fidelity.execution import member_spec
+    from ..fidelity.plan import known_vibrations
+
+    file = plan.model_plan_file
+    if not file.is_file():
+        raise InputError(f"{file}: no such file; expected the plan that `plymotion sweep` makes")
+    base = RunSpec(plan.case, plan.run, plan.base, packages)
+    return member_spec(spec, read_plan(file, known_vibrations(base)))
 
 
 def _failed(row: Row, error: Exception) -> Row:

@@ -97,6 +97,11 @@ class Plan(Table):
         """The mechanism that all members change."""
         return resolved(self.table, str(self.file))
 
+    @property
+    def base(self) -> Mechanism:
+        """The run that members change, in the bodies that are built."""
+        return in_segments(self.mechanism)
+
     def part(self, members: Sequence[Member]) -> "Plan":
         """Return the same sweep with some of its members."""
         return self.model_copy(update={"members": list(members)})

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style, unit_text
 from ...results.codes import CODES
-from .file import SweepResult
-from .member import FAILED, FINISHED, PENDING, STOPPED, Row
+from .file import FAILED, FINISHED, PENDING, STOPPED, Row, SweepResult
 
 # What became of the members of a sweep, on the screen.
 

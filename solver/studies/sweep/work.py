@@ -21,8 +21,8 @@ from ...results import ResultError
 from ...results.codes import WORKER_LOST
 from ...system.interrupts import held
 from ...workers.executors import Executor, Local, Task, distribute
-from .file import believed_rows, result_of, write_sweep
-from .member import FAILED, Row, compute
+from .file import FAILED, Row, believed_rows, result_of, write_sweep
+from .member import compute
 from .plan import Member, Packages, Plan, read_plan
 
 # A portion of the members of a sweep: what a worker computes at a time.

@@ -11,14 +11,14 @@ from ....checks.stability import Loading, SpinMonitor, geometric_stiffness
 from ....dynamics.analysis.recovery import extent, shape_sizes
 from ....dynamics.model.coordinates import move_rows
 from ....math.arrays import Array
-from ....mechanism import BuiltMechanism
+from ....mechanism.built import BuiltMechanism
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
-from ....run.outcome import RunSpec
+from ....run.inputs import RunSpec
 from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
-from ..motions import Base, base_motion, difference, kind_of_signal, relatives, scales
-from ..plan import Rich
+from ..motions import base_motion, difference, kind_of_signal, relatives, scales
+from ..plan import Base, Rich
 from .effects import Effects, effects
 from .loaded import Loaded, fixed_packages, loaded
 from .response import Response, elastic_columns, response

@@ -10,12 +10,12 @@ import numpy as np
 from ....dynamics.evaluation.accelerations import residuals
 from ....dynamics.model.model import Model
 from ....math.arrays import Array, IntArray
-from ....mechanism import BuiltMechanism, build
+from ....mechanism.build import build
+from ....mechanism.built import BuiltMechanism
 from ....package import ModalPackage
 from ....package.body.selection import changed_basis, rigid
-from ....run.outcome import RunSpec
-from ..motions import Base
-from ..plan import FAINT, Rich, energy, with_values
+from ....run.inputs import RunSpec
+from ..plan import FAINT, Base, Rich, energy, with_values
 from .response import elastic_columns, embedded, modal_loads, samples
 
 

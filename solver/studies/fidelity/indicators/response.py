@@ -9,7 +9,7 @@ from ....dynamics.evaluation.accelerations import masses_and_jacobians, residual
 from ....dynamics.model.model import Model, state_size
 from ....math.arrays import Array, IntArray
 from ....math.compiled import lean
-from ..motions import Base
+from ..plan import Base
 
 RESOLVED = 0.15  # frequency times step up to which Newmark's method keeps a vibration
 MASSLESS = 1e-14  # of the largest inverse squared frequency: a direction that joints hold

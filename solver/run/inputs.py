@@ -1,14 +1,48 @@
-"""What a result depends on: the run file, its packages, the sources of the solver."""
+"""A run with its packages, and what its result depends on: run file, packages, sources."""
 
 import hashlib
 import json
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..inputs.case.record import package_entries, solver_sha256
+from ..package import ModalPackage
 from ..package.common.files import has_right_seal
 from ..results import ResultError, read_summary
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.schema import Mechanism
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """A run as `check` wrote it, with its packages read.
+
+    Attributes
+    ----------
+    other_runs : those that its combined signals read, by name
+    """
+
+    case: str
+    run: str
+    mechanism: "Mechanism"
+    packages: dict[str, ModalPackage]
+    other_runs: dict[str, "RunSpec"] = field(default_factory=dict)
+
+    def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
+        """Return the run with other values at dotted keys of its mechanism, checked as a file is.
+
+        Raises
+        ------
+        InputError
+            Values that a run file may not have.
+        """
+        from ..inputs.case.tables.schema import changed_mechanism  # a run does without the models
+
+        return replace(self, mechanism=changed_mechanism(self.mechanism, changes))
 
 
 def inputs_sha256(file: Path) -> str:
