@@ -19,9 +19,9 @@ from solver_methods import PEERS
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.solver import Solver
-from plymotion.solver.integrators.choice import make_integrator, treatment_of
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.drive import Solution, integrate
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import FOR_EQUATIONS, treatment_of
 from plymotion.solver.studies.compiling import compile_ahead
 
 TOLERANCES = [10.0**-k for k in np.arange(2.0, 11.1, 0.5)]

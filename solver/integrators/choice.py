@@ -6,7 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..dynamics.analysis.recovery import scales, shape_sizes
-from ..dynamics.elements.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
+from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.evaluation.accelerations import by_blocks
 from ..dynamics.evaluation.evaluation import Called
 from ..dynamics.model.model import Model, state_size
@@ -17,7 +17,7 @@ from .explicit import ExplicitLoop
 from .generic.base import Integrator
 from .hidden import HiddenForces
 from .step_loop import projection, right_hand_side
-from .table import INTEGRATORS
+from .table import EXAMPLES, INTEGRATORS, ChoiceKeys, treatment_of
 
 # The work enters the energy balance alone, no motion depends on it. The estimate of the error of a
 # quadrature by radau is of order 3 and contains the reactions' vibrations: with a share of 1, an
@@ -83,45 +83,12 @@ def blocks(model: Model) -> list[int]:
     return [*map(int, model.pos_start), *map(int, j), *more]
 
 
-EXAMPLES = 3  # integrators that a message names
-
-
-class SolverKeys(ToleranceKeys, TreatmentKeys, Protocol):
+class SolverKeys(ToleranceKeys, ChoiceKeys, Protocol):
     """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
-
-    @property
-    def integrator(self) -> str:
-        """A name of `INTEGRATORS`."""
 
     @property
     def max_step(self) -> float | None:
         """Largest step [s]."""
-
-
-def treatment_of(solver: SolverKeys) -> Treatment:
-    """Return the treatment of constraints that a case asks for.
-
-    Raises
-    ------
-    InputError
-        A treatment that the integrator does not support.
-    """
-    treatment, own = Treatment.of(solver), INTEGRATORS[solver.integrator].treatments
-    possible = own or tuple(t for t in TREATMENTS if t not in IMPLICIT)
-    if treatment.name not in possible:
-        able = [name for name, kind in INTEGRATORS.items() if treatment.name in kind.treatments]
-        others = [name for name, kind in INTEGRATORS.items() if not kind.treatments]
-        wanted = (
-            "integrator = " + " or ".join(f'"{name}"' for name in able)
-            if treatment.name in IMPLICIT
-            else "one that does not solve the constraints within the step "
-            f"({', '.join(others[:EXAMPLES])} ...)"
-        )
-        raise InputError(
-            f'solver.constraints = "{treatment.name}" with integrator = "{solver.integrator}": '
-            f"expected {wanted}, or constraints = {' or '.join(possible)}"
-        )
-    return treatment
 
 
 def make_integrator(

@@ -4,10 +4,10 @@ from abc import ABCMeta
 from collections.abc import Iterable
 from inspect import isabstract, signature
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from ..dynamics.elements.constraints.treatment import IMPLICIT
-from ..errors import did_you_mean
+from ..dynamics.elements.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
+from ..errors import InputError, did_you_mean
 from ..math.arrays import Array
 from ..math.catalogue import by_name, catalogue
 from . import __name__ as _package
@@ -95,3 +95,40 @@ def new_integrator(
 
 def _unknown(word: str, known: list[str]) -> str:
     return f"expected one of {', '.join(known)}, got {word!r}{did_you_mean(word, known)}"
+
+
+EXAMPLES = 3  # integrators that a message names
+
+
+class ChoiceKeys(TreatmentKeys, Protocol):
+    """The keys of `[solver]` that say which integrator and which treatment of constraints."""
+
+    @property
+    def integrator(self) -> str:
+        """A name of `INTEGRATORS`."""
+
+
+def treatment_of(solver: ChoiceKeys) -> Treatment:
+    """Return the treatment of constraints that a case asks for.
+
+    Raises
+    ------
+    InputError
+        A treatment that the integrator does not support.
+    """
+    treatment, own = Treatment.of(solver), INTEGRATORS[solver.integrator].treatments
+    possible = own or tuple(t for t in TREATMENTS if t not in IMPLICIT)
+    if treatment.name not in possible:
+        able = [name for name, kind in INTEGRATORS.items() if treatment.name in kind.treatments]
+        others = [name for name, kind in INTEGRATORS.items() if not kind.treatments]
+        wanted = (
+            "integrator = " + " or ".join(f'"{name}"' for name in able)
+            if treatment.name in IMPLICIT
+            else "one that does not solve the constraints within the step "
+            f"({', '.join(others[:EXAMPLES])} ...)"
+        )
+        raise InputError(
+            f'solver.constraints = "{treatment.name}" with integrator = "{solver.integrator}": '
+            f"expected {wanted}, or constraints = {' or '.join(possible)}"
+        )
+    return treatment

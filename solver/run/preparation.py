@@ -17,9 +17,10 @@ from ..dynamics.model.model import Model
 from ..errors import few
 from ..inputs.case.expressions import is_smooth
 from ..inputs.case.record import needed
-from ..integrators.choice import make_integrator, treatment_of
+from ..integrators.choice import make_integrator
 from ..integrators.generic.advice import Stall
 from ..integrators.generic.drive import Solution, Watch, integrate
+from ..integrators.table import treatment_of
 from ..math.arrays import Array
 from ..mechanism.build import build, used_packages
 from ..mechanism.built import BuiltMechanism

@@ -12,8 +12,8 @@ from plymotion.solver.inputs.case.load import checked_case
 from plymotion.solver.inputs.case.tables.design import Quantity
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.studies.design.drivers.table import DRIVERS
-from plymotion.solver.studies.design.measures import Mass, Measure, Values, measure_of
-from plymotion.solver.studies.design.problem import Options, Problem
+from plymotion.solver.studies.design.measures import Mass, Measure, measure_of
+from plymotion.solver.studies.design.problem import Options, Problem, Values
 from plymotion.solver.studies.design.rules import broken, space_of
 from plymotion.solver.studies.design.starts import Start, first_points, search
 from tests.samples.design_samples import CARBON, angles, tube

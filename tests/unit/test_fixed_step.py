@@ -5,8 +5,9 @@ from samples.constraint_runs import prepared
 from samples.mechanism_samples import pendulum
 
 from plymotion.solver.inputs.case.tables.solver import Solver
-from plymotion.solver.integrators.choice import make_integrator, treatment_of
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.table import treatment_of
 
 
 @pytest.mark.parametrize(

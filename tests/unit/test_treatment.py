@@ -6,7 +6,7 @@ from samples.mechanism_samples import pendulum
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment, treated
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.solver import Solver
-from plymotion.solver.integrators.choice import treatment_of
+from plymotion.solver.integrators.table import treatment_of
 
 
 def solver(**keys):

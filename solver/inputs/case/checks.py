@@ -9,7 +9,7 @@ from ...dynamics.elements.forces.table import ELEMENTS
 from ...dynamics.elements.joints.table import JOINTS
 from ...dynamics.model.model import LAST
 from ...errors import InputError, collected, few, nearest, unknown
-from ...integrators.choice import treatment_of
+from ...integrators.table import treatment_of
 from ...math import laws
 from ...math.arrays import is_positive_definite
 from ...math.expressions import operations as op

@@ -59,16 +59,6 @@ class Made:
         return self.finished, self.recording
 
 
-@dataclass(frozen=True)
-class Values:
-    """What was computed of a design: values of every measure, or why there are none."""
-
-    why: str  # of a design that is invalid
-    values: list[list[float]]  # by measure
-    shown: list[float]
-    units: list[str]
-
-
 class Measure:
     """A number r = 1 of an array of one entry; base of all others.
 

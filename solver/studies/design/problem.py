@@ -4,7 +4,7 @@ x are the free parameters, each scaled to -1 to 1. If the objective is a largest
 plies, x has one more entry: a bound of all its local peaks, which is minimised.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -13,11 +13,28 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.case.tables.design import Limit, Study
 from ...math.arrays import Array
-from .measures import Measure, Values
 from .rules import Space
 
 BARRIER = 10.0  # by which an invalid design is worse than the last valid one, scaled
 FEASIBLE = 1e-4  # largest violation of limits, relative, of a design that counts as one
+
+
+@dataclass(frozen=True)
+class Values:
+    """What was computed of a design: values of every measure, or why there are none."""
+
+    why: str  # of a design that is invalid
+    values: list[list[float]]  # by measure
+    shown: list[float]
+    units: list[str]
+
+
+class Valued(Protocol):
+    """What a problem knows of a measure (measures.py)."""
+
+    @property
+    def peaks(self) -> int:
+        """1: the values are local maxima, of which the largest counts; -1: minima; 0: one value."""
 
 
 class Designs(Protocol):
@@ -61,7 +78,7 @@ class Problem:
 
     designs: Designs
     study: Study
-    measures: list[Measure]
+    measures: Sequence[Valued]
     space: Space
     z0: Array
     best: Point | None = None

@@ -12,9 +12,8 @@ from ...errors import InputError
 from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
 from .drivers.table import driver_of
-from .measures import Values
 from .memory import FILE, Memory
-from .problem import Options, Point, Problem
+from .problem import Options, Point, Problem, Values
 from .rules import Space, broken, space_of
 from .trials import Order, Trials
 

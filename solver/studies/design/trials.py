@@ -38,7 +38,8 @@ from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
 from .exact import STEP, beside, runs_beside, with_targets
-from .measures import Made, Measure, Values, measure_of
+from .measures import Made, Measure, measure_of
+from .problem import Values
 
 LOGGER = logging.getLogger(__name__)
 LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)  # as in a sweep

@@ -15,7 +15,7 @@ from ...inputs.case.load import Case, checked_case
 from ...inputs.case.sweeps import CheckedSweep, Misplaced, unit_at
 from ...inputs.case.tables.schema import split_key
 from ...integrators.breakpoints import breaks
-from ...integrators.choice import treatment_of
+from ...integrators.table import treatment_of
 from ...math.arrays import Array
 from ...mechanism.build import build, used_packages
 from ...mechanism.built import BuiltMechanism
