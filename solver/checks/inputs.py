@@ -13,7 +13,6 @@ from ..dynamics.analysis.quasi_static import (
 from ..dynamics.evaluation.laws import law_values
 from ..inputs.case.expressions import drives, is_along, is_load, law
 from ..math import laws
-from ..math import laws as curves
 from ..math.arrays import Array
 from ..math.rows import column
 from ..mechanism.consistent import undeformed
@@ -164,12 +163,12 @@ def _of_curves(mechanism: "Mechanism") -> Iterator[Beyond]:
         for key in ("force_displacement", "force_velocity"):
             given = getattr(force, key, None)
             if given is not None:
-                through = curves.curve(given.x, given.y, smooth=given.interpolation == "spline")
+                through = laws.curve(given.x, given.y, smooth=given.interpolation == "spline")
                 yield f"forces.{name}.{key}", laws.overshoot(through, given.y, 1), remedy
     remedy = 'interpolation = "pchip" and "linear" do not'
     for name, points in mechanism.tables.items():
         if points.interpolation != "cubic":
             continue
         x, y = column(points.x), column(points.y)
-        through = curves.curve_of_table(x, y, points.interpolation, points.extrapolation)
+        through = laws.curve_of_table(x, y, points.interpolation, points.extrapolation)
         yield f"tables.{name}", laws.overshoot(through, y, 1), remedy

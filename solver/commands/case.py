@@ -64,8 +64,6 @@ def run_any(options: argparse.Namespace) -> int:
     """Take a case to its report, or integrate run files; return the worst exit code."""
     if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
         return run_case(options)
-    pass  # merged
-
     return run_runs(options)
 
 
@@ -160,8 +158,6 @@ def _integrated(
     out: Path, runs: Sequence[str], options: argparse.Namespace, jobs: int, say: Say
 ) -> tuple[int, str]:
     """Integrate runs and write their report; return the exit code and what was written."""
-    pass  # merged
-
     say(f"runs: {len(runs)}")
     files = [out / "runs" / f"{name}.json" for name in runs]
     code = integrated(files, options, jobs, update=not options.force)

@@ -97,7 +97,7 @@ def put_column(out: Array, i: int, j: int, a: Triple) -> None:
 def tangent_rate(theta: Triple, theta_d: Triple, b: float, da: float, db: float) -> Triple:
     """Return (dT/dt) thetadot of the tangent map T of theta, at rates theta_d [rad/s].
 
-    T and the coefficients b, da, db: `tangent_map`, `tangent_coefficients` (rotations.py).
+    T = (1 - s b) 1 + a theta~ + b theta theta' with the coefficients of `tangent_coefficients`.
     """
     s_d = 2.0 * dot3(theta, theta_d)
     c = cross3(theta, theta_d)
@@ -115,18 +115,6 @@ Quadruple = tuple[float, float, float, float]
 def skew(a: Array) -> Array:
     """Return the matrix a~ with a~ b = a x b, (3, 3)."""
     return np.array(((0.0, -a[2], a[1]), (a[2], 0.0, -a[0]), (-a[1], a[0], 0.0)))
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Return a x b, (3,)."""
-    return np.array(
-        (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    )
-
-
-def dot(a: Array, b: Array) -> float:
-    """Return a . b of two vectors (3,)."""
-    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 def rotation_matrix(p: Array) -> Array:
@@ -202,17 +190,6 @@ def tangent_coefficients(s: float) -> Quadruple:
     return a, b, da, db
 
 
-def _about(v: Array, c0: float, c1: float, c2: float) -> Array:
-    """Return c0 I + c1 v~ + c2 v v', (3, 3)."""
-    return np.array(
-        (
-            (c0 + c2 * v[0] * v[0], c2 * v[0] * v[1] - c1 * v[2], c2 * v[0] * v[2] + c1 * v[1]),
-            (c2 * v[1] * v[0] + c1 * v[2], c0 + c2 * v[1] * v[1], c2 * v[1] * v[2] - c1 * v[0]),
-            (c2 * v[2] * v[0] - c1 * v[1], c2 * v[2] * v[1] + c1 * v[0], c0 + c2 * v[2] * v[2]),
-        )
-    )
-
-
 def vector_to_matrix(theta: Array) -> Array:
     """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
     return np.asarray(vectors_to_matrices(theta[None])[0])
@@ -234,13 +211,6 @@ def _exponentials_into(theta: Array, A: Array) -> None:
         for n in range(3):
             e = (1.0 if n == 0 else 0.0, 1.0 if n == 1 else 0.0, 1.0 if n == 2 else 0.0)
             A[k, 0, n], A[k, 1, n], A[k, 2, n] = about(v, 1.0 - s * a, 1.0 - s * b, a, e)
-
-
-def tangent_map(theta: Array) -> Array:
-    """Return T (3, 3) with angular velocity = T thetadot, in the axes before the rotation theta."""
-    s = dot(theta, theta)
-    a, b, _, _ = tangent_coefficients(s)
-    return _about(theta, 1.0 - s * b, a, b)
 
 
 def matrix_to_parameters(A_GB: Array) -> Array:

@@ -71,7 +71,6 @@ ShellLinkKind = Literal["rigid", "average", "section"]
 CAD_WITH_UNIT = (".step", ".stp", ".iges", ".igs")  # files that have a unit of length
 CAD = (*CAD_WITH_UNIT, ".brep")
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
-LINK_KINDS: tuple[LinkKind, ...] = get_args(LinkKind)
 SHELL_LINK_KINDS: tuple[ShellLinkKind, ...] = get_args(ShellLinkKind)
 
 

@@ -46,8 +46,6 @@ def section_outline(recovery: SectionRecovery) -> Outline | None:
     used, number = np.unique(np.concatenate(short), return_inverse=True)
     ends = np.cumsum([len(loop) for loop in short])[:-1]
     loops = [np.asarray(part) for part in np.split(number, ends)]
-    if len(loops) == 1:
-        return Outline(points[used], tuple(loops), _clipped(points[used], loops[0]))
     places = np.concatenate([points[used], points])
     return Outline(places, tuple(loops), _fans(rows, following) + len(used))
 
@@ -106,22 +104,13 @@ def _scaled(points: Array, weights: Array) -> Array:
 
 
 def _hull(points: Array) -> Array:
-    """Corners of the convex hull, counterclockwise."""
-    order = points[np.lexsort((points[:, 1], points[:, 0]))]
-    size = float(np.ptp(points, axis=0).max()) ** 2
-    halves = []
-    for some in (order, order[::-1]):
-        half: list[Array] = []
-        for p in some:
-            while len(half) > 1 and _turn(half[-2], half[-1], p) <= 1e-9 * size:
-                half.pop()
-            half.append(p)
-        halves += half[:-1]
-    return np.array(halves)
+    """Corners of the convex hull, counterclockwise; none of points on a line."""
+    from scipy.spatial import ConvexHull, QhullError  # 0.1 s: sections of triangles only
 
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return points[:0]
 
 
 def _joined(corners: Array, near: float) -> tuple[Array, IntArray]:
@@ -203,26 +192,3 @@ def _needed(p: Array, tolerance: float) -> Array:
             keep.add(k)
             spans += [(a, k), (k, b)]
     return np.sort(order[np.array(sorted(keep))])
-
-
-def _clipped(points: Array, loop: IntArray) -> IntArray:
-    """Triangles (f, 3) of a counterclockwise polygon without holes, ear by ear."""
-    left, found = [int(k) for k in loop], []
-    while len(left) > 3:
-        for k in range(len(left)):
-            a, b, c = left[k - 1], left[k], left[(k + 1) % len(left)]
-            if _turn(points[a], points[b], points[c]) <= 0:
-                continue
-            others = [points[o] for o in left if o not in (a, b, c)]
-            if not any(_inside(points[a], points[b], points[c], p) for p in others):
-                break
-        else:
-            break  # a line that crosses itself: the fan that is left
-        found.append((a, b, c))
-        left.pop(k)
-    found += [(left[0], left[k], left[k + 1]) for k in range(1, len(left) - 1)]
-    return np.array(found)
-
-
-def _inside(a: Array, b: Array, c: Array, p: Array) -> bool:
-    return _turn(a, b, p) >= 0 and _turn(b, c, p) >= 0 and _turn(c, a, p) >= 0

@@ -33,20 +33,6 @@ AT_ONCE = 2_000_000  # numbers in memory at a time
 FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together
 
 
-def body_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:
-    """Find the lowest strength ratio of a body; None without stresses or without strengths.
-
-    Parameters
-    ----------
-    t, q : (t,) times [s] and (t, m) modal coordinates at these
-    """
-    search = body_search(package)
-    if search is None:
-        return None
-    search.take(t, q)
-    return search.found()
-
-
 def body_search(package: ModalPackage) -> "BeamSearch | ShellSearch | None":
     """Return the search of a body; None without stresses or without strengths."""
     if package.recovery is not None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from peers.ply_stresses import body_strength
 from samples.case_samples import short_run
 from samples.vtk_samples import Player
 
@@ -17,7 +18,6 @@ from plymotion.solver.package import read_package
 from plymotion.solver.package.common.container import get_text
 from plymotion.solver.package.common.object_file import check_file_checksum
 from plymotion.solver.results import RunResult, read_result
-from plymotion.solver.strength.shell_bodies import body_strength
 
 RADIUS, WALL, LENGTH = 0.025, 6 * 0.125e-3, 0.6  # m, of the upper arm
 

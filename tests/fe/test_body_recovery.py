@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from peers.ply_stresses import beam_ply_stress
+from peers.ply_stresses import beam_ply_stress, body_strength
 from samples.body_specs import beam_body
 from samples.recovery_samples import mode_resultants
 
@@ -21,7 +21,6 @@ from plymotion.solver.package import ModalPackage, read_package, validate, write
 from plymotion.solver.package.common.materials import bond
 from plymotion.solver.package.section.schema import SectionFile
 from plymotion.solver.package.section.stress import resultants
-from plymotion.solver.strength.shell_bodies import body_strength
 
 LENGTH = 0.5
 STEEL = {

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from peers.ply_stresses import body_strength
 from samples.body_specs import panel_body
 from samples.shell_benchmarks import expected, numbers
 from samples.shell_specs import CFRP, box, plate
@@ -18,7 +19,7 @@ from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.solver.package import validate, write_package
 from plymotion.solver.package.common.cells import corner_counts
 from plymotion.solver.package.shell.io import read_shell, write_shell
-from plymotion.solver.strength.shell_bodies import body_strength, cell_centres
+from plymotion.solver.strength.shell_bodies import cell_centres
 
 Record = Callable[[str, Any], None]
 QUADS = {"element": "quadrilateral"}

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from peers.ply_stresses import body_strength
 from samples.body_specs import beam_body
 from samples.section_specs import rectangle_spec
 from samples.solid_samples import (
@@ -25,7 +26,6 @@ from plymotion.preprocess.solid.analysis import HeldSolid, accurate_model, findi
 from plymotion.preprocess.solid.mesh import SolidError
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.validation import validate
-from plymotion.solver.strength.shell_bodies import body_strength
 
 LENGTH, WIDTH, HEIGHT = 0.2, 0.012, 0.008
 STRONG = {**ALUMINIUM, "strength": {"yield_stress": 250e6}}

@@ -6,6 +6,17 @@ from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.shell.schema import ShellFile
 from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
+from plymotion.solver.strength.found import BodyStrength
+from plymotion.solver.strength.shell_bodies import body_search
+
+
+def body_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:
+    """What the search finds in times t (t,) with coordinates q (t, m); None without strengths."""
+    search = body_search(package)
+    if search is None:
+        return None
+    search.take(t, q)
+    return search.found()
 
 
 def beam_ply_stress(package: ModalPackage, station: int, q: Array) -> Array:

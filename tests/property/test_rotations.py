@@ -23,6 +23,13 @@ def _vee(A):
     return 0.5 * np.array([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
 
 
+def _tangent_map(theta):
+    s = theta @ theta
+    a, b, _, _ = rotations.tangent_coefficients(s)
+    columns = [rotations.about(tuple(theta), 1.0 - s * b, a, b, tuple(e)) for e in np.eye(3)]
+    return np.column_stack(columns)
+
+
 @given(VECTOR, ANGLE)
 def test_rotation_vector(v, angle):
     theta = angle * v
@@ -35,13 +42,13 @@ def test_tangent_map_gives_the_angular_velocity(v, angle, rate):
     theta = angle * v
     A_d = _difference(lambda h: rotations.vector_to_matrix(theta + h * rate))
     w = _vee(A_d @ rotations.vector_to_matrix(theta).T)
-    np.testing.assert_allclose(rotations.tangent_map(theta) @ rate, w, atol=1e-10)
+    np.testing.assert_allclose(_tangent_map(theta) @ rate, w, atol=1e-10)
 
 
 @given(VECTOR, ANGLE, VECTOR)
 def test_tangent_rate(v, angle, rate):
     theta = angle * v
-    expected = _difference(lambda h: rotations.tangent_map(theta + h * rate) @ rate)
+    expected = _difference(lambda h: _tangent_map(theta + h * rate) @ rate)
     _, b, da, db = rotations.tangent_coefficients(theta @ theta)
     found = tangent_rate(tuple(theta), tuple(rate), b, da, db)
     np.testing.assert_allclose(found, expected, atol=1e-9)

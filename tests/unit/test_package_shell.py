@@ -8,7 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from peers.ply_stresses import shell_ply_stress, shell_resultants
+from peers.ply_stresses import body_strength, shell_ply_stress, shell_resultants
 from samples.package_samples import same
 from samples.panel_sample import THICKNESS, WIDTH, E, panel, with_face_stresses
 from samples.recovery_samples import STEEL_STRENGTH
@@ -17,7 +17,6 @@ from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.schema import CellResultants, LaminateData
 from plymotion.solver.strength.found import failure_text, summary
-from plymotion.solver.strength.shell_bodies import body_strength
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from peers.ply_stresses import beam_ply_stress
+from peers.ply_stresses import beam_ply_stress, body_strength
 from samples.body_specs import beam_body
 from samples.recovery_samples import (
     PLY,
@@ -28,7 +28,6 @@ from plymotion.solver.package.section.schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import resultants
-from plymotion.solver.strength.shell_bodies import body_strength
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05
 E, NU, RHO = STEEL["E"], STEEL["nu"], STEEL["rho"]

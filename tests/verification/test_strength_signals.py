@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from peers.ply_stresses import beam_ply_stress, shell_ply_stress
+from peers.ply_stresses import beam_ply_stress, body_strength, shell_ply_stress
 from samples.case_samples import HEAD, SOLVER
 from samples.panel_sample import panel
 from samples.recovery_samples import (
@@ -31,7 +31,6 @@ from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.found import summary
-from plymotion.solver.strength.shell_bodies import body_strength
 
 WIDTH, HEIGHT = 0.04, 0.012
 MATERIALS = {

@@ -34,7 +34,6 @@ ORDER = {25: [*range(12), *range(16, 20), *range(12, 16)], 26: [*range(9), 12, 1
 Card = tuple[str, list[str]]  # name and fields
 EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 DOUBLE = {1: "f4", 2: "f8"}  # type of the matrix -> its numbers; complex ones are refused
-DIAGONAL, SYMMETRIC = 3, 6  # forms
 HEADER = (24, 32)  # bytes: name of 8 characters, or two words of a 64-bit writer
 NAMES = {"stiffness": ("KGG", "KAA"), "mass": ("MGG", "MAA")}
 NOTHING = 1e-12  # diagonal of a dof without stiffness and mass, relative to the largest

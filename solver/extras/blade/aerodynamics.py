@@ -16,7 +16,6 @@ from .windio import Blade
 ANGLES = np.unique(np.r_[-180.0:181.0:5.0, -30.0:30.5:0.5])  # of polars [deg]
 COEFFICIENTS = ("cl", "cd", "cm")
 RADIANS = 3.5  # largest angle of a polar in radians
-DENSE = 2001  # points along the line of a blade
 
 
 @dataclass(frozen=True)

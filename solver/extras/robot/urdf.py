@@ -40,7 +40,6 @@ class Dynamics(StrEnum):
     FRICTION = auto()
 
 
-MOVING = tuple(kind for kind in Type if kind != Type.FIXED)
 MOST_BYTES = 50_000_000
 
 
