@@ -14,7 +14,7 @@ from ..math.arrays import Array, IntArray
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
 from ..results.schema import BodyView, Link, Loads, Side, Sites
-from ..results.surfaces import unit_sphere
+from ..results.surfaces import halved, prism, unit_sphere
 from ..strength import criteria_of
 from ..strength.criteria.von_mises import equivalent_stress
 from .inline import Blob
@@ -185,11 +185,11 @@ def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
     if not free:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
     if shifts and len(shifts) < len(SHIFTS):
-        return _prism(4 if len(free) == len(shifts) else 20, 0.7 * width, 2.5 * width)
+        return prism(4 if len(free) == len(shifts) else 20, 0.7 * width, 2.5 * width)
     if free == ("about z",):
-        return _prism(20, 0.9 * width, 1.3 * width)
+        return prism(20, 0.9 * width, 1.3 * width)
     points, cells = unit_sphere()
-    return width * points, np.concatenate([cells[:, :3], cells[:, [0, 2, 3]]])
+    return width * points, halved(cells)
 
 
 def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
@@ -207,20 +207,7 @@ def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> 
 
 def foot(width: float) -> tuple[Array, IntArray]:
     """Return points and triangles of a place on the ground, as above."""
-    return _prism(4, 0.8 * width, 0.8 * width)
-
-
-def _prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:
-    angle = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
-    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
-    points = np.concatenate([np.column_stack([ring, np.full(sides, z)]) for z in (-half, half)])
-    k = np.arange(sides)
-    there = (k + 1) % sides
-    side = [
-        np.column_stack(each) for each in ((k, there, there + sides), (k, there + sides, k + sides))
-    ]
-    fan = np.column_stack([np.zeros(sides - 2, dtype=int), k[1:-1], k[2:]])
-    return points, np.concatenate([*side, fan[:, ::-1], fan + sides])
+    return prism(4, 0.8 * width, 0.8 * width)
 
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown

@@ -107,10 +107,8 @@ def positions_of_views(q: Array, bodies: Sequence[BodyGeometry]) -> ComputedRows
 THICKER = 1.3  # a box than the bars, at least
 LONGEST = 1.2  # edge of a box, over the reach of the mechanism
 # Corners of a box by the signs of its half edges, and its faces, outward.
-_SIGNS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
-_FACES = np.array(
-    [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-)
+SIGNS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
+BOX = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
 
 
 def uniform_box(mass: float, S_B: Array, J_B: Array) -> tuple[Array, Array]:
@@ -147,9 +145,9 @@ def rigid_surface(
     parts = Parts()
     edges = edges * min(1.0, LONGEST * reach / max(float(edges.max()), 1e-300))
     half = 0.5 * np.maximum(edges, THICKER * width)
-    corners = centre_B - nodes_B[0] + (_SIGNS * half) @ axes_B.T
+    corners = centre_B - nodes_B[0] + (SIGNS * half) @ axes_B.T
     first = parts.points(np.zeros(8, dtype=np.int64), corners)
-    parts.quads(first + _FACES, np.full(_FACES.shape, -1))
+    parts.quads(first + BOX, np.full(BOX.shape, -1))
     add_bars(parts, nodes_B, width)
     return parts.surface()
 
@@ -188,7 +186,6 @@ def picture_surface(nodes_B: Array, file: Path) -> Surface:
 # Spheres on the surface of a body, which stand for point masses.
 
 SIDES = 12  # of the equator
-_BANDS = SIDES // 2
 DENSITY = 7850.0  # of the sphere, steel [kg/m3]
 LEAST, MOST = 0.012, 0.05  # radius over the size of the mechanism
 
@@ -221,17 +218,35 @@ def with_spheres(surface: Surface, nodes_B: Array, balls: Sequence[Ball], reach:
     return parts.surface()
 
 
-def unit_sphere() -> tuple[Array, IntArray]:
+def unit_sphere(sides: int = SIDES) -> tuple[Array, IntArray]:
     """Points (p, 3) on circles of latitude, poles included, and cells (f, 4), outward."""
-    polar = np.linspace(0.0, np.pi, _BANDS + 1)[:, None]
-    around = np.linspace(0.0, 2.0 * np.pi, SIDES, endpoint=False)[None, :]
+    bands = sides // 2
+    polar = np.linspace(0.0, np.pi, bands + 1)[:, None]
+    around = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)[None, :]
     x, y = np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around)
     points = np.stack([x, y, np.cos(polar) * np.ones_like(around)], axis=-1).reshape(-1, 3)
-    band, side = np.meshgrid(np.arange(_BANDS), np.arange(SIDES), indexing="ij")
-    next_side = (side + 1) % SIDES
+    band, side = np.meshgrid(np.arange(bands), np.arange(sides), indexing="ij")
+    next_side = (side + 1) % sides
     corners = [(band, side), (band + 1, side), (band + 1, next_side), (band, next_side)]
-    cells = np.stack([b * SIDES + s for b, s in corners], axis=-1).reshape(-1, 4)
+    cells = np.stack([b * sides + s for b, s in corners], axis=-1).reshape(-1, 4)
     return points, cells.astype(np.int64)
+
+
+def prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:
+    """Points (p, 3) of a prism of length 2 half along z, and its triangles (f, 3), outward."""
+    angle = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
+    points = np.concatenate([np.column_stack([ring, np.full(sides, z)]) for z in (-half, half)])
+    k = np.arange(sides)
+    there = (k + 1) % sides
+    side = halved(np.column_stack([k, there, there + sides, k + sides]))
+    fan = np.column_stack([np.zeros(sides - 2, dtype=int), k[1:-1], k[2:]])
+    return points, np.concatenate([side, fan[:, ::-1], fan + sides])
+
+
+def halved(quads: IntArray) -> IntArray:
+    """Return the triangles (2 n, 3) of quadrilaterals (n, 4)."""
+    return np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
 
 
 # Surfaces of bodies for pictures: extruded beams, faces of meshes, bars between nodes.

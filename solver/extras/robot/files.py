@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from ...errors import InputError, refuse
 from ...package.common.files import temporary_sibling, write_text
+from ...package.common.plain_data import toml_value
 from .case import Moved, RobotCase, robot_case
 from .pictures import body_surface, stl
 from .urdf import read_urdf
@@ -76,30 +77,23 @@ def import_robot(
 
 def toml_text(tables: Mapping[str, Any]) -> str:
     """Return a case as TOML: named tables by headings, what is in them inline."""
-    lines = [f"{key} = {_value(v)}" for key, v in tables.items() if not isinstance(v, dict)]
+
+    def given(table: Mapping[str, Any]) -> list[str]:
+        return [f"{key} = {toml_value(value)}" for key, value in table.items()]
+
+    lines = given({key: value for key, value in tables.items() if not isinstance(value, dict)})
     for group, table in tables.items():
         if not isinstance(table, dict):
             continue
         if group in REMARKS:
             lines += ["", f"# {REMARKS[group]}."]
         if not any(isinstance(v, dict) for v in table.values()):
-            lines += ["", f"[{group}]", *(f"{k} = {_value(v)}" for k, v in table.items())]
+            lines += ["", f"[{group}]", *given(table)]
             continue
         for name, entry in table.items():
-            lines += ["", f"[{group}.{name}]", *(f"{k} = {_value(v)}" for k, v in entry.items())]
+            lines += [
+                "",
+                f"[{group}.{name}]",
+                *(f"{k} = {toml_value(v)}" for k, v in entry.items()),
+            ]
     return "\n".join(lines) + "\n"
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, str):
-        text = value.replace("\\", "\\\\").replace('"', '\\"')
-        return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text) + '"'
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, dict):
-        if not value:
-            return "{}"
-        return "{ " + ", ".join(f"{key} = {_value(v)}" for key, v in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(_value(item) for item in value) + "]"
-    return repr(value)

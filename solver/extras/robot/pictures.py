@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import InputError, refuse
 from ...math.arrays import Array
-from ...results.surfaces import stl_triangles
+from ...results.surfaces import BOX, SIGNS, halved, prism, stl_triangles, unit_sphere
 from .case import Body
 from .urdf import Robot, Shape
 
@@ -68,29 +68,13 @@ def _triangles(shape: Shape, file: Path, packages: Mapping[str, Path]) -> Array:
     if shape.kind == "mesh":
         return _mesh(mesh_file(shape.file, file, packages)) * np.array(shape.sizes)
     if shape.kind == "box":
-        one = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float) - 0.5
-        sides = [np.roll(one, k, axis=1) for k in range(3)]
-        quads = np.array([*[side[::-1] for side in sides], *[-side for side in sides]])
-        return _halved(quads * np.array(shape.sizes))
-    radius = shape.sizes[0]
-    half = 0.5 * shape.sizes[1] if shape.kind == "cylinder" else 0.0
-    polar = np.linspace(0.0, np.pi, 2 if half else ROUND // 2 + 1)
-    if half:  # down one face, along the side, back on the other face
-        r, z = np.array([0.0, radius, radius, 0.0]), np.array([half, half, -half, -half])
+        points, faces = 0.5 * SIGNS * shape.sizes, halved(BOX)
+    elif shape.kind == "cylinder":
+        points, faces = prism(ROUND, shape.sizes[0], 0.5 * shape.sizes[1])
     else:
-        r, z = radius * np.sin(polar), radius * np.cos(polar)
-    around = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
-    rings = np.stack(
-        [np.outer(r, np.cos(around)), np.outer(r, np.sin(around)), np.outer(z, around * 0.0 + 1.0)],
-        axis=-1,
-    )
-    corners = (rings[:-1, :-1], rings[1:, :-1], rings[1:, 1:], rings[:-1, 1:])
-    return _halved(np.stack(corners, axis=2).reshape(-1, 4, 3))
-
-
-def _halved(quads: Array) -> Array:
-    """Return triangles of quadrilaterals (n, 4, 3)."""
-    return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        points, cells = unit_sphere(ROUND)
+        points, faces = shape.sizes[0] * points, halved(cells)
+    return np.asarray(points[faces])
 
 
 def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
