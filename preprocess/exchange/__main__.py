@@ -10,8 +10,6 @@ from pathlib import Path
 from ...solver.errors import InputError, PackageError, escape_control_characters
 from ...solver.system.interrupts import INTERRUPTED
 
-TABLES = 4  # exit code: the source has modes only, and their tables are written
-
 
 def main(arguments: "Sequence[str] | None" = None) -> int:
     """Run one command; returns the exit code: 0 done, 2 wrong input, 130 interrupted."""
@@ -37,7 +35,6 @@ def _parser() -> argparse.ArgumentParser:
     into.add_argument("file", type=Path)
     into.add_argument("--from", dest="source")
     into.add_argument("--out", "-o", type=Path, required=True)
-    into.add_argument("--tables", type=Path, help="folder for tables of modes, exit code 4")
     into.add_argument("--quiet", action="store_true")
     into.set_defaults(run=_import)
     away = commands.add_parser("export", help="modal package in the format of another code")
@@ -62,9 +59,7 @@ def _import(options: argparse.Namespace) -> int:
             print(f"[{time.perf_counter() - start:6.1f} s] {step}", file=sys.stderr, flush=True)
 
     where, folder = str(options.file), options.file.parent
-    package = imported(table, folder, where, options.source, tell, options.tables)
-    if isinstance(package, Path):
-        return TABLES
+    package = imported(table, folder, where, options.source, tell)
     for warning in package.provenance["warnings"]:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
     write_valid(options.out, package, where)

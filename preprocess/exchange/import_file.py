@@ -15,7 +15,7 @@ from ...solver.math.disk_cache import file_sha256
 from ...solver.package import ModalPackage
 from ...solver.package.common.plain_data import SpecError, check_form
 from ...solver.package.specification import ImportedSpecification, fingerprint
-from .formats.modal import write_tables
+from .formats.modal import modal_package
 from .free_body import FreeBody
 from .import_table import Files, ImportFile, Reduction, Source
 from .reduce import Tell, reduce_body
@@ -72,9 +72,8 @@ def imported(
     where: str,
     source: "str | None" = None,
     tell: Tell = lambda _: None,
-    tables: "Path | None" = None,
-) -> "ModalPackage | Path":
-    """Modal package of the body that an import file describes, or tables of its modes.
+) -> ModalPackage:
+    """Modal package of the body that an import file describes.
 
     Parameters
     ----------
@@ -82,8 +81,6 @@ def imported(
     folder : where its paths start
     where : name of the file, for messages
     source : instead of the key `from`
-    tables : folder for the tables of a source that has modes only; `plymotion import` makes
-        the package from the file that is returned then
 
     Raises
     ------
@@ -110,28 +107,16 @@ def imported(
             f"{where}: {files.latest()}: damaged, or not as {kind} writes it ({what})"
         ) from error
     reduction = cast(Reduction, {k: v for k, v in table.items() if k not in OWN_KEYS})
-    if isinstance(found, FreeBody):
-        try:
+    try:
+        if isinstance(found, FreeBody):
             return reduce_body(found, reduction, tell)
-        except (ArpackError, LinAlgError, ArithmeticError, MemoryError) as error:
-            what = " ".join(str(error).split())[:200] or type(error).__name__
-            raise InputError(
-                f"{where}: no modes of these matrices are found ({what}); expected the stiffness "
-                "and mass of a body, all entries correct"
-            ) from error
-    if tables is None:
+        return modal_package(found, reduction, files)
+    except (ArpackError, LinAlgError, ArithmeticError, MemoryError) as error:
+        what = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(
-            f'{where}: from = "{kind}": it has modes without matrices; make the package with '
-            '`plymotion import`, and use it as kind = "package"'
-        )
-    return write_tables(found, reduction, files, tables)
-
-
-def package_of(table: dict[str, Any], folder: Path, where: str) -> ModalPackage:
-    """Modal package of a source with matrices. Raises InputError, also for other sources."""
-    package = imported(table, folder, where)
-    assert isinstance(package, ModalPackage)
-    return package
+            f"{where}: no modes of these matrices are found ({what}); expected the stiffness "
+            "and mass of a body, all entries correct"
+        ) from error
 
 
 def build_imported(content: dict[str, Any]) -> ModalPackage:
@@ -148,7 +133,7 @@ def build_imported(content: dict[str, Any]) -> ModalPackage:
             path = file.parent / name
             if not path.is_file() or file_sha256(path) != digest:
                 raise InputError(f"{path}: changed since `plymotion check`; check the case again")
-        package = package_of(checked(spec["table"], str(file)), file.parent, str(file))
+        package = imported(checked(spec["table"], str(file)), file.parent, str(file))
     except InputError as error:
         raise SpecError(str(error)) from error
     seconds = time.perf_counter() - start

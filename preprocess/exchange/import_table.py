@@ -1,9 +1,11 @@
 """Import files (arm.toml): their form, also in Python, and the files that they name."""
 
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NotRequired, TypedDict
 
+from ... import __version__
 from ...solver.errors import InputError, nearest
 from ...solver.math.disk_cache import file_sha256
 from ...solver.package.specification import Attachment, LinkKind, ReferenceTable
@@ -80,6 +82,28 @@ class ImportFile(Reduction):
 
 
 ImportFile.__annotations__["from"] = NotRequired[Source]
+
+
+def damping_ratio(table: Reduction, where: str) -> float:
+    """Return the key of this name, 0 without it. Raises InputError for an impossible ratio."""
+    ratio = float(table.get("damping_ratio", 0.0))
+    if not 0.0 <= ratio < 1.0:
+        expected = "expected a fraction of critical, from 0 to below 1"
+        raise InputError(f"{where}: damping_ratio = {ratio:g}: {expected}")
+    return ratio
+
+
+def provenance(table: Any, notes: dict[str, Any], nodes: int, form: str) -> dict[str, Any]:
+    """Where a package comes from."""
+    return {
+        "plymotion": __version__,
+        "command": "plymotion import",
+        "import": dict(table),
+        "source": notes,
+        "nodes_of_source": nodes,
+        "inertia": form,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
 
 
 class Files:

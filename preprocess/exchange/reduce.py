@@ -2,13 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from typing import Any, cast
 
 import numpy as np
 import scipy.linalg
 
-from ... import __version__
 from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Interface, ModalPackage
@@ -26,7 +24,7 @@ from ..modes.reduced import Modes, StaticLoad, accelerations, completed
 from ..modes.reference import Algebra, Condition, HeldDofs, MeanAxis, ModeError
 from .direct import Direct, Solver
 from .free_body import DIRECTIONS, FreeBody, free_body, labelled_cells, recovered
-from .import_table import SI, Reduction, UnitsTable, sizes
+from .import_table import SI, Reduction, UnitsTable, damping_ratio, provenance, sizes
 from .inertia import Inertia, bent_body, inertia, second_order_sums
 from .links import Constrained, Link, constrained, links
 from .refusals import check_free_body
@@ -62,10 +60,7 @@ def reduce_body(
     """
     length, mass, time = sizes(table["units"])
     body = source.in_units(length, mass, time)
-    ratio = float(table.get("damping_ratio", 0.0))
-    if not 0.0 <= ratio < 1.0:
-        expected = "expected a fraction of critical, from 0 to below 1"
-        raise InputError(f"{body.where}: damping_ratio = {ratio:g}: {expected}")
+    ratio = damping_ratio(table, body.where)
     tell(f"checking {len(body.dof_node)} degrees of freedom")
     check_free_body(body, table.get("total_mass"))
     every = links(body, table["interfaces"], length)
@@ -78,7 +73,7 @@ def reduce_body(
     U = np.asarray(parts.T @ modes.columns_B)
     shapes = np.zeros((U.shape[1], len(body.nodes), 6))
     shapes[:, body.dof_node, body.dof_direction] = U.T
-    package = _package(body, table, every, modes, U, shapes, inertia(body, shapes))
+    package = _package(body, table, every, modes, U, shapes, inertia(body, shapes), ratio)
     if second_order is None or not 0 < U.shape[1] <= MOST_MODES:
         return package
     tell("second-order displacements")
@@ -285,6 +280,7 @@ def _package(
     U: Array,
     shapes: Array,
     sums: Inertia,
+    ratio: float,
 ) -> ModalPackage:
     """Nodes of the body, and one node without mass at the reference point of each interface."""
     n, ends = len(body.nodes), len(every)
@@ -306,7 +302,6 @@ def _package(
     )
     m = U.shape[1]
     plies = body.layups and recovered(body.layups, body.nodes, body.cells, shapes, body.where)
-    ratio = float(table.get("damping_ratio", 0.0))
     frequencies = np.sqrt(modes.values)
     return ModalPackage(
         body=table["body"],
@@ -330,24 +325,11 @@ def _package(
         compliance=modes.compliance,
         laminates=plies.laminates if plies else (),
         cell_resultants=plies.cells if plies else None,
-        provenance=provenance(table, body.notes, n, sums.form, modes.warnings),
+        provenance={
+            **provenance(table, body.notes, n, sums.form),
+            "warnings": list(modes.warnings),
+        },
     )
-
-
-def provenance(
-    table: Any, notes: dict[str, Any], nodes: int, form: str, warnings: Any
-) -> dict[str, Any]:
-    """Where a package comes from."""
-    return {
-        "plymotion": __version__,
-        "command": "plymotion import",
-        "import": dict(table),
-        "source": notes,
-        "nodes_of_source": nodes,
-        "inertia": form,
-        "warnings": list(warnings),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
 
 
 def vibrations(

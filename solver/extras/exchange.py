@@ -4,18 +4,19 @@ The solver does not import the preprocessor. It starts it as a process, as it do
 two exchange files only. This part of the preprocessor needs no FEniCSx, so the Python is the same.
 """
 
+import logging
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..package.validation import write_valid
 from ..system.interrupts import INTERRUPTED
 from ..workers.launch import environment, importable
 
 MEASURED = "measured"
-TABLES = 4  # exit code of the exchange: the source has modes only, and their tables are written
+LOGGER = logging.getLogger(__name__)
 ENDED = 70  # exit code of a process that a signal has ended
 
 
@@ -30,22 +31,21 @@ def import_body(
     source : the other code; None: its key `from`; "measured": `file` has measured modes
         (docs/modes.md), which this process reads
     """
-    # Pydantic takes longer than an export.
-    from .measured_modes import experimental_package, load_measurement, write_measured
-
     if source == MEASURED:
-        return 0, write_measured(out, experimental_package(load_measurement(file)), file)
+        from .measured_modes import measured_package  # Pydantic takes longer than an export
+
+        package = measured_package(file)
+        write_valid(out, package, str(file))
+        for warning in package.provenance["warnings"]:
+            LOGGER.warning("warning [%s] %s", warning["code"], warning["message"])
+        return 0, f"{out}: {package.body}, {package.n_mode} measured modes"
     words = ["import", str(file), "--out", str(out)]
     words += ["--from", source] if source else []
-    words += ["--quiet"] if quiet else []
-    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
-        code, text = exchange([*words, "--tables", folder], heard=heard)
-        if code != TABLES:
-            return code, text
-        package = experimental_package(load_measurement(Path(folder) / "measured.toml"))
-        package.provenance["command"] = "plymotion import"
-        package.provenance["import"] = file.read_text(encoding="utf-8")
-        return 0, write_measured(out, package, file)
+    code, text = exchange([*words, *(["--quiet"] if quiet else [])], heard=heard)
+    for line in text.splitlines():
+        if line.startswith("warning"):
+            LOGGER.warning("%s", line)
+    return code, text
 
 
 def export_body(

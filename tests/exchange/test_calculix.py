@@ -8,7 +8,7 @@ from samples.exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_shel
 from samples.exchange_routes import ccx, import_file, run_program
 
 from plymotion.preprocess.exchange.formats.calculix import read
-from plymotion.preprocess.exchange.import_file import package_of as built
+from plymotion.preprocess.exchange.import_file import imported as built
 from plymotion.preprocess.exchange.import_file import read_table
 from plymotion.preprocess.exchange.import_table import Files
 from plymotion.solver.__main__ import main

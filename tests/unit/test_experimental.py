@@ -9,7 +9,7 @@ from samples.beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.__main__ import main
-from plymotion.solver.extras.measured_modes.measurement import (
+from plymotion.solver.extras.measured_modes import (
     INERTIAS,
     MeasuredFile,
     MeasuredInterface,

@@ -8,7 +8,7 @@ import scipy.linalg
 from samples.beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 from samples.flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.extras.measured_modes import experimental_package, load_measurement
+from plymotion.solver.extras.measured_modes import measured_package
 from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.tables import flexible_body
 from plymotion.solver.package import ModalPackage
@@ -46,7 +46,7 @@ def measured(beam: Beam, folder: Path, noise: float) -> ModalPackage:
         f'format = 1\nbody = "beam"\nnodes = "nodes.csv"\nreference = {{ kind = "{kind}"{at} }}\n'
         f"{modes}[interfaces]\nroot = {{ nodes = [0] }}\ntip = {{ nodes = [{nodes[-1]}] }}\n"
     )
-    return experimental_package(load_measurement(folder / "test.toml"))
+    return measured_package(folder / "test.toml")
 
 
 def frequencies_with_mass(package: ModalPackage, mass: float, *, free: bool) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Bodies of which a source has modes only: tables for measured modes (docs/modes.md).
+"""Bodies of which a source has modes only.
 
 Computed modes without matrices, and measured ones, take the same way: shapes at nodes, masses of
 the nodes, and corrections that make the shapes orthonormal in these masses.
@@ -6,17 +6,16 @@ the nodes, and corrections that make the shapes orthonormal in these masses.
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ....solver.errors import InputError
+from ....solver.errors import InputError, nearest
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package import ModalPackage
+from ....solver.package.body.measured import Measurement, experimental_package
 from ....solver.package.common.files import write_text
-from ....solver.package.common.plain_data import toml_text
 from ..free_body import Cells, rows_of
-from ..import_table import Files, Reduction, sizes
+from ..import_table import Files, Reduction, damping_ratio, provenance, sizes
 from ..links import interface_rows
 from .matrices import table_rows
 
@@ -55,10 +54,11 @@ class ModalBody:
         return np.arange(len(self.nodes))
 
 
-def write_tables(body: ModalBody, table: Reduction, files: Files, folder: Path) -> Path:
-    """Write measured.toml and its CSV files in SI; returns the former.
+def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPackage:
+    """Package of the lowest modes, made as that of measured ones.
 
-    Raises InputError for nodes without masses, or fewer modes than requested.
+    Raises InputError for nodes without masses, fewer modes than requested, other requests, and
+    shapes that contradict the reference or each other.
     """
     length, mass, time = sizes(table["units"])
     wanted = sum(mode["count"] for mode in table["modes"] if mode["kind"] == "lowest")
@@ -75,38 +75,58 @@ def write_tables(body: ModalBody, table: Reduction, files: Files, folder: Path) 
         raise InputError(
             f"{body.where}: total_mass = {total:.9g} kg, but the nodes have {weighed:.9g} kg"
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    names = ["node", "x", "y", "z", "mass", *PARTS]
-    _csv(folder / "nodes.csv", names, body.node_ids, np.hstack([body.nodes * length, masses]))
-    found: dict[str, Any] = {
-        "format": 1,
-        "body": table["body"],
-        "nodes": "nodes.csv",
-        "lines": _lines(body),
-    }
-    found["reference"] = {k: v for k, v in table["reference"].items() if k in ("kind", "at")}
-    columns = ["ux", "uy", "uz", "rx", "ry", "rz"][: 6 if body.has_rotations else 3]
-    found["modes"], found["interfaces"] = [], {}
-    damping = np.zeros(wanted) if body.damping_ratios is None else body.damping_ratios
-    for i in range(wanted):
-        shape = body.shapes[i, :, : len(columns)].copy()
-        shape[:, 3:] *= length  # a rotation per unit of the same shape
-        _csv(folder / f"mode{i + 1}.csv", ["node", *columns], body.node_ids, shape)
-        found["modes"].append(
-            {
-                "frequency_hz": float(body.hertz[i] / time),
-                "shape": f"mode{i + 1}.csv",
-                "damping_ratio": float(table.get("damping_ratio", damping[i])),
-                "label": f"vibration {i + 1}",
-            }
-        )
     metres = replace(body, nodes=body.nodes * length)
-    for name, entry in table["interfaces"].items():
-        rows = interface_rows(metres, entry, length, f"{body.where}: interfaces.{name}")
-        found["interfaces"][name] = {"nodes": body.node_ids[rows].tolist()}
-    file = folder / "measured.toml"
-    file.write_text(toml_text(found), encoding="utf-8")
-    return file
+    places = {
+        name: interface_rows(metres, entry, length, f"{body.where}: interfaces.{name}")
+        for name, entry in table["interfaces"].items()
+    }
+    order = np.argsort(body.hertz[:wanted], kind="stable")
+    hertz, shapes = body.hertz[order] / time, body.shapes[order].copy()
+    shapes[..., 3:] *= length  # a rotation per unit of the same shape
+    if not hertz.min(initial=1.0) > 0.0:
+        raise InputError(f"{body.where}: expected frequencies above 0, found {hertz.min():g} Hz")
+    damping = np.full(wanted, damping_ratio(table, body.where))
+    if body.damping_ratios is not None and "damping_ratio" not in table:
+        damping = body.damping_ratios[order]
+    inertia = np.zeros((len(masses), 3, 3))
+    for k, (i, j) in enumerate(PARTS.values(), 1):
+        inertia[:, i, j] = inertia[:, j, i] = masses[:, k]
+    found = Measurement(
+        body=table["body"],
+        held=_held(body.where, table),
+        interfaces=places,
+        lines=_lines(body),
+        node_ids=body.node_ids,
+        nodes_B=metres.nodes,
+        node_mass=masses[:, 0],
+        node_inertia_B=inertia,
+        shapes_B=shapes,
+        has_rotations=body.has_rotations,
+        frequencies=2.0 * np.pi * hertz,
+        damping_ratios=damping,
+        labels=tuple(f"vibration {i + 1}" for i in range(wanted)),
+    )
+    notes = provenance(table, files.notes(), len(body.nodes), "masses of the nodes")
+    try:
+        return experimental_package(found, notes)
+    except InputError as error:
+        raise InputError(f"{body.where}: {error}") from error
+
+
+def _held(where: str, table: Reduction) -> str | None:
+    """Return the interface that carries the frame; None: none, of a free body."""
+    kind, at = table["reference"]["kind"], table["reference"].get("at")
+    if kind == "mean-axis" and at is None:
+        return None
+    if kind != "clamped" or not isinstance(at, str):
+        raise InputError(
+            f'{where}: reference: expected kind = "clamped" with one `at`, or "mean-axis" without: '
+            "the source has modes only"
+        )
+    if at not in table["interfaces"]:
+        hint = nearest(at, table["interfaces"])
+        raise InputError(f'{where}: reference.at = "{at}": no such interface{hint}')
+    return at
 
 
 def _masses(body: ModalBody, files: Files, length: float, mass: float) -> Array:
@@ -127,24 +147,18 @@ def _masses(body: ModalBody, files: Files, length: float, mass: float) -> Array:
             )
         at = int(rows_of(np.array([label]), body.node_ids, f"{path}:{number}")[0])
         found[at, : len(values)] = values
+    if not (found[:, 0] >= 0.0).all() or not found[:, 0].sum() > 0.0:
+        raise InputError(f"{path}: expected masses >= 0 with a sum > 0")
     return found * mass * np.array([1.0, *[length**2] * 6])
 
 
 def _lines(body: ModalBody) -> list[list[int]]:
-    """Edges of the cells that are lines or faces, by labels."""
+    """Edges of the cells that are lines or faces, by rows of nodes."""
     pairs = set()
     for kind, rows in body.cells.each():
         for a, b in LINES.get(kind, ()):
-            ends = body.node_ids[rows[[a, b]]].tolist()
-            pairs.add((min(ends), max(ends)))
+            pairs.add(tuple(sorted(rows[[a, b]].tolist())))
     return [list(pair) for pair in sorted(pairs)]
-
-
-def _csv(file: Path, names: list[str], ids: IntArray, values: Array) -> None:
-    lines = [",".join(names)]
-    for label, row in zip(ids, values, strict=True):
-        lines.append(",".join([str(label), *(f"{value:.17g}" for value in row)]))
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def write_masses(package: ModalPackage, out: Path) -> Path:

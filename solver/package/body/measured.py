@@ -1,21 +1,55 @@
 """A modal package from measured modes: lumped inertia, measured frequencies, corrected shapes."""
 
-import logging
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from itertools import pairwise
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from plymotion import __version__
-
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...package import Interface, ModalPackage, from_stations
-from ...package.body.invariants import rigid_motions
-from ...package.validation import write_valid
-from .measurement import Measurement
+from .invariants import from_stations, rigid_motions
+from .schema import Interface, ModalPackage
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Modes of a body at its nodes, in ascending frequency; n nodes, m modes. SI units.
+
+    Attributes
+    ----------
+    body : name
+    held : interface that was fixed to a rig; None: the body was free
+    interfaces : rows of the nodes of each interface
+    lines : rows of nodes that are connected in pictures, for each line
+    node_ids : (n,)
+    nodes_B : (n, 3) positions [m]
+    node_mass : (n,) [kg]
+    node_inertia_B : (n, 3, 3) about the node [kg m2]
+    shapes_B : (m, n, 6) displacements and rotations, any scale; zero where not measured
+    has_rotations : whether rotations were measured, in every mode
+    frequencies : (m,) [rad/s]
+    damping_ratios : (m,)
+    labels : m names
+    mass_normalised : whether the shapes are said to have unit modal mass
+    """
+
+    body: str
+    held: str | None
+    interfaces: dict[str, IntArray]
+    lines: list[list[int]]
+    node_ids: IntArray
+    nodes_B: Array
+    node_mass: Array
+    node_inertia_B: Array
+    shapes_B: Array
+    has_rotations: bool
+    frequencies: Array
+    damping_ratios: Array
+    labels: tuple[str, ...]
+    mass_normalised: bool = False
+
 
 # Correction of measured shapes: reference condition, orthonormality in the nodal masses.
 #
@@ -32,7 +66,6 @@ from .measurement import Measurement
 #
 # The measured frequencies are kept.
 
-LOGGER = logging.getLogger(__name__)
 HELD = 0.01  # limit of the motion of held nodes, relative to the largest motion
 RIGID = 0.1  # limit of the rigid motion in a shape, relative to its mass norm
 COUPLED = 0.1  # limit of the cosine of two shapes in the nodal masses
@@ -59,7 +92,7 @@ def corrected_shapes(measured: Measurement) -> Corrected:
     InputError : a held interface moves; shapes are not independent.
     """
     out = Corrected(measured.shapes_B.copy())
-    if measured.table.reference.kind == "clamped":
+    if measured.held is not None:
         _apply_clamped(measured, out)
     else:
         _apply_mean_axis(measured, out)
@@ -75,8 +108,8 @@ def mass_times(measured: Measurement, shapes_B: Array) -> Array:
 
 
 def _apply_clamped(measured: Measurement, out: Corrected) -> None:
-    at = str(measured.table.reference.at)
-    rows = measured.rows(at)
+    at = str(measured.held)
+    rows = measured.interfaces[at]
     for part, unit in ((slice(0, 3), "displacement"), (slice(3, 6), "rotation")):
         largest = np.abs(out.shapes_B[..., part]).max(axis=(1, 2))
         moved = np.abs(out.shapes_B[:, rows, part]).max(axis=(1, 2))
@@ -119,7 +152,7 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
         raise InputError(
             f"mode {label!r}: the shape moves no mass; expected motion of nodes with mass"
         )
-    if measured.table.mass_normalised:
+    if measured.mass_normalised:
         for i in np.flatnonzero(np.abs(scale**2 - 1.0) > SCALED):
             out.add_warning(
                 "measured-modal-mass",
@@ -151,8 +184,8 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
 VTK_VERTEX, VTK_LINE = 1, 3
 
 
-def experimental_package(measured: Measurement) -> ModalPackage:
-    """Package of a measured body; warnings are in its provenance.
+def experimental_package(measured: Measurement, provenance: Mapping[str, Any]) -> ModalPackage:
+    """Package of a measured body; warnings are added to its provenance.
 
     Raises
     ------
@@ -163,9 +196,9 @@ def experimental_package(measured: Measurement) -> ModalPackage:
     phi_B, psi_B = (np.moveaxis(shapes_B[..., part], 0, 2) for part in (slice(0, 3), slice(3, 6)))
     w = measured.frequencies
     connectivity, offsets, types = _cells(measured)
-    interfaces = tuple(_interface(measured, name, out) for name in measured.table.interfaces)
+    interfaces = tuple(_interface(measured, name, out) for name in measured.interfaces)
     return ModalPackage(
-        body=measured.table.body,
+        body=measured.body,
         nodes_B=measured.nodes_B,
         node_ids=measured.node_ids,
         connectivity=connectivity,
@@ -188,26 +221,16 @@ def experimental_package(measured: Measurement) -> ModalPackage:
             "lumped",
         ),
         interfaces=interfaces,
-        reference_condition=measured.table.reference.kind,
+        reference_condition="mean-axis" if measured.held is None else "clamped",
         mode_labels=measured.labels,
-        provenance={
-            "plymotion": __version__,
-            "command": "plymotion import",
-            "title": measured.table.title,
-            "files_sha256": measured.sha256,
-            "warnings": out.warnings,
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        },
+        provenance={**provenance, "warnings": out.warnings},
     )
 
 
 def _cells(measured: Measurement) -> tuple[IntArray, IntArray, IntArray]:
     """Connectivity, offsets and types: the lines of the file, or the nodes as points."""
-    ids = measured.node_ids.tolist()
-    pairs = [
-        [ids.index(a), ids.index(b)] for nodes in measured.table.lines for a, b in pairwise(nodes)
-    ]
-    cells = np.array(pairs or [[i] for i in range(len(ids))], dtype=np.int64)
+    pairs = [list(pair) for nodes in measured.lines for pair in pairwise(nodes)]
+    cells = np.array(pairs or [[i] for i in range(len(measured.node_ids))], dtype=np.int64)
     count, size = cells.shape
     kind = VTK_LINE if pairs else VTK_VERTEX
     offsets = size * np.arange(count + 1, dtype=np.int64)
@@ -216,11 +239,11 @@ def _cells(measured: Measurement) -> tuple[IntArray, IntArray, IntArray]:
 
 def _interface(measured: Measurement, name: str, out: Corrected) -> Interface:
     """Mean motion of its nodes; the measured rotation, or that of the best-fitting rigid motion."""
-    rows = measured.rows(name)
+    rows = measured.interfaces[name]
     mean = out.shapes_B[:, rows].mean(axis=1)
     position = measured.nodes_B[rows].mean(axis=0)
     psi = mean[:, 3:].T
-    if not measured.has_rotations and name != measured.table.reference.at:
+    if not measured.has_rotations and name != measured.held:
         arms = measured.nodes_B[rows] - position
         psi, rank = _fitted_rotation(arms, out.shapes_B[:, rows, :3])
         if rank < 3:
@@ -250,11 +273,3 @@ def _fitted_rotation(arms: Array, shapes: Array) -> tuple[Array, int]:
     rank = int(np.count_nonzero(values > 1e-6 * max(values[-1], 1e-300)))
     psi = np.linalg.pinv(spread, rcond=1e-6, hermitian=True) @ moment.T
     return psi, rank
-
-
-def write_measured(path: Path, package: ModalPackage, source: Path) -> str:
-    """Write a package of measured modes and log what is doubtful; returns what was written."""
-    write_valid(path, package, str(source))
-    for warning in package.provenance["warnings"]:
-        LOGGER.warning("warning [%s] %s", warning["code"], warning["message"])
-    return f"{path}: {package.body}, {package.n_mode} measured modes"

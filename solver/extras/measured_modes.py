@@ -1,18 +1,22 @@
-"""Read a modal test: nodes with masses, frequencies, shapes, interfaces."""
+"""Modal packages from measured modes (the paper, section 2.3): the files of a modal test."""
 
 import csv
-import hashlib
-from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from pydantic import model_validator
 
-from ...errors import InputError, nearest
-from ...inputs.common.table import Name, Table, entry, optional, validated
-from ...inputs.common.text_file import read_toml
-from ...math.arrays import Array, IntArray
+from plymotion import __version__
+
+from ..errors import InputError, nearest
+from ..inputs.common.table import Name, Table, entry, optional, validated
+from ..inputs.common.text_file import read_toml
+from ..math.arrays import Array, IntArray
+from ..math.disk_cache import file_sha256
+from ..package.body.measured import Measurement, experimental_package
+from ..package.body.schema import ModalPackage
 
 # Every key of a file of measured modes (docs/modes.md).
 
@@ -161,45 +165,8 @@ INERTIAS = {
 TRANSLATIONS, ROTATIONS = ("ux", "uy", "uz"), ("rx", "ry", "rz")
 
 
-@dataclass(frozen=True)
-class Measurement:
-    """The measured data, modes in ascending frequency; n nodes, m modes.
-
-    Attributes
-    ----------
-    table : the file's keys, checked
-    node_ids : (n,)
-    nodes_B : (n, 3) positions [m]
-    node_mass : (n,) [kg]
-    node_inertia_B : (n, 3, 3) about the node [kg m2]
-    shapes_B : (m, n, 6) displacements and rotations, any scale; zero where not measured
-    has_rotations : whether rotations were measured, in every mode
-    frequencies : (m,) [rad/s]
-    damping_ratios : (m,)
-    labels : m names
-    sha256 : of every file by name
-    """
-
-    table: MeasuredFile
-    node_ids: IntArray
-    nodes_B: Array
-    node_mass: Array
-    node_inertia_B: Array
-    shapes_B: Array
-    has_rotations: bool
-    frequencies: Array
-    damping_ratios: Array
-    labels: tuple[str, ...]
-    sha256: dict[str, str]
-
-    def rows(self, interface: str) -> list[int]:
-        """Rows of the nodes of an interface."""
-        ids = self.node_ids.tolist()
-        return [ids.index(node) for node in self.table.interfaces[interface].nodes]
-
-
-def load_measurement(file: Path) -> Measurement:
-    """Read a file of measured modes and its CSV files.
+def measured_package(file: Path) -> ModalPackage:
+    """Read a file of measured modes and its CSV files; return the package of the body.
 
     Raises
     ------
@@ -225,8 +192,15 @@ def load_measurement(file: Path) -> Measurement:
         shapes.append(shape)
         has_rotations = has_rotations and complete
     names = [file.name, keys.nodes, *(mode.shape for mode in modes)]
-    return Measurement(
-        table=keys,
+    row = {int(node): k for k, node in enumerate(node_ids)}
+    found = Measurement(
+        body=keys.body,
+        held=keys.reference.at,
+        interfaces={
+            name: np.array([row[node] for node in place.nodes])
+            for name, place in keys.interfaces.items()
+        },
+        lines=[[row[node] for node in nodes] for nodes in keys.lines],
         node_ids=node_ids,
         nodes_B=np.column_stack([columns[axis] for axis in "xyz"]),
         node_mass=columns["mass"],
@@ -236,8 +210,16 @@ def load_measurement(file: Path) -> Measurement:
         frequencies=2.0 * np.pi * np.array([mode.frequency_hz for mode in modes]),
         damping_ratios=np.array([mode.damping_ratio for mode in modes]),
         labels=tuple(mode.label or Path(mode.shape).stem for mode in modes),
-        sha256={n: hashlib.sha256((file.parent / n).read_bytes()).hexdigest() for n in names},
+        mass_normalised=keys.mass_normalised,
     )
+    provenance = {
+        "plymotion": __version__,
+        "command": "plymotion import",
+        "title": keys.title,
+        "files_sha256": {name: file_sha256(file.parent / name) for name in names},
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    return experimental_package(found, provenance)
 
 
 def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[str]:
