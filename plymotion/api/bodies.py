@@ -22,8 +22,8 @@ from ..solver.studies.cases import turn
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import prepared
-from .case import ByName, Case, as_case
-from .result import folder_of, named, run_named
+from .case import ByName, Case
+from .result import chosen, named, path_of
 from .signal import table
 
 FMU = "fmu"
@@ -416,13 +416,10 @@ def export(
         return Path(out)
     from ..solver.extras.fmu.write import write_fmu
 
-    case = as_case(what)
-    checked = case.check(coarse=coarse, sweeps=())
-    run = run_named(case.name, run, checked.runs)
-    folder = folder_of(case, None, coarse=coarse)
-    ready = None if packages is None else Path(packages)
+    checked, run, folder = chosen(what, run, coarse=coarse)
     with named(out), turn(folder):
-        write_fmu(prepared(checked, folder, f"runs/{run}.json", ready), Path(out), inputs)
+        file = prepared(checked, folder, f"runs/{run}.json", path_of(packages))
+        write_fmu(file, Path(out), inputs)
     return Path(out)
 
 

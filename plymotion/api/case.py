@@ -202,8 +202,12 @@ class Case(Builders):
         plymotion.solver.errors.InputError: pendulum.toml: bodies.rod.mass = -1: value should be \
 greater than 0
         """
-        file = self.folder / self.name if self._file is None else self._file
-        return checked_case(plain(self.table), file, coarse=coarse, sweeps=sweeps)
+        return checked_case(plain(self.table), self._path, coarse=coarse, sweeps=sweeps)
+
+    @property
+    def _path(self) -> Path:
+        """Its file; for messages of a case without one, its name in the folder."""
+        return self.folder / self.name if self._file is None else self._file
 
     def changed(self, changes: Tables) -> "Case":
         """Return a copy with other values at dotted keys; positions of lists count from 0.

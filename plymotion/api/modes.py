@@ -14,8 +14,8 @@ from ..solver.studies.modes.files import linear_system, modes_content, write_cam
 from ..solver.studies.modes.found import Diagram, Spins, find_modes, response_of
 from ..solver.studies.modes.place import At, at_of
 from ..solver.studies.modes.state import States, spec_of_run
-from .case import Case, as_case
-from .result import folder_of, named, run_named
+from .case import Case
+from .result import chosen, named, path_of
 from .signal import pandas, pyplot, table
 
 
@@ -303,11 +303,7 @@ def campbell(
 def _states(
     case: Case | str | Path, run: str | None, packages: str | Path | None, *, coarse: bool
 ) -> States:
-    case = as_case(case)
-    checked = case.check(coarse=coarse, sweeps=())
-    run = run_named(case.name, run, checked.runs)
-    ready = None if packages is None else Path(packages)
-    return States(spec_of_run(checked, run, folder_of(case, None, coarse=coarse), ready))
+    return States(spec_of_run(*chosen(case, run, coarse=coarse), path_of(packages)))
 
 
 def _axis(axis: Sequence[float] | None) -> Array | None:

@@ -162,8 +162,7 @@ def optimise(
         hint = nearest(study, studies) if study and studies else known
         raise InputError(f"{case.name}: expected the name of a study{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    file = case.folder / case.name if case._file is None else case._file
-    order = Order(plain(case.table), file, coarse, study, folder / "studies" / study)
+    order = Order(plain(case.table), case._path, coarse, study, folder / "studies" / study)
     with shown(steps=progress), named(out), turn(folder):
         computed(order, Here if jobs == 1 else partial(Local, jobs), fresh=fresh, show=progress)
         return Optimum(order.folder)

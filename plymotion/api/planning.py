@@ -22,9 +22,11 @@ from ..solver.studies.fidelity.execution import (
     of_model,
     read_planned,
 )
+from ..solver.workers.launch import keep_preprocessors
+from ..solver.workers.packages import build_needed
 from .case import ByName, Case, as_case
 from .keys import plain
-from .result import build_packages_of, folder_of, named, run_named
+from .result import chosen, folder_of, named, path_of, signals_of
 from .signal import Signal
 
 CHECKED = 0.05  # of the designs, drawn at random
@@ -108,11 +110,7 @@ class Plan:
                 f"the run with {changes} ended at t = {result.t[-1]:.4g} s: {summary['message']}",
                 stacklevel=2,
             )
-        found = result.signals
-        return ByName(
-            "signals",
-            {s.name: Signal(s.name, s.unit, s.description, result.t, s.values) for s in found},
-        )
+        return signals_of(result)
 
     def check(self, changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Run the model and its check with other numbers: changes, met, estimate, reason.
@@ -160,7 +158,8 @@ class Plan:
                 file = file.with_name(f"{self._run}.model.json")
                 write_text(file, json.dumps(table))
             if self._packages is None:
-                build_packages_of(file)
+                keep_preprocessors()
+                build_needed([file])
         return file
 
 
@@ -195,11 +194,11 @@ signals
     case = as_case(case)
     if not 0.0 <= checked <= 1.0:
         raise InputError(f"plan(): checked = {checked}: expected from 0 to 1")
-    runs = case.check(sweeps=()).runs
-    run = run_named(case.name, run, runs)
-    if runs[run].fidelity is None:
+    found, run, _ = chosen(case, run, out)
+    if found.runs[run].fidelity is None:
         raise InputError(f"{case.name}, run {run}: expected [fidelity] with accuracy and signals")
-    return Plan(case, run, out, None if packages is None else Path(packages).resolve(), checked)
+    ready = path_of(packages)
+    return Plan(case, run, out, ready and ready.resolve(), checked)
 
 
 def _drawn(changes: Mapping[str, Any], share: float) -> bool:

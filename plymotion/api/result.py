@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..solver.errors import InputError, counted, few, nearest
+from ..solver.inputs.case.load import Case as CheckedCase
 from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.math.compiled import tell_if_slow
@@ -138,13 +139,7 @@ class Result:
         >>> pm.run("pendulum.toml").signals
         <3 signals: angle, tip_x, tip_z>
         """
-        return ByName(
-            "signals",
-            {
-                s.name: Signal(s.name, s.unit, s.description, self.t, s.values)
-                for s in self.data.signals
-            },
-        )
+        return signals_of(self.data)
 
     @cached_property
     def energies(self) -> ByName[Signal]:
@@ -253,28 +248,53 @@ def run(
     Traceback (most recent call last):
     plymotion.solver.errors.InputError: pendulum has no run 'bse'; did you mean 'base'?
     """
-    case = as_case(case)
-    checked = case.check(coarse=coarse, sweeps=())
-    run = run_named(case.name, run, checked.runs)
-    folder = folder_of(case, out, coarse=coarse)
+    checked, run, folder = chosen(case, run, out, coarse=coarse)
     with shown(steps=progress), named(out), turn(folder):
-        write_case(checked, folder, None if packages is None else Path(packages))
-        file, target = folder / "runs" / f"{run}.json", folder / run
-        if packages is None:
-            build_packages_of(file)
+        file, target = written(checked, folder, f"runs/{run}.json", packages), folder / run
         if force or not up_to_date(file, target):
             tell_if_slow()
             run_one(file, target, progress=progress, allow_python=allow_python)
         return Result(target)
 
 
-def build_packages_of(file: Path) -> None:
-    """Build the packages of a run or sweep file that are missing or out of date.
+def chosen(
+    case: Case | str | Path,
+    run: str | None,
+    out: str | Path | None = None,
+    *,
+    coarse: bool = False,
+) -> tuple[CheckedCase, str, Path]:
+    """Return a checked case, the name of a run and the folder of results. Raises InputError."""
+    case = as_case(case)
+    checked = case.check(coarse=coarse, sweeps=())
+    return checked, run_named(case.name, run, checked.runs), folder_of(case, out, coarse=coarse)
+
+
+def written(checked: CheckedCase, folder: Path, file: str, packages: str | Path | None) -> Path:
+    """Write a case; return a run or sweep file of it, whose packages are up to date.
 
     FEniCSx stays loaded for the next call, for a minute. Raises InputError.
+
+    Parameters
+    ----------
+    packages : folder of ready packages; None: they are built where that is necessary
     """
-    keep_preprocessors()
-    build_needed([file])
+    write_case(checked, folder, path_of(packages))
+    if packages is None:
+        keep_preprocessors()
+        build_needed([folder / file])
+    return folder / file
+
+
+def path_of(folder: str | Path | None) -> Path | None:
+    """Return the path of a folder that may be absent."""
+    return None if folder is None else Path(folder)
+
+
+def signals_of(data: RunResult) -> ByName[Signal]:
+    """Return the signals of a result by name."""
+    found = (Signal(s.name, s.unit, s.description, data.t, s.values) for s in data.signals)
+    return ByName("signals", {signal.name: signal for signal in found})
 
 
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:

@@ -17,7 +17,7 @@ from ..solver.studies.sensitivities.work import (
 )
 from .case import ByName, Case, as_case
 from .keys import plain
-from .result import folder_of, named, run_named
+from .result import chosen, named, path_of, signals_of
 from .signal import Signal, table
 
 
@@ -48,11 +48,7 @@ class Sensitivities:
         >>> list(pm.sensitivities("pendulum.toml", of=["gravity.2"]).signals)
         ['angle', 'tip_x', 'tip_z']
         """
-        found = {
-            s.name: Signal(s.name, s.unit, s.description, self.t, s.values)
-            for s in self.data.signals
-        }
-        return ByName("signals", found)
+        return signals_of(self.data)
 
     @cached_property
     def parameters(self) -> ByName[float]:
@@ -139,18 +135,16 @@ def sensitivities(
 gravity.3; known: 0, 1, 2
     """
     case = as_case(case)
-    run = run_named(case.name, run, case.check(coarse=coarse, sweeps=()).runs)
-    folder = folder_of(case, None, coarse=coarse)
-    file = case.folder / case.name if case._file is None else case._file
+    _, run, folder = chosen(case, run, coarse=coarse)
     with shown(steps=progress), turn(folder):
         return Sensitivities(
             *compute_sensitivities(
                 plain(case.table),
-                file,
+                case._path,
                 run,
                 of,
                 build=folder,
-                packages=None if packages is None else Path(packages),
+                packages=path_of(packages),
                 coarse=coarse,
                 progress=progress,
             )

@@ -9,14 +9,13 @@ import numpy as np
 
 from ..solver.dynamics.analysis.joint_coordinates import JointCoordinates, Projected
 from ..solver.errors import InputError, nearest
-from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.mechanism.build import build, used_packages
 from ..solver.mechanism.built import BuiltMechanism
 from ..solver.run.coupled import Kept, Stepper
 from ..solver.run.execution import read_run
-from .case import Case, as_case
-from .result import build_packages_of, folder_of, named, run_named
+from .case import Case
+from .result import chosen, named, written
 
 Inputs = Mapping[str, float] | Sequence[float] | Array
 EVERY = 20  # steps, of which the monitors look at one
@@ -340,16 +339,9 @@ def simulate(
     >>> sim
     <Simulation at t = 0.01 s: 0 inputs>
     """
-    case = as_case(case)
-    checked = case.check(sweeps=())
-    run = run_named(case.name, run, checked.runs)
-    folder = folder_of(case, out, coarse=False)
+    checked, run, folder = chosen(case, run, out)
     with named(out):
-        write_case(checked, folder, None if packages is None else Path(packages))
-        file = folder / "runs" / f"{run}.json"
-        if packages is None:
-            build_packages_of(file)
-        spec = read_run(file)
+        spec = read_run(written(checked, folder, f"runs/{run}.json", packages))
     stepper = Stepper(spec, inputs, every=EVERY)
 
     def built() -> BuiltMechanism:

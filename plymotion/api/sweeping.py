@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..solver.errors import InputError, counted, few, nearest
-from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.package.common.files import write_text
 from ..solver.studies.cases import turn
@@ -28,7 +27,7 @@ from ..solver.studies.sweep.work import Work, settled
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
 from .keys import plain
-from .result import build_packages_of, folder_of, named, only_run
+from .result import folder_of, named, only_run, written
 from .signal import pandas, pyplot, table
 
 
@@ -270,10 +269,7 @@ def sweep(
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
     with shown(steps=progress), named(out), turn(folder):
-        write_case(checked, folder, None if packages is None else Path(packages))
-        file = folder / "sweeps" / f"{name}.json"
-        if packages is None:
-            build_packages_of(file)
+        file = written(checked, folder, f"sweeps/{name}.json", packages)
         _compute(file, jobs, fresh=fresh, progress=progress)
         return Sweep(file.with_suffix(""))
 

@@ -14,7 +14,7 @@ from ..package.common.files import has_right_seal
 from ..results import ResultError, read_summary
 
 if TYPE_CHECKING:
-    from ..inputs.case.tables.schema import Mechanism
+    from ..inputs.case.tables.schema import Fidelity, Mechanism
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,12 @@ class RunSpec:
     mechanism: "Mechanism"
     packages: dict[str, ModalPackage]
     other_runs: dict[str, "RunSpec"] = field(default_factory=dict)
+
+    @property
+    def fidelity(self) -> "Fidelity":
+        """What a run with `[fidelity]` asks for."""
+        assert self.mechanism.fidelity is not None
+        return self.mechanism.fidelity
 
     def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
         """Return the run with other values at dotted keys of its mechanism, checked as a file is.

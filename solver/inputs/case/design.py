@@ -1,27 +1,25 @@
 """The studies of `[design]`: parameters found in the mechanism, designs as members of a sweep."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 import numpy as np
-from pydantic import ValidationError
 
-from ...errors import InputError, nearest, unknown
+from ...errors import nearest, refuse, unknown
 from ...math.arrays import Array
 from ...package.specification import ModeKind
-from ..common.table import lines, plain_table
+from ..common.table import plain_table
 from ..common.units import LENGTHS
 from .bodies.specifications import BodySpecs, rich_bodies
-from .sweeps import CheckedSweep, Misplaced, check_sweep, unit_at
+from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, unit_at
 from .tables.beams import BeamBody
 from .tables.bodies import RigidBody
 from .tables.design import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
-from .tables.schema import Mechanism, Sweep, Variation, mechanism_of, split_key
+from .tables.schema import Mechanism, Sweep, Variation, split_key
 
 UNITS = {"angle": "deg", "thickness": "m"}  # of the keys of a kind
 VIBRATIONS = get_args(ModeKind)
-MergedOf = Callable[[str], dict[str, Any] | None]
 
 
 @dataclass(frozen=True)
@@ -66,10 +64,7 @@ class CheckedStudy:
         sweep = Sweep.model_validate(
             {"run": self.table.run, "design": "list", "vary": vary, "set": texts}
         )
-        found = check_sweep(self._where, sweep, self._specs, self._merged_of)
-        if isinstance(found, list):
-            raise InputError("\n".join(found))
-        return found
+        return check_sweep(self._where, sweep, self._specs, self._merged_of)
 
     def keys(self, p: Array) -> dict[str, float]:
         """Return the values of the keys of a design (p,)."""
@@ -85,11 +80,10 @@ class CheckedStudy:
         A shell is refined once. A run with `[fidelity]` takes all modes of its check.
         """
 
-        def merged_of(run: str) -> dict[str, Any] | None:
+        def merged_of(run: str) -> dict[str, Any]:
             table = self._merged_of(run)
-            bodies = table.get("bodies", {}) if table else {}
-            planned = table.pop("fidelity", None) if table else None
-            for name, body in bodies.items():
+            planned = table.pop("fidelity", None)
+            for name, body in table.get("bodies", {}).items():
                 kind = body.get("kind")
                 if kind not in ("beam", "shell") or body.get("rigid"):
                     continue
@@ -112,23 +106,23 @@ class CheckedStudy:
 
 def check_study(
     where: str, name: str, design: Design, specs: BodySpecs, merged_of: MergedOf
-) -> CheckedStudy | list[str]:
-    """Return a study, or one line per finding.
+) -> CheckedStudy:
+    """Return a study.
 
     Parameters
     ----------
     where : file and key of the study
     specs : of the case
     merged_of : mechanism of a run by its name, as the user wrote it, with its variants
+
+    Raises
+    ------
+    InputError
+        One line per finding.
     """
     study = design.studies[name]
     merged = merged_of(study.run)
-    if merged is None:
-        return []
-    try:
-        base, _ = mechanism_of(merged, specs.folder, specs.units)
-    except ValidationError as error:
-        return lines(error, Mechanism, where)
+    base, _ = base_of(where, merged, specs)
     found: list[str] = []
     for wanted in study.parameters or ():
         found += unknown(
@@ -161,15 +155,11 @@ def check_study(
     for k, quantity in enumerate(study.quantities()):
         key = f"{where}.subject_to.{k - 1}" if k else f"{where}.objective"
         found += _unknown_subject(key, quantity, base)
-    if found:
-        return found
+    refuse(found)
     checked = CheckedStudy(
         name, study, parameters, targets, base, np.array(start), merged, where, specs, merged_of
     )
-    try:
-        checked.designs([checked.start])
-    except InputError as error:
-        return str(error).splitlines()
+    checked.designs([checked.start])
     return checked
 
 

@@ -1,7 +1,7 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cache
@@ -20,7 +20,7 @@ from .design import CheckedStudy, check_study
 from .expressions import drives, law
 from .messages import Findings
 from .record import case_name
-from .sweeps import CheckedSweep, check_sweep, unit_at
+from .sweeps import CheckedSweep, MergedOf, check_sweep, unit_at
 from .tables.schema import CaseFile, Mechanism, mechanism_of
 
 Tables = dict[str, Any]
@@ -197,39 +197,26 @@ def checked_case(
         for name, mechanism in runs.items():
             findings.of_run(name, check_elsewhere(mechanism, runs))
     findings.add(f"{file}: {line}" for line in _figures(top, runs))
+
+    def merged_of(key: str = "", variants: Sequence[str] = ()) -> MergedOf:
+        """Return the tables of runs with variants that `key` adds."""
+        return lambda run: merged_with(key or f"runs.{run}", [*top.runs[run].variants, *variants])
+
     checked_sweeps: dict[str, CheckedSweep] = {}
     for name, sweep in top.sweeps.items():
         key = f"sweeps.{name}"
         findings.add(unknown(f"{file}: {key}.run", sweep.run, "run", top.runs))
         if sweep.run in runs and (sweeps is None or name in sweeps):
-
-            def merged_of(
-                run: str, key: str = key, variants: list[str] = sweep.variants
-            ) -> dict[str, Any] | None:
-                if run not in top.runs:
-                    return None
-                return merged_with(key, [*top.runs[run].variants, *variants])
-
-            checked = check_sweep(f"{file}: {key}", sweep, specs, merged_of)
-            if isinstance(checked, list):
-                findings.of_sweep(key, checked)
-            else:
-                checked_sweeps[name] = checked
+            with findings.of_sweep(key):
+                of_sweep = merged_of(key, sweep.variants)
+                checked_sweeps[name] = check_sweep(f"{file}: {key}", sweep, specs, of_sweep)
     studies: dict[str, CheckedStudy] = {}
     for name, study in (top.design.studies if top.design else {}).items():
         key = f"design.studies.{name}"
         findings.add(unknown(f"{file}: {key}.run", study.run, "run", top.runs))
         if study.run in runs and top.design is not None:
-
-            def of_run(run: str) -> dict[str, Any] | None:
-                known = top.runs.get(run)
-                return None if known is None else merged_with(f"runs.{run}", known.variants)
-
-            found_study = check_study(f"{file}: {key}", name, top.design, specs, of_run)
-            if isinstance(found_study, list):
-                findings.of_sweep(key, found_study)
-            else:
-                studies[name] = found_study
+            with findings.of_sweep(key):
+                studies[name] = check_study(f"{file}: {key}", name, top.design, specs, merged_of())
     if findings:
         raise InputError("\n".join(findings.lines()))
     return Case(case_name(file), file, top, runs, bodies, checked_sweeps, studies)

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import few
+from ...errors import InputError, few
 
 EXTREME = 1e75  # its fourth power is the end of the floating point range
 ERRORS = (ArithmeticError, np.linalg.LinAlgError)  # to which such numbers may lead
@@ -68,10 +69,14 @@ class Findings:
         for line in lines:
             self._found.setdefault(f"{self.file}: {line}", []).append(run)
 
-    def of_sweep(self, key: str, lines: Iterable[str]) -> None:
-        """Add messages on a sweep, which name file and sweep; not what its run has as well."""
+    @contextmanager
+    def of_sweep(self, key: str) -> Iterator[None]:
+        """Add what is raised about a sweep or study; not what its run has as well."""
         known = {f"{self.file}: {key}{line.removeprefix(str(self.file))}" for line in self._found}
-        self.add(line for line in lines if line not in known)
+        try:
+            yield
+        except InputError as error:
+            self.add(line for line in str(error).splitlines() if line not in known)
 
     def lines(self) -> list[str]:
         """Return one line for each; of some runs only, with the first of them."""

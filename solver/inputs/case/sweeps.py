@@ -5,12 +5,12 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from ...errors import InputError, nearest, unknown
+from ...errors import InputError, nearest, refuse, unknown
 from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
@@ -25,8 +25,7 @@ from .record import needed, with_parts
 from .tables.laws import RESOLVED
 from .tables.schema import Mechanism, Sweep, mechanism_of, number_of, put
 
-if TYPE_CHECKING:
-    from .tables.schema import Mechanism
+MergedOf = Callable[[str], dict[str, Any]]
 
 
 class Misplaced(Exception):
@@ -49,9 +48,7 @@ class Parameter:
     metres: dict[str, float]
 
 
-def parameters_of(
-    sweep: Sweep, mechanism: "Mechanism", folder: Path, units: str
-) -> list[Parameter]:
+def parameters_of(sweep: Sweep, mechanism: Mechanism, folder: Path, units: str) -> list[Parameter]:
     """Return the parameters with the keys that depend on them, and their units.
 
     Parameters
@@ -159,7 +156,7 @@ def _reads(key: str, text: str, sweep: Sweep, parameters: Mapping[str, float]) -
     return names
 
 
-def unit_at(mechanism: "Mechanism", key: str, folder: Path, units: str = "m") -> str:
+def unit_at(mechanism: Mechanism, key: str, folder: Path, units: str = "m") -> str:
     """Return the unit of the number at a key in the file that has it, "" for none.
 
     Parameters
@@ -260,28 +257,37 @@ class CheckedSweep:
         return self.own.base
 
 
+def base_of(
+    where: str, merged: dict[str, Any], specs: BodySpecs
+) -> tuple[Mechanism, dict[str, str]]:
+    """Return `mechanism_of` a run that is varied. Raises InputError."""
+    try:
+        return mechanism_of(merged, specs.folder, specs.units)
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, Mechanism, where))) from error
+
+
 def check_sweep(
     where: str,
     sweep: Sweep,
     specs: BodySpecs,
-    merged_of: Callable[[str], dict[str, Any] | None],
-) -> CheckedSweep | list[str]:
-    """Return the members of a sweep, or one line per finding.
+    merged_of: MergedOf,
+) -> CheckedSweep:
+    """Return the members of a sweep.
 
     Parameters
     ----------
     where : file and key of the sweep
     specs : of the case
-    merged_of : mechanism of a run by its name, as the user wrote it, with its variants and those
-        of the sweep; None: there is no such run, which is said elsewhere
+    merged_of : mechanism of a run of the case by its name, as the user wrote it, with its variants
+        and those of the sweep
+
+    Raises
+    ------
+    InputError
+        One line per finding; none if all are said of another run that signals read.
     """
-    merged = merged_of(sweep.run)
-    if merged is None:
-        return []
-    try:
-        base, texts = mechanism_of(merged, specs.folder, specs.units)
-    except ValidationError as error:
-        return lines(error, Mechanism, where)
+    base, texts = base_of(where, merged_of(sweep.run), specs)
     _, base_bodies, wrong = in_parts(base, specs)
     found = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
@@ -290,7 +296,7 @@ def check_sweep(
     try:
         parameters = parameters_of(sweep, base, specs.folder, specs.units)
     except Misplaced as error:
-        return [*found, f"{where}.vary: {error}"]
+        raise InputError("\n".join([*found, f"{where}.vary: {error}"])) from error
     times = {"solver.t_end", "solver.output_step"}
     for parameter in parameters:
         if sweep.histories and times & set(parameter.keys):
@@ -298,24 +304,19 @@ def check_sweep(
                 f"{where}.histories: expected none where {parameter.name} is varied: "
                 "histories of all members need the same times"
             )
-    if found:
-        return found
+    refuse(found)
     points, problems = sweep.points(), _MemberProblems(where)
     maker = _Maker(sweep, parameters, points, specs)
     own = maker.members(base, texts, problems)
     others = dict[str, Members]()
     kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
     for run in needed(kept):
-        table = merged_of(run)
-        if table is None:
-            return []  # said of the run
         try:
-            other, texts = mechanism_of(table, specs.folder, specs.units)
-        except ValidationError:
-            return []  # said of the run
+            other, texts = mechanism_of(merged_of(run), specs.folder, specs.units)
+        except (KeyError, ValidationError) as error:
+            raise InputError("") from error  # said of the run
         others[run] = maker.members(other, texts, problems, partly=True)
-    if problems.found:
-        return problems.lines()
+    refuse(problems.lines())
     return CheckedSweep(sweep, parameters, points, own, others, base_bodies)
 
 

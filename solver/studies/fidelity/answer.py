@@ -83,6 +83,13 @@ class Answer:
         return dict(zip(self.names, self.estimate.tolist(), strict=True))
 
     @property
+    def pair(self) -> tuple[Trial, Trial]:
+        """Runs of the model and of its check, of an answer that has been checked."""
+        assert self.trial is not None
+        assert self.check is not None
+        return self.trial, self.check
+
+    @property
     def delivered(self) -> Trial | None:
         """The run whose result is delivered."""
         for trial in (self.finest, self.check, self.trial):
@@ -145,8 +152,7 @@ def not_checked(answer: Answer) -> list[str]:
 
 def entry(answer: Answer) -> dict[str, Any]:
     """Return the entry `fidelity` of summary.json."""
-    fidelity = answer.spec.mechanism.fidelity
-    assert fidelity is not None
+    fidelity = answer.spec.fidelity
     indicators = answer.study.indicators
     return {
         "asked": fidelity.accuracy,
@@ -171,8 +177,7 @@ def entry(answer: Answer) -> dict[str, Any]:
 
 def theories(answer: Answer) -> list[str]:
     """Return, for each flexible beam of the plan, whether a beam is enough or a shell is needed."""
-    fidelity, mechanism = answer.spec.mechanism.fidelity, answer.spec.mechanism
-    assert fidelity is not None
+    fidelity, mechanism = answer.spec.fidelity, answer.spec.mechanism
     found = [
         beam_theory(mechanism, name, body, answer.study.model[name], answer.study.indicators)
         for name, body in answer.plan.bodies.items()
@@ -204,8 +209,7 @@ def fidelity_line(found: Mapping[str, Any]) -> str:
 
 def remarks(answer: Answer) -> list[str]:
     """Return the lines at the top of a plan file."""
-    fidelity = answer.spec.mechanism.fidelity
-    assert fidelity is not None
+    fidelity = answer.spec.fidelity
     return [
         f"Plan of run {answer.spec.run} of case {answer.spec.case}, accuracy "
         f"{fidelity.accuracy:g} ({fidelity.metric}).",
@@ -217,8 +221,7 @@ def remarks(answer: Answer) -> list[str]:
 
 def answer_text(answer: Answer) -> str:
     """Return the answer in words."""
-    fidelity = answer.spec.mechanism.fidelity
-    assert fidelity is not None
+    fidelity = answer.spec.fidelity
     lines = [
         f"{answer.spec.case}, run {answer.spec.run}: {', '.join(answer.names)} to "
         f"{fidelity.accuracy:g} of the largest value ({fidelity.metric})",

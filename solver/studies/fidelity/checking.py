@@ -211,16 +211,17 @@ class Checking:
         if answer.trial is None:
             answer.reason = "the model of the plan cannot be assembled"
             return True
-        answer.estimate = distance(self.metric, answer.trial, answer.check)
+        model, check = answer.pair
+        self._estimates = distance(self.metric, model, check)
         if self._close and covered:
             if self.may_promote and not self._stuck and not self._second_fits:
                 answer.reason = f"the check differs by {self._estimate:.2g}, which is near the "
                 answer.reason += "accuracy"
                 return False  # a richer model takes less time than a richer check
             self._second()
-        early = not_compared(answer.trial, answer.check)
+        early = not_compared(*answer.pair)
         answer.reason = early or f"the check differs by {self._estimate:.2g}"
-        if answer.check.finished.solution.code:  # a finding: a promoted model does not change it
+        if answer.pair[1].finished.solution.code:  # a finding: a promoted model does not change it
             return True
         if not covered and self._estimate <= MARGIN * self.accuracy:
             answer.reason = "the model has all that its last check has, and no run checks it"
@@ -234,53 +235,50 @@ class Checking:
 
     @property
     def _second_fits(self) -> bool:
-        assert self.answer.check is not None
-        return SECOND_COST * self.answer.check.cpu <= self.left()
+        return SECOND_COST * self.answer.pair[1].cpu <= self.left()
 
     def _agree(self) -> bool:
         """Tell whether the model agrees with the last check: a richer one is worth its time."""
-        answer = self.answer
-        assert answer.trial is not None
-        assert answer.check is not None
-        found = distance(self.metric, answer.trial, answer.check)
+        found = distance(self.metric, *self.answer.pair)
         return float(found.max(initial=0.0)) <= MARGIN * self.accuracy
 
     @property
-    def _estimate(self) -> float:
+    def _estimates(self) -> Array:
         assert self.answer.estimate is not None
-        return float(self.answer.estimate.max(initial=0.0))
+        return self.answer.estimate
+
+    @_estimates.setter
+    def _estimates(self, values: Array) -> None:
+        self.answer.estimate = values
+
+    @property
+    def _estimate(self) -> float:
+        return float(self._estimates.max(initial=0.0))
 
     def _second(self) -> None:
         """Compare with a richer check; keep the larger estimate and deliver the richer run."""
-        answer = self.answer
-        assert answer.trial is not None
-        assert answer.estimate is not None
         with self._timed("check"):
             wanted = self._check_plan(more=4)
             second = self.run(replace(wanted, rtol=0.3 * wanted.rtol))
         if second is not None and second.complete:
-            answer.check = second
-            again = distance(self.metric, answer.trial, second)
-            answer.estimate = np.maximum(answer.estimate, again)
+            self.answer.check = second
+            again = distance(self.metric, *self.answer.pair)
+            self._estimates = np.maximum(self._estimates, again)
 
     def _met(self) -> bool:
         """Estimate what both packages lack; tell whether this settles the request."""
         answer = self.answer
-        assert answer.trial is not None
-        assert answer.check is not None
-        assert answer.estimate is not None
+        model, check = answer.pair
         with self._timed("check"):
             both = answer.study.model, answer.study.check
-            more, blind = unseen(
-                answer.check, self.ranked, both, self.metric, self.run, self.powers
-            )
+            more, blind = unseen(check, self.ranked, both, self.metric, self.run, self.powers)
         lacking = f"no package has more vibrations ({blind})"
         if blind and more is None:
             answer.reason = f"{lacking}, and no run shows what is missing above them: the budget "
             answer.reason += "is used up"
             return True
         if more is not None:
-            answer.estimate = np.hypot(answer.estimate, more)  # they peak at other times
+            self._estimates = np.hypot(self._estimates, more)  # they peak at other times
         if self._estimate > MARGIN * self.accuracy:
             answer.reason = (
                 f"{lacking}; with what is missing above them the error is about "
@@ -294,23 +292,21 @@ class Checking:
         answer.verdict, answer.reason = "met", ""
         if self.metric == "pointwise" and self.left() > 0.0:
             with self._timed("horizon"):
-                answer.horizon = horizon(answer.trial, answer.names, self.accuracy)
+                answer.horizon = horizon(model, answer.names, self.accuracy)
         return True
 
     def _meshes(self) -> str:
         """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""
         answer = self.answer
-        assert answer.trial is not None
-        assert answer.estimate is not None
         bodies = answer.spec.mechanism.bodies
         shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
         with self._timed("check"):
-            error, names = mesh_error(answer.trial, shells, self.metric, self.run)
+            error, names = mesh_error(answer.pair[0], shells, self.metric, self.run)
         if not names:
             return ""
         if error is None:
             return f"no run shows the error of the mesh of {names}: the budget is used up"
-        answer.estimate = np.hypot(answer.estimate, error)
+        self._estimates = np.hypot(self._estimates, error)
         if self._estimate <= MARGIN * self.accuracy:
             return ""
         return (
@@ -324,15 +320,13 @@ class Checking:
         All at once if the runs that tell the shares would take most of the budget.
         """
         answer = self.answer
-        assert answer.trial is not None
-        assert answer.check is not None
         self._known.clear()
-        check, ranked = answer.check, self.ranked
+        (model, check), ranked = answer.pair, self.ranked
         count = sum(1 for _ in promotions(answer.plan, check.plan, ranked))
         answer.shares = []
-        if count * answer.trial.cpu <= SPLIT_COST * self.left():
+        if count * model.cpu <= SPLIT_COST * self.left():
             with self._timed("split"):
-                answer.shares = split(answer.trial, check, ranked, self.metric, self.run)
+                answer.shares = split(model, check, ranked, self.metric, self.run)
         more = promoted(
             answer.plan, check.plan, ranked, answer.shares, self._estimate, self.accuracy
         )

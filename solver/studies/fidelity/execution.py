@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from ...package import ModalPackage
-from ...package.body.selection import vibrations
 from ...results import RunResult
 from ...run.execution import package_of, read_run
 from ...run.inputs import RunSpec, inputs_sha256, plan_file, plan_sha256, still
@@ -46,8 +45,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
     InputError
         A mechanism that cannot move.
     """
-    fidelity = spec.mechanism.fidelity
-    assert fidelity is not None
+    fidelity = spec.fidelity
     signals = fidelity.signals or list(spec.mechanism.signals)
     names = flexible_names(spec)
     found = study(spec, check, names, signals)
@@ -56,9 +54,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
     least = {name: BodyPlan() for name in names}
     if found.base.reason:  # rigid bodies contradict each other
         for name in names:
-            rows = vibrations(spec.packages[name])[:1]
-            labels = tuple(spec.packages[name].mode_labels[i] for i in rows.tolist())
-            least[name] = BodyPlan(labels, STATIC)
+            least[name] = BodyPlan(vibration_labels(spec.packages[name])[:1], STATIC)
     plan, losses = chosen(found.indicators, found.model, fidelity.accuracy, kinds, least)
     cpu = {**found.cpu, "plan": work_s() - begin, **dict.fromkeys(RUNS, 0.0)}
     return Answer(spec, signals, found, plan, losses, cpu)
@@ -69,8 +65,7 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
 
     `promote` is False for a plan that the user has edited: it is checked as it is.
     """
-    fidelity = answer.spec.mechanism.fidelity
-    assert fidelity is not None
+    fidelity = answer.spec.fidelity
     budget = fidelity.budget - sum(answer.cpu.values())
     checking = Checking(answer, fidelity.accuracy, fidelity.metric, budget, promote)
     if promote:

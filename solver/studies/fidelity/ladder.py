@@ -1,15 +1,15 @@
 """The models between rigid bodies and all modes: error and CPU time of each, for a chart."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from ...math.arrays import Array, front
-from ...package.body.selection import vibrations
 from .answer import Answer
 from .motions import difference
-from .plan import BodyPlan, Plan
+from .plan import BodyPlan, Plan, kind_of, vibration_labels
 from .trial import Trial, attempted
 
 COUNTS = (1, 2, 4)  # vibrations of each kind
@@ -47,24 +47,10 @@ class Ladder:
 
 def tried_models(answer: Answer) -> Ladder | None:
     """Return the models that planning has tried, compared with the check; None without a check."""
-    fidelity, check, trial = answer.spec.mechanism.fidelity, answer.check, answer.trial
-    if fidelity is None or check is None or trial is None or answer.estimate is None:
+    pair = answer.trial, answer.check
+    if answer.estimate is None or not all(trial and trial.complete for trial in pair):
         return None
-    if not (check.complete and trial.complete):
-        return None
-    sizes = check.scales(fidelity.metric)
-
-    def error(signals: Array) -> float:
-        return float(np.max(difference(fidelity.metric, signals, check.signals) / sizes))
-
-    rungs = [Rung(name, cpu, error(signals)) for name, cpu, signals in answer.tried]
-    return Ladder(
-        rungs,
-        Rung("chosen", trial.cpu, error(trial.signals)),
-        Rung("check", check.cpu, 0.0),
-        float(answer.estimate.max(initial=0.0)),
-        fidelity.accuracy,
-    )
+    return _compared(answer, answer.pair[1], answer.tried)
 
 
 def ladder(answer: Answer) -> Ladder:
@@ -73,36 +59,34 @@ def ladder(answer: Answer) -> Ladder:
     Errors are differences from the tightest model: all vibrations and load shapes of the check
     packages, undamped, with rtol a third of that of the check.
     """
-    assert answer.trial is not None
-    assert answer.check is not None
-    assert answer.estimate is not None
-    fidelity = answer.spec.mechanism.fidelity
-    assert fidelity is not None
-    exact = _run(answer, _everything(answer)) or answer.check
+    trials = [(name, _run(answer, plan)) for name, plan in _plans(answer)]
+    found = [(name, t.cpu, t.signals) for name, t in trials if t is not None and t.complete]
+    return _compared(answer, _run(answer, _everything(answer)) or answer.pair[1], found)
+
+
+def _compared(answer: Answer, exact: Trial, tried: Iterable[tuple[str, float, Array]]) -> Ladder:
+    """Return the ladder of models with their CPU times and signals; `exact` has no error."""
+    fidelity, (model, check) = answer.spec.fidelity, answer.pair
     sizes = exact.scales(fidelity.metric)
+    assert answer.estimate is not None
 
-    def rung(name: str, trial: Trial) -> Rung:
-        error = _largest(fidelity.metric, trial, exact, sizes)
-        return Rung(name, trial.cpu, error)
+    def rung(name: str, cpu: float, signals: Array, *, complete: bool = exact.complete) -> Rung:
+        if not complete:
+            return Rung(name, cpu, float("inf"))
+        error = difference(fidelity.metric, signals, exact.signals) / sizes
+        return Rung(name, cpu, float(np.max(error)))
 
-    rungs = []
-    for name, plan in _plans(answer):
-        trial = _run(answer, plan)
-        if trial is not None and trial.complete:
-            rungs.append(rung(name, trial))
+    def of(name: str, trial: Trial) -> Rung:
+        complete = trial.complete and exact.complete
+        return rung(name, trial.cpu, trial.signals, complete=complete)
+
     return Ladder(
-        rungs,
-        rung("chosen", answer.trial),
-        rung("check", answer.check),
+        [rung(*one) for one in tried],
+        of("chosen", model),
+        of("check", check),
         float(answer.estimate.max(initial=0.0)),
         fidelity.accuracy,
     )
-
-
-def _largest(metric: str, trial: Trial, exact: Trial, sizes: Array) -> float:
-    if not (trial.complete and exact.complete):
-        return float("inf")
-    return float(np.max(difference(metric, trial.signals, exact.signals) / sizes))
 
 
 def _run(answer: Answer, plan: Plan) -> Trial | None:
@@ -129,21 +113,18 @@ def _plans(answer: Answer) -> list[tuple[str, Plan]]:
 
 
 def _lowest(answer: Answer, name: str, count: int) -> tuple[str, ...]:
-    package = answer.study.model[name].package
-    labels = [package.mode_labels[i] for i in vibrations(package).tolist()]
+    labels = vibration_labels(answer.study.model[name].package)
     kinds: dict[str, list[str]] = {}
     for label in labels:
-        kinds.setdefault(label.rpartition(" ")[0], []).append(label)
+        kinds.setdefault(kind_of(label), []).append(label)
     kept = {label for group in kinds.values() for label in group[:count]}
     return tuple(label for label in labels if label in kept)
 
 
 def _everything(answer: Answer) -> Plan:
-    assert answer.check is not None
-    bodies = {}
-    for name in answer.plan.bodies:
-        package = answer.study.check[name].package
-        labels = tuple(package.mode_labels[i] for i in vibrations(package).tolist())
-        bodies[name] = BodyPlan(labels, 10, True, "check")
-    tight = answer.check.plan
+    bodies = {
+        name: BodyPlan(vibration_labels(answer.study.check[name].package), 10, True, "check")
+        for name in answer.plan.bodies
+    }
+    tight = answer.pair[1].plan
     return Plan(bodies, tight.stiffening, tight.rtol / 3.0)

@@ -124,11 +124,9 @@ def _lines(plan: Plan, answer: Answer, found: Mapping[int, Answer]) -> list[str]
 
 
 def _words(answer: Answer) -> str:
-    fidelity = answer.spec.mechanism.fidelity
-    assert fidelity is not None
     estimate = "no estimate"
     worst = max(answer.estimates.values(), default=np.inf)
     if np.isfinite(worst):
         estimate = f"estimated error of the model {worst:.1e}"
     reason = f" ({answer.reason})" if answer.reason else ""
-    return f"accuracy {fidelity.accuracy:g} {answer.verdict}, {estimate}{reason}"
+    return f"accuracy {answer.spec.fidelity.accuracy:g} {answer.verdict}, {estimate}{reason}"

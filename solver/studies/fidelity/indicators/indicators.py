@@ -202,8 +202,7 @@ def study(
 
 
 def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) -> Indicators:
-    fidelity = spec.mechanism.fidelity
-    assert fidelity is not None
+    fidelity = spec.fidelity
     built, modes = model.built, []
     for name in built.body_names:
         if name in model.rich:
