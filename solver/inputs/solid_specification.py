@@ -102,21 +102,22 @@ METALS = {
 }
 
 
-def described_solid(file: Path) -> tuple[SolidDescription, SolidTable]:
+def solid_table(
+    table: Mapping[str, Any], file: Path, size: float | None = None
+) -> tuple[SolidDescription, SolidTable]:
     """Return a description, and geometry and materials of its specification.
+
+    Parameters
+    ----------
+    table : the description as it was read
+    file : for messages and relative paths
+    size : of the cells in place of the given one [m]
 
     Raises
     ------
     InputError
         One line per error: file, key, value, expectation.
     """
-    return solid_table(read_toml(file, "solid description"), file)
-
-
-def solid_table(
-    table: Mapping[str, Any], file: Path, size: float | None = None
-) -> tuple[SolidDescription, SolidTable]:
-    """Return the same of a description already read, with another size of the cells if given."""
     units = file_units(table)
     if size is not None and isinstance(table.get("mesh"), dict):
         size = size / LENGTHS[units.get(UNITS, "m")]  # as in the file
@@ -147,7 +148,7 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
     Raises
     ------
     InputError
-        See `described_solid`; a CAD file without a material.
+        See `solid_table`; a CAD file without a material.
     """
     if file.suffix.lower() in CAD:
         table: dict[str, Any] = {

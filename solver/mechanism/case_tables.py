@@ -43,7 +43,6 @@ from ..math.arrays import Array
 from ..math.catalogue import Number, Three
 from ..math.expressions.program import Node, constant, value_at
 from ..math.laws import Law, NamedCurve, law_value
-from ..math.laws import curve as curve_of
 from ..math.rows import column
 from .built import BuiltJoint
 from .places import Places, axes
@@ -54,11 +53,6 @@ from .tables import (
     JointTable,
     Measured,
     StateTable,
-    curve,
-    rate_of,
-    reaction,
-    state,
-    value,
 )
 
 if TYPE_CHECKING:
@@ -140,20 +134,19 @@ def joint_tables(
         first = len(tables)
         tables.append(JointTable(name, kind, one, two, parameters=_numbers(name, joint, shift)))
         driven_by = {key.name: key for key in JOINTS[kind].keys if isinstance(key, DrivenBy)}
-        for drive_key, drive in drives(joint).items():
-            driven = driven_by[drive_key].drive
-            coordinate = driven.coordinate
-            start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
-            given = drive_law(drive, mechanism, f"joints.{name}.{drive_key}")
-            law = shifted(given, float(start))
-            label = f"{name} ({drive_key.replace('_', ' ')})"
-            tables.append(JointTable(label, driven.kind, one, two, law))
-        for drive_key, at in joint_starts(joint).items() if share else ():
-            driven = driven_by[drive_key].drive
-            coordinate = driven.coordinate
-            start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
-            law = laws.polynomial([float(start) + share * at])
-            tables.append(JointTable(f"{name} (start)", driven.kind, one, two, law))
+        given = [
+            (key, key.replace("_", " "), drive_law(drive, mechanism, f"joints.{name}.{key}"))
+            for key, drive in drives(joint).items()
+        ]
+        if share:
+            held = joint_starts(joint).items()
+            given += [(key, "start", laws.polynomial([share * at])) for key, at in held]
+        for key, words, of_key in given:
+            driven = driven_by[key].drive
+            of = driven.coordinate
+            start = float(shift[of.axis]) if isinstance(of, Displacement) else 0.0
+            label = f"{name} ({words})"
+            tables.append(JointTable(label, driven.kind, one, two, shifted(of_key, start)))
         built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)
     return tables, built
 
@@ -198,7 +191,7 @@ class Reader:
         terms = force_terms(name, keys, self.mechanism)
         for curve_name in terms.curves:
             given = getattr(keys, curve_name)
-            law = curve_of(given.x, given.y, smooth=given.interpolation == "spline")
+            law = laws.curve(given.x, given.y, smooth=given.interpolation == "spline")
             self._curves[name, curve_name] = self.found.curve(law)
         along = self._coordinate(terms.along)
         # Their expressions may read each other: numbers first.
@@ -239,14 +232,13 @@ class Reader:
             return read
         if not isinstance(read, Read):
             assert isinstance(read, tuple)
-            return curve(self._curves[read])
+            return "curve", self._curves[read]
         if read.kind == "state":
-            return state(self._states[read.names])
+            return "state", self._states[read.names]
         if read.kind == "reaction":
             joint = self._joints[read.names[0]].rows[0]  # without the drives
-            return reaction(self.found.reaction(joint, REACTIONS.index(read.names[1])))
-        m = self._coordinate(read)
-        return rate_of(m) if read.rate else value(m)
+            return "reaction", self.found.reaction(joint, REACTIONS.index(read.names[1]))
+        return "rate" if read.rate else "value", self._coordinate(read)
 
     def of_joint(self, name: str, coordinate: str) -> int:
         """Return the number of a coordinate of a joint."""

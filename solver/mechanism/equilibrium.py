@@ -7,6 +7,7 @@ therefore ends in a minimum, not in an unstable equilibrium. Following loads hav
 them, the work along the step is used.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -113,13 +114,20 @@ class _Balance:
 
     def stiffness(self, positions: Array) -> Array:
         """Return the stiffness over inertia (n_free, n_free) along Z [1/s2]."""
-        K = np.zeros((self.Z.shape[1], self.Z.shape[1]))
-        for k, z in enumerate(self.Z.T):
-            h = _DIFFERENCE / np.max(np.abs(z))
-            ahead = self.force(moved(self.model, positions, h * z))
-            behind = self.force(moved(self.model, positions, -h * z))
-            K[:, k] = self.Z.T @ (behind - ahead) / (2.0 * h)
-        return K
+        return _stiffness(self.model, positions, self.Z, self.force)
+
+
+def _stiffness(model: Model, positions: Array, Z: Array, force: Callable[[Array], Array]) -> Array:
+    """Return the stiffness over inertia (n_free, n_free) along Z [1/s2], by central differences.
+
+    force : (n_vel,) in a position, multipliers held
+    """
+    K = np.zeros((Z.shape[1], Z.shape[1]))
+    for k, z in enumerate(Z.T):
+        h = _DIFFERENCE / float(np.max(np.abs(z)))
+        ahead, behind = (force(moved(model, positions, step * z)) for step in (h, -h))
+        K[:, k] = Z.T @ (behind - ahead) / (2.0 * h)
+    return K
 
 
 def resting(model: Model, positions: Array, velocities: Array) -> Array:
@@ -336,16 +344,26 @@ class _Turning:
         a = spin_accelerations(self.model, self.positions, self.spin)
         return equations, equations.f - equations.M @ a
 
+    def stiffness(self, g: Array, free: FreeMotions) -> Array:
+        """Return the stiffness over inertia (n_free, n_free); g (n_vel,) as in `evaluated`."""
+        multipliers = free.P.T @ g
+
+        def force(positions: Array) -> Array:
+            # Rates of drives are of no effect here: multipliers are held.
+            near = _Turning(self.model, positions, self.spin, self.t, ready=True)
+            there, found = near.evaluated()
+            return np.asarray(found - there.Phi_q.T @ multipliers)
+
+        return _stiffness(self.model, self.positions, free.Z, force)
+
     def turn(self, free: FreeMotions) -> Array | None:
         """Return the turn as a whole along the free motions (n_free,); None: a drive holds it."""
         turn = free.Z_left @ self.v
         away = np.abs(free.Z @ turn - self.v).max(initial=0.0)
         return turn if turn.any() and away <= _CONSISTENT * np.abs(self.v).max() else None
 
-    def balanced(
-        self, torque: float | None = None
-    ) -> tuple[Equations, Array, FreeMotions, Array, float]:
-        """Return what `evaluated` does, the free motions, and what is unbalanced along them.
+    def balanced(self, torque: float | None = None) -> tuple[Array, FreeMotions, Array, float]:
+        """Return the forces (n_vel,), the free motions, and what is unbalanced along them.
 
         A torque about the axis, such as that which bearings take of a whirl, is the drive's that
         keeps the spin: `torque`, over that of unit motion, by default all of it; returned last.
@@ -354,9 +372,9 @@ class _Turning:
         free = free_motions(equations, self.model.inertia_scale)
         unbalanced, turn = free.Z.T @ g, self.turn(free)
         if turn is None:
-            return equations, g, free, unbalanced, 0.0
+            return g, free, unbalanced, 0.0
         share = float(turn @ unbalanced / (turn @ turn)) if torque is None else torque
-        return equations, g, free, unbalanced - share * turn, share
+        return g, free, unbalanced - share * turn, share
 
     def require(self, joint_names: list[str]) -> None:
         """Raise InputError if joints to the ground do not let it turn; names them."""
@@ -405,7 +423,7 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
     largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
     for _ in range(_ITERATIONS):
         here = _Turning(model, positions, spin, t)
-        equations, g, free, unbalanced, _ = here.balanced()
+        g, free, unbalanced, _ = here.balanced()
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
@@ -414,7 +432,7 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
         if size > 0.99 * sizes[-_PATIENCE]:
             break  # the spin is to grow in steps
         sizes.append(size)
-        K = _stiffness(model, here, equations, g, free)
+        K = here.stiffness(g, free)
         if np.all(np.abs(push) <= round_off(model, positions, spin.rate, K, free)):
             return positions, push
         turn = here.turn(free)
@@ -428,7 +446,7 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
                 step = 0.5 * step
                 continue
             after = _Turning(model, there, spin, t)
-            if np.linalg.norm(after.balanced()[3]) < size:
+            if np.linalg.norm(after.balanced()[2]) < size:
                 break
             step = 0.5 * step
         else:
@@ -449,27 +467,6 @@ def round_off(model: Model, positions: Array, rate: float, K: Array, free: FreeM
         frame[j : j + 3], frame[j + 3 : j + 6] = size, 1.0
     by_stiffness = np.abs(free.Z) @ (np.abs(K) @ (np.abs(free.Z_left) @ frame))
     return np.asarray(_ROUNDING * (by_stiffness + rate**2 * max(1.0, size)))
-
-
-def _stiffness(
-    model: Model, here: _Turning, equations: Equations, g: Array, free: FreeMotions
-) -> Array:
-    """Return the stiffness over inertia (n_free, n_free) along Z, multipliers held [1/s2]."""
-    multipliers = free.P.T @ g
-    K = np.zeros((free.Z.shape[1], free.Z.shape[1]))
-
-    def force(positions: Array) -> Array:
-        # Rates of drives are of no effect here: multipliers are held.
-        near = _Turning(here.model, positions, here.spin, here.t, ready=True)
-        there, found = near.evaluated()
-        return np.asarray(found - there.Phi_q.T @ multipliers)
-
-    for k, z in enumerate(free.Z.T):
-        h = _DIFFERENCE / float(np.max(np.abs(z)))
-        ahead = force(moved(model, here.positions, h * z))
-        behind = force(moved(model, here.positions, -h * z))
-        K[:, k] = free.Z.T @ (behind - ahead) / (2.0 * h)
-    return K
 
 
 def _solved(K: Array, b: Array) -> Array:
@@ -509,11 +506,11 @@ def _require_constant(
     torque = _Turning(model, positions, spin, t).balanced()[-1]
     for angle in _TURNS:
         there = _Turning(model, turned(model, positions, spin, angle), spin, t, angle)
-        equations, g, free, unbalanced, _ = there.balanced(torque)
+        g, free, unbalanced, _ = there.balanced(torque)
         push = free.Z @ unbalanced
         loads = float(np.max(np.abs(g) / model.inertia_scale))
         if np.max(np.abs(push), initial=0.0) > _CONSTANT * max(loads, 1e-9):
-            K = _stiffness(model, there, equations, g, free)
+            K = there.stiffness(g, free)
             if np.all(np.abs(push) <= round_off(model, there.positions, spin.rate, K, free)):
                 continue
             raise InputError(

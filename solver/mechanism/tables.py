@@ -119,33 +119,10 @@ def rotor_arrays(rotor: RotorTable | None, n_force: int, first_law: int) -> Roto
     return Rotor(section, rotor.polar, rotor.shape, rotor.polars, rotor.numbers, law, rotor.state)
 
 
+# What an expression of the model reads: "value" or "rate" of a coordinate, "state", "reaction" or
+# "curve", with its number.
 Quantity = tuple[str, int]
 MOST_FEEDBACK = 32  # forces in Newton's matrix by a rank of their own: their cost is the square
-
-
-def value(m: int) -> Quantity:
-    """Name the value of coordinate m."""
-    return ("value", m)
-
-
-def rate_of(m: int) -> Quantity:
-    """Name the rate of coordinate m."""
-    return ("rate", m)
-
-
-def state(j: int) -> Quantity:
-    """Name auxiliary state j."""
-    return ("state", j)
-
-
-def reaction(r: int) -> Quantity:
-    """Name size r of a reaction."""
-    return ("reaction", r)
-
-
-def curve(k: int) -> Quantity:
-    """Name curve k."""
-    return ("curve", k)
 
 
 @dataclass(frozen=True)
@@ -264,8 +241,8 @@ def quantities_of(
     ends = np.cumsum([n_law, len(sizes), n_state, n_state, n_state])
     terms = [term for row in measured.couplings for term in row.terms]
     read: set[Hashable] = {leaf.quantity for node in used for leaf in node.leaves()}
-    read |= {value(m) for m, _ in terms}
-    turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and value(m) in read]
+    read |= {("value", m) for m, _ in terms}
+    turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and ("value", m) in read]
     turn = np.full(n, -1, dtype=np.int64)
     turn[turning] = n_state + np.arange(len(turning))
     behind_states = 2 * n + n_state + len(turning)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..inputs.case.record import package_entries, solver_sha256
 from ..package import ModalPackage
+from ..package.common.design import moved
 from ..package.common.files import has_right_seal
 from ..results import ResultError, read_summary
 
@@ -37,6 +38,16 @@ class RunSpec:
         """What a run with `[fidelity]` asks for."""
         assert self.mechanism.fidelity is not None
         return self.mechanism.fidelity
+
+    def moved(self, name: str, step: float) -> "RunSpec":
+        """Return the run with packages moved along their derivatives by a design parameter."""
+        packages = {
+            body: moved(package, {name: step})
+            if any(one.name == name for one in package.design)
+            else package
+            for body, package in self.packages.items()
+        }
+        return replace(self, packages=packages)
 
     def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
         """Return the run with other values at dotted keys of its mechanism, checked as a file is.

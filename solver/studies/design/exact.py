@@ -16,7 +16,6 @@ from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec
 from ...inputs.case.tables.schema import Mechanism
 from ...math.arrays import Array
-from ...package.common.design import moved
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
 
@@ -87,23 +86,17 @@ def _leaves(table: Any, way: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...],
 
 def runs_beside(
     spec: RunSpec, names: Sequence[str], mechanisms: Sequence[Mechanism], steps: Array
-) -> list[tuple[RunSpec, RunSpec]]:
+) -> list[tuple[RunSpec, ...]]:
     """Return the runs less and plus a step of each parameter, by derivatives of packages.
 
     Parameters
     ----------
     mechanisms : of the designs of `beside`
     """
-    found = []
-    for k, name in enumerate(names):
-        pair = []
-        for sign, mechanism in zip((-1.0, 1.0), mechanisms[1 + 2 * k : 3 + 2 * k], strict=True):
-            packages = {
-                body: moved(package, {name: sign * float(steps[k])})
-                if any(one.name == name for one in package.design)
-                else package
-                for body, package in spec.packages.items()
-            }
-            pair.append(replace(spec, mechanism=mechanism, packages=packages))
-        found.append((pair[0], pair[1]))
-    return found
+    return [
+        tuple(
+            replace(spec.moved(name, sign * h), mechanism=mechanism)
+            for sign, mechanism in zip((-1.0, 1.0), mechanisms[1 + 2 * k :], strict=False)
+        )
+        for k, (name, h) in enumerate(zip(names, steps.tolist(), strict=True))
+    ]

@@ -70,7 +70,7 @@ class Trials:
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
         self._plan, self.exact = order.plan, order.exact
-        self._beside: list[tuple[RunSpec, RunSpec]] = []  # of the last design, by parameter
+        self._beside: list[tuple[RunSpec, ...]] = []  # of the last design, by parameter
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._last: tuple[bytes, Made, list[Array]] | None = None
         keep_preprocessors()
@@ -144,10 +144,11 @@ class Trials:
         found.exact = False
         return found
 
-    def steps(self) -> Array:
-        """Return the steps of differences (p,), in the units of the parameters."""
+    def steps(self, share: float | None = None) -> Array:
+        """Return the steps of differences (p,), or a share of the range of each parameter."""
+        share = self.study.table.difference if share is None else share
         ranges = [p.range() for p in self.study.parameters.values()]
-        return np.array([self.study.table.difference * (high - low) for low, high in ranges])
+        return np.array([share * (high - low) for low, high in ranges])
 
     def _differences(self, p: Array) -> list[list[Array]]:
         """Return central differences of the arrays of all measures, by parameter.
@@ -156,11 +157,9 @@ class Trials:
         """
         assert self._last is not None
         own, steps = self._last[2], self.steps()
-        points = [
-            p + sign * h * e for h, e in zip(steps, np.eye(p.size), strict=True) for sign in (1, -1)
-        ]
         found: list[tuple[float, list[Array]]] = []
-        for sign, made in zip([1.0, -1.0] * p.size, self._made(points), strict=True):
+        made_beside = self._made(beside(p, steps)[1:])
+        for sign, made in zip([-1.0, 1.0] * p.size, made_beside, strict=True):
             raws = None if isinstance(made, str) else [m.raw(made) for m in self.measures]
             same = raws is not None and all(
                 a.shape == b.shape for a, b in zip(raws, own, strict=True)
@@ -168,7 +167,7 @@ class Trials:
             found.append((sign, raws) if same and raws is not None else (0.0, own))
         columns = []
         for k, h in enumerate(steps):
-            (up, high), (down, low) = found[2 * k : 2 * k + 2]
+            (down, low), (up, high) = found[2 * k : 2 * k + 2]
             if up == down:
                 raise InputError("no design beside this one can be run: its derivative is unknown")
             columns.append([(a - b) / (h * (up - down)) for a, b in zip(high, low, strict=True)])
@@ -177,16 +176,12 @@ class Trials:
     def _exact(self) -> list[list[Array]]:
         """Return derivatives of the arrays of all measures, by parameter."""
         columns = []
-        for h, pair in zip(self._steps_beside(), self._beside, strict=True):
+        for h, pair in zip(self.steps(STEP), self._beside, strict=True):
             low, high = (
                 [m.raw(Made(spec, None, {}, None)) for m in self.measures] for spec in pair
             )
             columns.append([(b - a) / (2.0 * h) for a, b in zip(low, high, strict=True)])
         return columns
-
-    def _steps_beside(self) -> Array:
-        ranges = [p.range() for p in self.study.parameters.values()]
-        return np.array([STEP * (high - low) for low, high in ranges])
 
     def why_not_exact(self) -> str:
         """Return what has no exact derivative; "" if all quantities have one."""
@@ -205,7 +200,7 @@ class Trials:
 
     def _made_exact(self, p: Array) -> Made | str:
         """Return a design whose packages carry derivatives; of an invalid one, why."""
-        names, steps = list(self.study.parameters), self._steps_beside()
+        names, steps = list(self.study.parameters), self.steps(STEP)
         try:
             designs = self.study.designs(beside(p, steps))
             own, count = designs.own, 1 + 2 * p.size
@@ -287,23 +282,7 @@ class Trials:
 
     def spec(self, run: str, members: Members, k: int, files: Mapping[str, Path]) -> RunSpec:
         """Return a run of a design with its packages. Raises PackageError."""
-        specs = model_and_check(members.bodies[k])[0]
-        return self.read(run, self.mechanism(members, k), specs, files)
-
-    def mechanism(self, members: Members, k: int) -> Mechanism:
-        """Return the mechanism of a design, in the bodies that are built."""
-        rtol = min(members.base.solver.rtol, self.study.table.rtol)
-        changes = {**members.changes[k], "solver.rtol": rtol}
-        return in_segments(changed_mechanism(members.base, changes))
-
-    def read(
-        self,
-        run: str,
-        mechanism: Mechanism,
-        specs: Mapping[str, BodySpec],
-        files: Mapping[str, Path],
-    ) -> RunSpec:
-        """Return a run with its packages. Raises PackageError."""
+        mechanism, specs = self.mechanism(members, k), model_and_check(members.bodies[k])[0]
         for name, s in specs.items():
             if why := self._failed.get(files[s.inputs_sha256]):
                 raise InputError(f"bodies.{name}: {why}")
@@ -315,6 +294,12 @@ class Trials:
             if isinstance(body, PackageBody):
                 packages[name] = read_package(self.order.file.parent / body.package)
         return RunSpec(self.case, run, mechanism, packages)
+
+    def mechanism(self, members: Members, k: int) -> Mechanism:
+        """Return the mechanism of a design, in the bodies that are built."""
+        rtol = min(members.base.solver.rtol, self.study.table.rtol)
+        changes = {**members.changes[k], "solver.rtol": rtol}
+        return in_segments(changed_mechanism(members.base, changes))
 
     def run(self, spec: RunSpec, others: Mapping[str, RunSpec]) -> Made | str:
         """Integrate a run if a measure needs it; return why it is invalid if it is.

@@ -22,7 +22,6 @@ from ...mechanism.built import BuiltMechanism
 from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
 from ...package.common.dataset import all_values
-from ...package.common.design import moved
 from ...run.inputs import RunSpec
 from .kinematics import displacements
 
@@ -139,17 +138,7 @@ def design_parameter(spec: RunSpec, name: str) -> Parameter:
             f"expected a dotted key of a number{nearest(name, known)}"
         )
     h = min(steps)
-
-    def at(step: float) -> RunSpec:
-        packages = {
-            body: moved(package, {name: step})
-            if any(one.name == name for one in package.design)
-            else package
-            for body, package in spec.packages.items()
-        }
-        return replace(spec, packages=packages)
-
-    return Parameter(name, "", 0.0, h, at(-h), at(h))
+    return Parameter(name, "", 0.0, h, spec.moved(name, -h), spec.moved(name, h))
 
 
 class Variant(NamedTuple):
