@@ -53,7 +53,8 @@ def _follow(words: list[str]) -> None:
         subprocess.run(words, check=True, capture_output=True)
     elif "--sweep" not in arguments:  # 30 s of CPU; sweeps have tests of their own
         # Cases of the repository are tested in their coarse version, as everywhere.
-        coarse = ["--coarse"] if any(x.startswith("cases/") for x in arguments) else []
+        case = arguments[1] if arguments[0] == "optimise" else arguments[0]
+        coarse = ["--coarse"] if case.startswith("cases/") else []
         quiet = [] if arguments[0] in ("new", "info", "validate", "export") else ["--quiet"]
         assert main([*arguments, *coarse, *quiet]) == 0, " ".join(words)
 
