@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..solver.errors import escape_control_characters
+from ..solver.errors import InputError, escape_control_characters
 from ..solver.package.common.plain_data import shard
 from ..solver.system.interrupts import INTERRUPTED, exit_code, heard
 from .mesh_input import scripts
@@ -80,6 +80,9 @@ def _guarded(options: argparse.Namespace) -> int:
             return run(options)
     except OSError as error:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        return 2
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except ImportError as error:
         if not type(error).__module__.startswith("plymotion."):

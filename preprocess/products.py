@@ -188,7 +188,13 @@ def run(options: argparse.Namespace) -> int:
     """Make the files that a command asks for; returns the exit code."""
     pool = options.command == "section-batch"
     files = FILES.get(options.command)
-    team = launched_ranks() if files and not pool else None
+    team = None if pool else launched_ranks()
+    if team is not None and not files:
+        if team.size > 1:
+            raise InputError(
+                f"mpirun started {team.size} processes: expected one, as ranks do not share a body"
+            )
+        team = None
     listed = options.specs == [Path("-")]  # names follow on standard input
 
     def target_of(spec: Path) -> Path:

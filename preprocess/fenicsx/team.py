@@ -101,47 +101,51 @@ class Distribution:
         self._order = np.argsort(group, kind="stable")
         bounds = np.searchsorted(group[self._order], np.arange(2 * team.size + 1))
         groups = [self._order[a:b] for a, b in pairwise(bounds)]
-        self._inner, self._shared = groups[2 * team.rank], groups[1::2]
-        self.rows = np.concatenate([self._inner, self._shared[team.rank]])
-        self.n_own = len(self.rows)
-        self._number = np.empty(self.n, dtype=stack.PETSc.IntType)
-        self._number[self._order] = np.arange(self.n)
+        inner, shared = groups[2 * team.rank], groups[1::2]
+        self.rows = np.concatenate([inner, shared[team.rank]])
+        self._elsewhere = np.concatenate([*shared[: team.rank], *shared[team.rank + 1 :]])
+        self.n_own, self._n_inner = len(self.rows), len(inner)
+        number = np.empty(self.n, dtype=stack.PETSc.IntType)
+        number[self._order] = np.arange(self.n)
+        self._numbering = stack.PETSc.LGMap().create(number, comm=stack.MPI.COMM_SELF)
 
     @property
     def size(self) -> tuple[tuple[int, int], tuple[int, int]]:
         """Rows and columns of a matrix, of this process and of all, for PETSc."""
         return (self.n_own, self.n), (self.n_own, self.n)
 
-    def csr(self, part: sp.csr_matrix) -> tuple[Any, Any, Array]:
-        """Own rows of the sum of parts, for PETSc: starts, columns, values."""
-        index = stack.PETSc.IntType
-        if self.team.size > 1:
-            mine = self.team.rank
-            pieces = [None if i == mine else part[rows] for i, rows in enumerate(self._shared)]
-            inner, shared = part[self._inner], part[self._shared[mine]]
-            for piece in self.team.comm.alltoall(pieces):
-                if piece is not None:
-                    shared = shared + piece
-            starts = np.concatenate([inner.indptr, inner.indptr[-1] + shared.indptr[1:]])
-            columns = self._number[np.concatenate([inner.indices, shared.indices])]
-            return starts.astype(index), columns, np.concatenate([inner.data, shared.data])
-        return (
-            part.indptr.astype(index, copy=False),
-            part.indices.astype(index, copy=False),
-            part.data,
-        )
-
     def matrix(self, part: sp.csr_matrix, *, spd: bool) -> Any:
         """The sum of parts as a symmetric matrix of PETSc, which may be positive definite."""
-        # PETSc makes a copy only for a team: for a process alone, new values need no insertion
-        create = "createAIJ" if self.team.size > 1 else "createAIJWithArrays"
-        mat = getattr(stack.PETSc.Mat(), create)(self.size, csr=self.csr(part), comm=self.team.comm)
-        mat.setOption(stack.PETSc.Mat.Option.SYMMETRIC, True)
-        if spd:
-            mat.setOption(
-                stack.PETSc.Mat.Option.SPD, True
-            )  # MUMPS then runs with SYM=1, half an LU
+        PETSc, comm = stack.PETSc, self.team.comm
+        index = part.indptr.astype(PETSc.IntType, copy=False)
+        entries = index, part.indices.astype(PETSc.IntType, copy=False), part.data
+        if self.team.size == 1:  # no copy, so that new values need no insertion
+            mat = PETSc.Mat().createAIJWithArrays(self.size, csr=entries, comm=comm)
+        else:
+            mat = PETSc.Mat().createAIJ(self.size, nnz=self._lengths(part), comm=comm)
+            mat.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
+            mat.setLGMap(self._numbering, self._numbering)
+            mat.setValuesLocalIJV(*entries, addv=True)
+            mat.assemble()
+        mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        if spd:  # MUMPS then runs with SYM=1, half an LU
+            mat.setOption(PETSc.Mat.Option.SPD, True)
         return mat
+
+    def _lengths(self, part: sp.csr_matrix) -> tuple[IntArray, ...]:
+        """At most so many entries of the own rows are in own columns, and in those of others.
+
+        The pattern is symmetric: rows of others in this part tell which own rows have columns of
+        others. Of rows with entries of several processes, the sum of the lengths is the bound.
+        """
+        found = self.team.total(np.diff(part.indptr).astype(float))[self.rows]
+        across = np.bincount(part[self._elsewhere].indices, minlength=self.n)[self.rows]
+        across[self._n_inner :] = found[self._n_inner :]
+        found[: self._n_inner] -= across[: self._n_inner]
+        return tuple(
+            np.minimum(count, most).astype(stack.PETSc.IntType)
+            for count, most in ((found, self.n_own), (across, self.n - self.n_own))
+        )
 
     def gathered(self, own: Array) -> Array:
         """Rows of a vector or several (n, ...) on all processes, from the own ones of each."""

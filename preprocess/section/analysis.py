@@ -88,8 +88,8 @@ def analyse(
     discretisation : of a section with other values of parameters, from its provenance: the same
         divisions of cells and degree, whatever the estimate says. The derivatives are those of
         such analyses
-    team : processes that all call this with the same arguments and share the matrices, unless the
-        beam is twisted or curved; each gets the whole result
+    team : processes that all call this with the same arguments and share the matrices, unless
+        derivatives are asked for; each gets the whole result
     progress : called with one line at the beginning of each step
 
     Raises
@@ -104,7 +104,7 @@ def analyse(
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
     asked = parameters(spec, design or {}, where)
-    if curvature_of(spec) is not None or asked:
+    if asked:
         team = fenicsx.ALONE  # each process solves the whole section
     divided: list[NDArray[np.bool_]] = []
     if discretisation is None:
@@ -211,7 +211,7 @@ def analyse(
     begin("recovery")
     density = lay.density
     if isinstance(result, CentralSolutions):
-        density = density * TwistedStrains(problem.space, result.strains.k).g
+        density = density * TwistedStrains(problem.space, result.strains.k).all_g
     M = mass_matrix(problem.space, density)
     points, lay_points = result.space, lay
     if recovery_degree is not None:

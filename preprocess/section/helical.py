@@ -20,6 +20,7 @@ from ufl import SpatialCoordinate
 from ...solver.math.arrays import REGULAR, Array, IntArray, is_positive_definite
 from ...solver.math.rotations import skew
 from .. import fenicsx
+from .space.cells import within
 from .space.numbering import Restriction
 from .space.space import AT_A_TIME, SectionSpace
 from .space.strains import coefficients, twisted_strain_in_section, volume
@@ -28,14 +29,20 @@ from .warping import motions_of_beam, pinned_dofs
 
 
 class TwistedStrains:
-    """Strain operators of a space for initial twist and curvature k (3,) [rad/m]."""
+    """Strain operators of a space for initial twist and curvature k (3,) [rad/m].
+
+    Attributes
+    ----------
+    g : (c, q) volume per area and length at the points of the own cells, of `all_g` (n_cell, q)
+    """
 
     def __init__(self, space: SectionSpace, k: Array) -> None:
         self.space, self.k = space, np.asarray(k, dtype=float)
-        self.g: Array = volume(self.k, np.moveaxis(space.points, -1, 0))  # (c, q)
-        self.least_g = float(self.g[space.weights > 0.0].min())
+        self.all_g: Array = volume(self.k, np.moveaxis(space.points, -1, 0))
+        self.g = self.all_g[space.own]
+        self.least_g = float(self.all_g[space.weights > 0.0].min())
         if not self.least_g > 0.0:
-            far = int(np.argmin(np.where(space.weights > 0.0, self.g, np.inf)))
+            far = int(np.argmin(np.where(space.weights > 0.0, self.all_g, np.inf)))
             place = space.points.reshape(-1, 2)[far]
             raise SectionError(
                 f"initial_curvature: the point ({place[0]:.4g}, {place[1]:.4g}) lies beyond the "
@@ -46,8 +53,13 @@ class TwistedStrains:
     def S(self) -> Array:
         """G_k w from the values and slopes of w at the points, (c, q, 6, 9)."""
         out = np.zeros((*self.g.shape, 6, 9))
+        own = self.space.own
+        assert isinstance(own, slice)
         for part, (reference, _) in self.space.rules:
-            out[part.rows, : len(reference)] = part.evaluated(_rows, reference, k=self.k)
+            mine = np.flatnonzero(within(part.rows, own))
+            if len(mine):
+                found = part.evaluated(_rows, reference, mine, self.k)
+                out[part.rows[mine] - own.start, : len(reference)] = found
         return out
 
     @cached_property
@@ -98,10 +110,11 @@ class TwistedStrains:
         space = self.space
         c, _, _, k = space.gradients.shape
         real, imaginary = np.empty((2, c, k, k, 9))
+        areas = space.weights[space.own]
         for first in range(0, c, AT_A_TIME):
             some = slice(first, first + AT_A_TIME)
             within, along = self._strains_of_unknowns(some)  # (s, q, 6, 3 k) each
-            weight = (space.weights[some] * self.g[some])[..., None, None]
+            weight = (areas[some] * self.g[some])[..., None, None]
             stress = weight * (C[some] @ within)
             real[some] = _by_nodes(within, stress)
             if kappa:
@@ -156,7 +169,8 @@ class AlongAxis:
         largest_growth: float,
     ) -> None:
         E = strains.E(C)
-        self._factor = fenicsx.cholesky(kept.matrix(E.data), largest_growth=largest_growth)
+        team = strains.space.team
+        self._factor = fenicsx.cholesky(kept.matrix(E.data), team, largest_growth)
         self.free, self.n = kept.free, strains.space.n_dof
         stress = C @ strains.strain_along_beam(strains.Z)
         self.HZ, self.LZ = strains.load_in_section(stress), strains.load_along_beam(stress)
@@ -166,7 +180,7 @@ class AlongAxis:
         schur = self.ZLZ - self.HZ.T @ self._V
         self._schur = 0.5 * (schur + schur.T)
         # energies of warping and beam strains in the same units
-        self._root = np.sqrt(np.abs(E.diagonal()[self.free]))[:, None]
+        self._root = np.sqrt(np.abs(team.total(E.diagonal())[self.free]))[:, None]
         self._unit = np.sqrt(np.abs(np.diag(self.ZLZ)))[:, None]
 
     @property
@@ -216,7 +230,7 @@ class Waves:
         real, imaginary = (kept.matrix(part.data) for part in strains.wave(C, kappa))
         doubled = sp.bmat([[real, -imaginary], [imaginary, real]], format="csr")
         doubled.sort_indices()
-        self._factor = fenicsx.cholesky(doubled, largest_growth=np.inf)
+        self._factor = fenicsx.cholesky(doubled, strains.space.team, np.inf)
         self._B = simple.HZ - 1j * kappa * simple.LZ  # (n, 6)
         self._V = self._back(self._B)
         self._schur = simple.ZLZ - self._B.conj().T @ self._V

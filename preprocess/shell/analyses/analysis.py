@@ -45,8 +45,8 @@ def analyse(
     where : file and key of the specification for messages, the shell's name by default
     mesh : replaces the mesh that the specification names
     verify : compute strain energies and frequencies by a second method as well (verification.py)
-    team : processes that all call this with the same arguments and share the matrices, unless the
-        description asks for buckling; each gets the whole result
+    team : processes that all call this with the same arguments and share the matrices; each gets
+        the whole result
     progress : called with one line at the beginning of each step
 
     Raises
@@ -58,9 +58,6 @@ def analyse(
     start = time.perf_counter()
     where = where or f"shell {spec.get('name', '')}".strip()
     begin = progress or (lambda _line: None)
-    ranks = team.size
-    if "buckling" in spec:
-        team = fenicsx.ALONE  # each process solves the whole shell
     begin("mesh")
     problem = ShellProblem(spec, where, team, mesh)
     laminates, warnings = _laminates(problem)
@@ -107,7 +104,7 @@ def analyse(
             "dofs": problem.freedom.n_dof,
             "frequency_errors": left_out or None,
             "verification": None if second is None else second.words,
-            "ranks": ranks,
+            "ranks": problem.team.size,
             "seconds": time.perf_counter() - start,
             "versions": fenicsx.versions(),
         },

@@ -17,6 +17,7 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array
 from ... import fenicsx
+from ...fenicsx.team import whole
 from ..cells import ShellError
 from ..model.freedom import Freedom
 from ..model.guards import Warnings, check_supported
@@ -84,7 +85,7 @@ class Buckling:
         """
         freedom = self._freedom
         G = freedom.reduced(-Kg)
-        if not G.nnz:
+        if not self._team.total(np.array([float(G.nnz)])).any():
             return LoadFactors(np.zeros(0), np.zeros((freedom.n_dof, 0)), 0.0)
         try:
             wanted = count
@@ -122,7 +123,7 @@ class Buckling:
         with x'K x = 1; the smallest factor of the reversed load, 0 if none is of interest."""
         n = G.shape[0]
         if n <= max(DENSE, 3 * count):
-            mu, X = scipy.linalg.eigh(G.toarray(), self._K.toarray())
+            mu, X = scipy.linalg.eigh(*(whole(part, self._team).toarray() for part in (G, self._K)))
             size = np.abs(mu).max(initial=0.0)
             order = np.flatnonzero(mu > NONE * size)[::-1][: count + 1]
             back = 1.0 / mu[0] if mu[0] < -REVERSED * size else 0.0
@@ -153,10 +154,17 @@ class Buckling:
         self, G: sp.csr_matrix, count: int, which: str, tolerance: float, least: int = MANY
     ) -> tuple[Array, Array]:
         n = G.shape[0]
-        inverse = LinearOperator((n, n), matvec=self._factor.solve, dtype=float)
+        applied, stiffness, inverse = (
+            LinearOperator((n, n), matvec=product, dtype=float)
+            for product in (
+                lambda x: self._team.total(G @ x),
+                lambda x: self._team.total(self._K @ x),
+                self._factor.solve,
+            )
+        )
         start = np.random.default_rng(0).standard_normal(n)
         mu, X = eigsh(
-            G, count, which=which, tol=tolerance, M=self._K, Minv=inverse, v0=start,
+            applied, count, which=which, tol=tolerance, M=stiffness, Minv=inverse, v0=start,
             ncv=max(3 * count, least), maxiter=MOST,
         )  # fmt: skip
         return mu, X

@@ -143,9 +143,15 @@ def run_described(
     show : what to do with the results, in the order of the entries; returns the exit code
     list_each : a line for each on standard error where there is no progress bar
     """
-    rank, ranks = mpi_job() if command in SHARED and not _elsewhere(options) else (0, 1)
+    rank, ranks = (0, 1) if _elsewhere(options) else mpi_job()
     if ranks > 1 and options.jobs:
         raise InputError(f"--jobs {options.jobs}: expected without mpirun, whose ranks share each")
+    if ranks > 1 and command not in SHARED:
+        if rank:  # the first rank says so
+            return USER_ERROR
+        raise InputError(
+            f"mpirun started {ranks} processes: expected one, as ranks do not share a {command}"
+        )
     if rank:
         return _join(command, entries, words, spec_of, ranks)
     options.out = options.out or FOLDERS[command]
