@@ -310,6 +310,7 @@ def simulate(
     run: str | None = None,
     *,
     inputs: Sequence[str] | None = None,
+    fixed_step: float | None = None,
     out: str | Path | None = None,
     packages: str | Path | None = None,
 ) -> Simulation:
@@ -323,6 +324,8 @@ def simulate(
     run : name of the run; absent: the only one
     inputs : drives and forces that `step` writes, such as "joints.hinge.drive" and "forces.motor";
         absent: all. The others follow their laws in the case
+    fixed_step : step of the integrator [s], without error control, for a known price of each step;
+        docs/python.md has its accuracy. Absent: by `rtol` of the case
     out : folder of the case; absent: build/NAME
     packages : folder of ready packages: FEniCSx is not needed
 
@@ -339,10 +342,12 @@ def simulate(
     >>> sim
     <Simulation at t = 0.01 s: 0 inputs>
     """
+    if fixed_step is not None and not 0.0 < fixed_step < np.inf:
+        raise InputError(f"simulate(fixed_step={fixed_step!r}): expected a time above 0 [s]")
     checked, run, folder = chosen(case, run, out)
     with named(out):
         spec = read_run(written(checked, folder, f"runs/{run}.json", packages))
-    stepper = Stepper(spec, inputs, every=EVERY)
+    stepper = Stepper(spec, inputs, every=EVERY, fixed_step=fixed_step)
 
     def built() -> BuiltMechanism:
         used = used_packages(spec.mechanism, spec.packages)

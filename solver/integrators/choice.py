@@ -29,6 +29,10 @@ class ToleranceKeys(Protocol):
     """The keys of `[solver]` that set the tolerances of a step."""
 
     @property
+    def integrator(self) -> str:
+        """A name of `INTEGRATORS`."""
+
+    @property
     def t_end(self) -> float:
         """End of the run [s]."""
 
@@ -45,7 +49,7 @@ class ToleranceKeys(Protocol):
         """Absolute tolerance of velocities and modal rates; None: rtol times their scales."""
 
 
-def tolerances(model: Model, y0: Array, solver: ToleranceKeys, rtol: float) -> Array:
+def tolerances(model: Model, y0: Array, solver: ToleranceKeys) -> Array:
     """Return absolute tolerances (n,) of positions, velocities and the work of a run from y0 (n,).
 
     With L, V and E of dynamics/analysis/recovery.py, and d_j the displacement by mode j: rtol L of
@@ -65,7 +69,7 @@ def tolerances(model: Model, y0: Array, solver: ToleranceKeys, rtol: float) -> A
         ends = a + 7 + shapes.size, j + 6 + shapes.size
         atol[a + 7 : ends[0]], atol[j + 6 : ends[1]] = size.length / shapes, size.speed / shapes
     atol[-1] *= WORK_SHARE
-    atol *= rtol
+    atol *= INTEGRATORS[solver.integrator].local_share * solver.rtol
     if solver.atol_position is not None:
         atol[: model.n_pos] = solver.atol_position
     if solver.atol_velocity is not None:
@@ -98,6 +102,7 @@ def make_integrator(
     treatment: Treatment | None = None,
     *,
     fixed_step: float | None = None,
+    atol: Array | None = None,
     functions: Sequence[Called] = (),
 ) -> Integrator:
     """Return the integrator that the case asks for, ready to step from t = 0.
@@ -108,7 +113,8 @@ def make_integrator(
     y0 : (n,) consistent start
     solver : `[solver]` of a case
     treatment : the one that the model was prepared for; of `solver` by default
-    fixed_step : [s], without error control (benchmarks)
+    fixed_step : [s], without error control
+    atol : (n,) absolute tolerances; of this model and start by default
     functions : of sampled states (dynamics/evaluation/evaluation.py)
 
     Raises
@@ -134,10 +140,9 @@ def make_integrator(
             f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
             f"impacts, or of controllers with a sample_time; expected {' or '.join(able)}"
         )
-    rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {
-        "rtol": rtol,
-        "atol": tolerances(model, y0, solver, rtol),
+        "rtol": kind.local_share * solver.rtol,
+        "atol": tolerances(model, y0, solver) if atol is None else atol,
         "block_starts": blocks(model),
     }
     found = breaks(model, solver.t_end)

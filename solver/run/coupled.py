@@ -16,7 +16,7 @@ from ..dynamics.evaluation.laws import law_values
 from ..dynamics.model.model import Model
 from ..errors import InputError
 from ..inputs.case.expressions import drives, is_along, is_load, law
-from ..integrators.choice import make_integrator
+from ..integrators.choice import make_integrator, tolerances
 from ..integrators.generic.base import Integrator
 from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
@@ -247,6 +247,7 @@ class Stepper:
     spec : the run; its laws of inputs are of use for the start and for the tolerances only
     inputs : names of those that are written from outside; None: all. The others follow the case
     every : the monitors look at one communication step of so many
+    fixed_step : of the integrator [s], without error control; None: by the tolerances
 
     Raises
     ------
@@ -261,11 +262,19 @@ class Stepper:
     _integrator: Integrator | None  # from the first step on
 
     def __init__(
-        self, spec: RunSpec, inputs: Sequence[str] | None = None, *, every: int = 1
+        self,
+        spec: RunSpec,
+        inputs: Sequence[str] | None = None,
+        *,
+        every: int = 1,
+        fixed_step: float | None = None,
     ) -> None:
-        self._spec, self._every = spec, every
+        self._spec, self._every, self._fixed_step = spec, every, fixed_step
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
+        own = self._prepared
+        # By the laws of the case, whatever the inputs are at a start.
+        self._atol = tolerances(own.model, own.y0, own.mechanism.solver)
         self._started = False
         known = {found.name: found for found in inputs_of(spec.mechanism, self._prepared.built)}
         for name in inputs or ():
@@ -345,7 +354,12 @@ class Stepper:
             if prepared.refused is not None:
                 raise InputError(prepared.refused.message)
             self._integrator = make_integrator(
-                prepared.model, self.y, prepared.mechanism.solver, prepared.treatment
+                prepared.model,
+                self.y,
+                prepared.mechanism.solver,
+                prepared.treatment,
+                fixed_step=self._fixed_step,
+                atol=self._atol,
             )
         h, known = t - self.t, [UNKNOWN] * len(values) if rates is None else rates
         for given, course, value, its in zip(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import plymotion as pm
+from plymotion.solver.errors import InputError
 from plymotion.solver.extras.robot.files import import_robot
 
 ROBOTS = Path(__file__).parents[1] / "samples/robots"
@@ -115,3 +116,35 @@ def test_what_is_refused(arm: pm.Simulation, folder: Path) -> None:
     other = pm.simulate(folder, out=folder / "build")
     with pytest.raises(pm.InputError, match="expected one of this simulation"):
         other.state = arm.state
+
+
+def test_fixed_steps_converge_with_the_order_of_the_integrator(folder: Path) -> None:
+    """A constant torque: the error of Radau IIA falls by 2^5 when the step is halved.
+
+    Without friction, whose smoothed change of sign such steps do not see.
+    """
+    case = pm.load(folder).changed({"solver.rtol": 1e-11})
+    forces = case.table["forces"]
+    case.table["forces"] = {k: v for k, v in forces.items() if v["kind"] != "friction"}
+    ends = []
+    for h in (None, 0.01, 0.005):
+        sim = pm.simulate(case, fixed_step=h, out=folder / "build")
+        for _ in range(8):
+            sim.step(0.01, {"forces.shoulder_motor": 15.0})
+        ends.append(sim.y[:-1])
+    errors = [float(np.abs(end - ends[0]).max()) for end in ends[1:]]
+    assert 24.0 < errors[0] / errors[1] < 60.0
+    with pytest.raises(InputError, match=r"fixed_step=0.0\): expected a time above 0"):
+        pm.simulate(folder, fixed_step=0.0)
+
+
+def test_the_accuracy_is_that_of_the_case_whatever_the_inputs_at_the_start(
+    arm: pm.Simulation,
+) -> None:
+    """A large torque at a reset once made the tolerances as much looser."""
+    counts = []
+    for torque in (0.0, 1e4):
+        arm.reset({"forces.shoulder_motor": torque})
+        arm.step(1e-3, {"forces.shoulder_motor": 20.0})
+        counts.append(arm._stepper._integrator._options.atol)  # type: ignore[union-attr]
+    assert np.array_equal(*counts)
