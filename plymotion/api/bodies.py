@@ -10,6 +10,7 @@ import numpy as np
 from ..solver.errors import InputError
 from ..solver.extras.exchange import export_body
 from ..solver.extras.exchange import import_body as import_from
+from ..solver.extras.fmu import VERSIONS
 from ..solver.inputs.shell_specification import load_shell
 from ..solver.inputs.solid_specification import solid_spec
 from ..solver.math.arrays import Array
@@ -25,8 +26,6 @@ from ..solver.workers.packages import prepared
 from .case import ByName, Case
 from .result import chosen, named, path_of
 from .signal import table
-
-FMU = "fmu"
 
 
 class _Analysed:
@@ -388,8 +387,8 @@ def export(
 
     Parameters
     ----------
-    what : a modal package; with `to="fmu"` a case, or its file
-    to : exudyn, uff, med, dmig, mbdyn, sid or fmu
+    what : a modal package; with `to="fmu"` or `"fmu3"` a case, or its file
+    to : exudyn, uff, med, dmig, mbdyn, sid, or fmu (FMI 2.0), fmu3 (FMI 3.0)
     out : the new file, which is returned
     run, inputs, packages, coarse : of an FMU: the run, names of the drives and forces that are its
         inputs (None: all); others as for `plymotion.run`
@@ -405,12 +404,12 @@ def export(
     >>> pm.export("rod.vtkhdf", "sid", "rod.SID_FEM").name
     'rod.SID_FEM'
     """
-    if to != FMU:
+    if to not in VERSIONS:
         of_fmu: Mapping[str, Any] = {"run": run, "inputs": inputs, "packages": packages}
         for key in (key for key, value in of_fmu.items() if value is not None):
-            raise InputError(f'export(): {key}: expected with to="fmu" only')
+            raise InputError(f'export(): {key}: expected with to="fmu" or "fmu3" only')
         if isinstance(what, Case):
-            raise InputError(f'export(): {what!r}: expected a modal package, or to="fmu"')
+            raise InputError(f'export(): {what!r}: expected a modal package, or to="fmu", "fmu3"')
         with named(out):
             _refused(*export_body(Path(what), to, Path(out), heard=False))
         return Path(out)
@@ -419,7 +418,7 @@ def export(
     checked, run, folder = chosen(what, run, coarse=coarse)
     with named(out), turn(folder):
         file = prepared(checked, folder, f"runs/{run}.json", path_of(packages))
-        write_fmu(file, Path(out), inputs)
+        write_fmu(file, Path(out), inputs, to)
     return Path(out)
 
 

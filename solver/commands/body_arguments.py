@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, did_you_mean
+from ..extras.fmu import VERSIONS
 from ..package.section.codes import CODES, OF_BLADES, TARGETS
 from ..studies.modes.place import at_of
 from .arguments import (
@@ -274,7 +275,7 @@ def _package(text: str) -> tuple[str, Path]:
 def written_formats() -> list[str]:
     """Return the formats of `export`: files that write one. The solver does not import them."""
     files = sorted(FORMATS.glob("*.py"))
-    return [*(f.stem for f in files if "\ndef write(" in f.read_text("utf-8")), "fmu"]
+    return [*(f.stem for f in files if "\ndef write(" in f.read_text("utf-8")), *VERSIONS]
 
 
 @command("export", "bodies.packages:run_export")
@@ -283,18 +284,19 @@ def add_export(parser: Any) -> None:
 
     Write a modal package in the format of another code: exudyn (a script that adds the body), uff
     (modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
-    joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation (fmu).
+    joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation: fmu
+    (FMI 2.0), fmu3 (FMI 3.0).
 
     ---
     """
-    text = "PACKAGE.vtkhdf; with --to fmu CASE.toml"
+    text = "PACKAGE.vtkhdf; with --to fmu or fmu3 CASE.toml"
     parser.add_argument("file", type=Path, metavar="FILE", help=text)
     parser.add_argument(
         "--to", dest="target", required=True, choices=written_formats(), help="the format"
     )
     text = "the new file (default: beside the package; of an FMU build/CASE/RUN.fmu)"
     parser.add_argument("--out", "-o", type=Path, metavar="FILE", help=text)
-    fmu = parser.add_argument_group("with --to fmu")
+    fmu = parser.add_argument_group("with --to fmu or fmu3")
     fmu.add_argument("--run", metavar="NAME", help="the run (default: the only one of the case)")
     text = (
         "drives and forces that are inputs, such as joints.hinge.drive (default: all); the others "

@@ -329,6 +329,11 @@ class StepLoop(StrideMemory):
         self._armed = tuple(one and e != found for e, one in enumerate(self._armed))
         return reached
 
+    @property
+    def at_event(self) -> bool:
+        """Whether the last stride has ended at an event, which the next one follows."""
+        return bool(self._struck)
+
     def go_on(self, t_end: float) -> None:
         """Let the run end at t_end [s]; up to there it restarts from the present state.
 

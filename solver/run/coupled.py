@@ -18,6 +18,7 @@ from ..errors import InputError
 from ..inputs.case.expressions import drives, is_along, is_load, law
 from ..integrators.choice import make_integrator, tolerances
 from ..integrators.generic.base import Integrator
+from ..integrators.generic.drive import Watch
 from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
@@ -87,6 +88,11 @@ class Course:
 
     def _note(self, t: float, value: float) -> None:
         self._times, self._values = [*self._times, t][-KEPT:], [*self._values, value][-KEPT:]
+
+    def jump(self) -> None:
+        """Forget the past of a force, which jumps to its next value; a drive never does."""
+        if not self._drive:
+            self._times, self._values, self._at = [], [], np.zeros(3)
 
     def copy(self) -> "Course":
         """Return a course that goes on from here by itself."""
@@ -234,6 +240,17 @@ class Kept(NamedTuple):
     memory: dict[Any, Any]
     turns: Any
     prepared: Prepared
+    owner: "Stepper"
+
+
+class Moved(NamedTuple):
+    """The last communication step, from its beginning."""
+
+    before: Kept
+    t: float
+    values: Array
+    rates: Array | None
+    to_event: bool
 
 
 class Stepper:
@@ -248,6 +265,7 @@ class Stepper:
     inputs : names of those that are written from outside; None: all. The others follow the case
     every : the monitors look at one communication step of so many
     fixed_step : of the integrator [s], without error control; None: by the tolerances
+    retraces : keep what `retraced` needs
 
     Raises
     ------
@@ -260,6 +278,7 @@ class Stepper:
     _memory: dict[Any, Any]  # of signals
     _started: bool  # the prepared mechanism has been started from
     _integrator: Integrator | None  # from the first step on
+    last: Moved | None  # communication step, where it can be retraced
 
     def __init__(
         self,
@@ -268,8 +287,10 @@ class Stepper:
         *,
         every: int = 1,
         fixed_step: float | None = None,
+        retraces: bool = False,
     ) -> None:
         self._spec, self._every, self._fixed_step = spec, every, fixed_step
+        self._retraces = retraces
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
         own = self._prepared
@@ -331,44 +352,61 @@ class Stepper:
             for given, by in zip(self.inputs, change, strict=True)
         ]
 
+    def jump(self) -> None:
+        """Let forces jump to their next values, whatever their past."""
+        for course in self._courses:
+            course.jump()
+
     def advance(self, t: float, values: Array, rates: Array | None = None) -> Array:
         """Move on to t [s] and return the outputs there, (n,); see `move`."""
         self.move(t, values, rates)
         return self.measured()
 
-    def move(self, t: float, values: Array, rates: Array | None = None) -> None:
-        """Move on to t [s].
+    def move(
+        self, t: float, values: Array, rates: Array | None = None, *, to_event: bool = False
+    ) -> bool:
+        """Move on to t [s], or to the first event before; return whether it is an event.
 
         Parameters
         ----------
         values : (k,) inputs at the present time
         rates : (k, 2) their first and second derivatives; nan, or None: unknown
+        to_event : end at the instant of an impact
 
         Raises
         ------
         InputError
             The run cannot go on; the message says why. `t` and `y` are those of its last step.
         """
-        if self._integrator is None:
-            prepared = self._prepared
-            if prepared.refused is not None:
-                raise InputError(prepared.refused.message)
-            self._integrator = make_integrator(
-                prepared.model,
-                self.y,
-                prepared.mechanism.solver,
-                prepared.treatment,
-                fixed_step=self._fixed_step,
-                atol=self._atol,
-            )
-        h, known = t - self.t, [UNKNOWN] * len(values) if rates is None else rates
-        for given, course, value, its in zip(
-            self.inputs, self._courses, values, known, strict=True
-        ):
-            piece = course.piece(self.t, h, float(value), its)
-            piece[0] += given.offset
-            write_piece(self._prepared.model, given.law, self.t, piece)
-        self._move(self._integrator, t)
+        if self._retraces:
+            self.last = Moved(self.kept(), t, values.copy(), rates, to_event)
+        self._moves += 1
+        watched = self._moves % self._every == 0
+        return self._move(t, values, rates, self._watch if watched else None, to_event=to_event)
+
+    def retraced(self, watch: Watch) -> None:
+        """Take the last communication step again, with stages for `watch`; come out as before."""
+        assert self.last is not None
+        end, last = self.kept(), self.last
+        self.restore(last.before)
+        self._move(last.t, last.values, last.rates, watch, to_event=last.to_event, stages=True)
+        self.restore(end)
+
+    def inputs_at(self, model: Model, k: int, by: float) -> Model:
+        """Return a model whose input k was larger in the last communication step."""
+        assert self.last is not None
+        given, before = self.inputs[k], self.last.before
+        model = model._replace(
+            law_time=model.law_time.copy(),
+            law_coefficient=model.law_coefficient.copy(),
+            quantities=model.quantities._replace(law=model.quantities.law.copy()),
+        )
+        course, rates = before.courses[k].copy(), self.last.rates
+        value, h = float(self.last.values[k]) + by, self.last.t - before.t
+        piece = course.piece(before.t, h, value, UNKNOWN if rates is None else rates[k])
+        piece[0] += given.offset
+        write_piece(model, given.law, before.t, piece)
+        return model
 
     @property
     def prepared(self) -> Prepared:
@@ -390,6 +428,7 @@ class Stepper:
             dict(self._memory),
             turns.mark(),
             self._prepared,
+            self,
         )
 
     def restore(self, kept: Kept) -> None:
@@ -398,11 +437,13 @@ class Stepper:
         Raises
         ------
         InputError
-            A state of another run, or of before another start.
+            A state of another run.
         """
+        if kept.owner is not self:
+            raise InputError("state: expected one of this simulation")
+        if kept.prepared is not self._prepared:  # of before another start
+            self._begin(kept.prepared)
         prepared = self._prepared
-        if kept.prepared is not prepared:
-            raise InputError("state: expected one of this simulation since its last reset")
         model = prepared.model
         laws = model.law_time, model.law_coefficient, model.quantities.law
         for array, values in zip(laws, kept.laws, strict=True):
@@ -439,23 +480,53 @@ class Stepper:
         self._memory = {}
         self._told: set[str] = set()
         self._moves = 0  # communication steps
+        self.last = None
 
-    def _move(self, integrator: Any, t: float) -> None:
+    def _move(
+        self,
+        t: float,
+        values: Array,
+        rates: Array | None,
+        watch: Watch | None,
+        *,
+        to_event: bool,
+        stages: bool = False,
+    ) -> bool:
+        prepared = self._prepared
+        if self._integrator is None:
+            if prepared.refused is not None:
+                raise InputError(prepared.refused.message)
+            self._integrator = make_integrator(
+                prepared.model,
+                self.y,
+                prepared.mechanism.solver,
+                prepared.treatment,
+                fixed_step=self._fixed_step,
+                atol=self._atol,
+            )
+        integrator: Any = self._integrator
+        h, known = t - self.t, [UNKNOWN] * len(values) if rates is None else rates
+        for given, course, value, its in zip(
+            self.inputs, self._courses, values, known, strict=True
+        ):
+            piece = course.piece(self.t, h, float(value), its)
+            piece[0] += given.offset
+            write_piece(prepared.model, given.law, self.t, piece)
         integrator.go_on(t)
-        nowhere = np.empty(0), np.empty((0, integrator.n))
-        self._moves += 1
-        watched = self._moves % self._every == 0
-        while integrator.status == "running":
-            integrator.stride(*nowhere, 0, watched)
+        integrator.keeps_stages = stages
+        nowhere, happened = (np.empty(0), np.empty((0, integrator.n))), False
+        while integrator.status == "running" and not (happened and to_event):
+            integrator.stride(*nowhere, 0, watch is not None)
             request = None
-            if watched:
-                request = self._watch(integrator.steps_taken())
+            if watch is not None:
+                request = watch(integrator.steps_taken())
                 integrator.take_up()
-            self.t, self.y = integrator.t, integrator.y
+            self.t, self.y, happened = integrator.t, integrator.y, integrator.at_event
             if request is not None:
                 raise InputError(request.message)
-        if integrator.status != "finished":
+        if integrator.status not in ("finished", "running"):
             raise InputError(integrator.message)
+        return bool(integrator.status == "running")
 
     def measured(self) -> Array:
         """Return the outputs at the present time, (n,)."""

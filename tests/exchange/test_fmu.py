@@ -59,7 +59,7 @@ def test_path_is_that_of_our_own_run(
     """Communication steps of 1 ms, as the manual shows: the only input is the angle."""
     shutil.copy(arm, tmp_path / "arm.fmu")
     monkeypatch.chdir(tmp_path)
-    page = (repository / "docs/exchange.md").read_text()
+    page = (repository / "docs/fmu.md").read_text()
     (code,) = re.findall(r"^In fmpy:\n\n```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
     names: dict[str, Any] = {}
     exec(code, names)

@@ -209,10 +209,12 @@ def test_the_description_of_an_fmu_is_xml(name: str, tmp_path: Path) -> None:
     case = load_case(tmp_path / "case.toml")
     write_case(case, tmp_path / "out")
     (run,) = (tmp_path / "out/runs").glob("*.json")
-    xml = description(Stepper(read_run(run), None), "x", "{0}", name, (1.0, 0.1))
-    root = ET.fromstring(xml)
-    (signal,) = (v for v in root.iter("ScalarVariable") if v.get("name") == "signals.x")
-    assert signal.get("description", "").startswith(name[:1].strip())
+    stepper = Stepper(read_run(run), None)
+    for version, kind in (("2.0", "ScalarVariable"), ("3.0", "Float64")):
+        xml = description(stepper, "x", "{0}", name, (1.0, 0.1), version)
+        root = ET.fromstring(xml)
+        (signal,) = (v for v in root.iter(kind) if v.get("name") == "signals.x")
+        assert signal.get("description", "").startswith(name[:1].strip())
     count("export: hostile words in the XML of an FMU", "done")
 
 

@@ -81,6 +81,6 @@ def test_info_validate_and_export_are_those_of_the_commands(repository, tmp_path
     assert file.read_bytes() == (tmp_path / "a.fem").read_bytes()
     with pytest.raises(pm.InputError, match="broken"):
         pm.export(broken, "mbdyn", tmp_path / "c.fem")
-    with pytest.raises(pm.InputError, match=r'run: expected with to="fmu" only'):
+    with pytest.raises(pm.InputError, match=r'run: expected with to="fmu" or "fmu3" only'):
         pm.export(rod, "sid", tmp_path / "c.sid", run="base")
     assert not (tmp_path / "c.fem").exists()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...errors import InputError, counted, few
 from ...extras.exchange import export_body, import_body
+from ...extras.fmu import VERSIONS
 from ...package import validate
 from ...package.body.io import read_package
 from ...studies.cases import build_folder, chosen_run
@@ -101,11 +102,11 @@ def import_urdf(options: argparse.Namespace) -> int:
 
 def run_export(options: argparse.Namespace) -> int:
     """Run `plymotion export`; returns the exit code."""
-    if options.target == "fmu":
+    if options.target in VERSIONS:
         return export_fmu(options)
     for name in ("run", "inputs", "coarse", "packages"):
         if getattr(options, name):
-            raise InputError(f"--{name}: expected with --to fmu only")
+            raise InputError(f"--{name}: expected with --to fmu or fmu3 only")
     return _told(*export_body(options.file, options.target, options.out))
 
 
@@ -122,13 +123,13 @@ def export_fmu(options: argparse.Namespace) -> int:
 
     file: Path = options.file
     if file.suffix != ".toml":
-        raise InputError(f"{file}: expected a case file, CASE.toml, with --to fmu")
+        raise InputError(f"{file}: expected a case file, CASE.toml, with --to {options.target}")
     case = load_case(file, coarse=options.coarse, sweeps=())
     run = chosen_run(case, options.run, only=True)
     folder = build_folder(file, coarse=options.coarse)
     run_file = prepared(case, folder, f"runs/{run}.json", options.packages)
     out: Path = options.out or folder / f"{run}.fmu"
-    stepper = write_fmu(run_file, out, options.inputs)
+    stepper = write_fmu(run_file, out, options.inputs, options.target)
     for name in stepper.left_out:
         print(f"signals.{name}: no output: it is known at the end of a run only")
     print(f"{out}: {len(stepper.inputs)} inputs, {len(stepper.outputs)} outputs")

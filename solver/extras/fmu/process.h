@@ -1,7 +1,5 @@
-/* Instances of an FMU, and the process of the solver that each one has (library.c).
-
-   The declarations of fmi2Functions.h that are needed are repeated here, so that nothing but a C
-   compiler is. With FMI2_HEADERS that file is included instead, which checks them. */
+/* Instances of an FMU, and the process of the solver that each one has: what both versions of FMI
+   share. Status numbers are the same in both. */
 
 #include <errno.h>
 #include <fcntl.h>
@@ -20,31 +18,6 @@
 #ifndef MSG_NOSIGNAL
 #define MSG_NOSIGNAL 0
 #endif
-#define FMI_FALSE 0
-#ifdef FMI2_HEADERS
-#include "fmi2Functions.h"
-#define EXPORT FMI2_Export
-#else
-#define EXPORT __attribute__((visibility("default")))
-typedef double fmi2Real;
-typedef int fmi2Integer, fmi2Boolean;
-typedef unsigned int fmi2ValueReference;
-typedef const char *fmi2String;
-typedef char fmi2Byte;
-typedef void *fmi2Component, *fmi2ComponentEnvironment, *fmi2FMUstate;
-typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
-typedef enum { fmi2ModelExchange, fmi2CoSimulation } fmi2Type;
-typedef enum {
-    fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTime, fmi2Terminated
-} fmi2StatusKind;
-typedef struct {
-    void (*logger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
-    void *(*allocateMemory)(size_t, size_t);
-    void (*freeMemory)(void *);
-    void (*stepFinished)(fmi2ComponentEnvironment, fmi2Status);
-    fmi2ComponentEnvironment componentEnvironment;
-} fmi2CallbackFunctions;
-#endif
 
 #ifdef __APPLE__
 #include <crt_externs.h>
@@ -53,47 +26,50 @@ typedef struct {
 extern char **environ;
 #endif
 
-enum { START = 1, STEP = 2 };                 /* requests */
+enum { START = 1, STEP, SAVE, RESTORE, FORGET, DERIVE }; /* requests */
+enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR };
 enum { DRIVE_ORDER, FORCE_ORDER, N_PARAMETER };
-enum { INSTANTIATED, INITIALIZING, STEPPING, ENDED, FAILED };
+enum { INSTANTIATED, INITIALIZING, STEPPING, EVENT, ENDED, FAILED };
+enum { TO_EVENT = 1, JUMPED = 2 };            /* of a step */
 enum { MOST_TEXT = 1 << 20, MOST_NUMBERS = 1 << 24 };
 #define NEAR 1e-9                             /* communication steps by which times may differ */
 
-typedef struct {
-    const fmi2CallbackFunctions *call;
+typedef struct Instance {
+    void (*log)(struct Instance *, int status, const char *text);
+    const void *call;                         /* of version 2: callbacks; of 3: the logger, */
+    void *environment;                        /* and the environment */
     char *name;
     int state, stale;                         /* stale: outputs are not those of the inputs */
+    int stops, events, jumped;                /* steps end at events; event mode; input in it */
     int socket;
     pid_t process;
     int n_in, n_out;
     double *start, *in, *rates, *out;         /* (n_in), (n_in), (n_in, 2), (n_out) */
-    fmi2Integer parameter[N_PARAMETER];
+    double *rows;                             /* (n_out, n_in) derivatives of the last step, or 0 */
+    int32_t parameter[N_PARAMETER];
     double t0, t;
 } Instance;
 
-static const fmi2Integer usual[N_PARAMETER] = {2, 1};
+typedef struct {                              /* a state of an instance; the solver has the rest */
+    double number, t0, t;
+    int state, stale;
+    int32_t parameter[N_PARAMETER];
+    double numbers[];                         /* in, rates, out */
+} Saved;
 
-/* The text goes as the format, because some programs show that alone: % is doubled. */
-static fmi2Status tell(Instance *a, fmi2Status status, const char *text)
+static const int32_t usual[N_PARAMETER] = {2, 1};
+
+static int tell(Instance *a, int status, const char *text)
 {
-    char *format = calloc(2 * strlen(text) + 1, 1), *to = format;
-    if (format && a->call && a->call->logger) {
-        const char *category = status == fmi2Warning ? "logStatusWarning" : "logStatusError";
-        for (; *text; text++) {
-            if (*text == '%') *to++ = '%';
-            *to++ = *text;
-        }
-        a->call->logger(a->call->componentEnvironment, a->name, status, category, format);
-    }
-    free(format);
+    a->log(a, status, text);
     return status;
 }
 
-static fmi2Status refuse(Instance *a, const char *function, const char *why)
+static int refuse(Instance *a, const char *function, const char *why)
 {
     char text[256];
     snprintf(text, sizeof text, "%s: %s", function, why);
-    return tell(a, fmi2Error, text);
+    return tell(a, STATUS_ERROR, text);
 }
 
 /* ---------------------------------------------------------------- the solver's process */
@@ -109,27 +85,27 @@ static int transfer(Instance *a, char *data, size_t size, int sends)
     return 1;
 }
 
-static fmi2Status lost(Instance *a)
+static int lost(Instance *a)
 {
     a->state = FAILED;
-    return tell(a, fmi2Error, "the process of the solver has ended");
+    return tell(a, STATUS_ERROR, "the process of the solver has ended");
 }
 
 /* Take one answer: status, length of a text, count of numbers; numbers go to *into, made if null. */
-static fmi2Status answer(Instance *a, double **into, int expected)
+static int answer(Instance *a, double **into, int expected)
 {
     int32_t head[3];
-    fmi2Status status;
+    int status;
     if (!transfer(a, (char *)head, sizeof head, 0)) return lost(a);
     if (head[1] < 0 || head[1] > MOST_TEXT || head[2] < 0 || head[2] > MOST_NUMBERS) return lost(a);
-    status = (fmi2Status)head[0];
+    status = (int)head[0];
     if (head[1] > 0) {
         char *text = calloc((size_t)head[1] + 1, 1);
         if (!text || !transfer(a, text, (size_t)head[1], 0)) { free(text); return lost(a); }
         tell(a, status, text);
         free(text);
     }
-    if (status > fmi2Warning) {
+    if (status > STATUS_WARNING) {
         a->state = FAILED;
         return status;
     }
@@ -139,23 +115,29 @@ static fmi2Status answer(Instance *a, double **into, int expected)
     return status;
 }
 
-static int request(Instance *a, int what, const double *first, int n_first, int with_rates)
+static int request(Instance *a, int what, const double *first, int n_first, int n_in, int n_rates)
 {
-    int n_rates = with_rates ? 2 * a->n_in : 0;
-    int32_t head[2] = {what, n_first + a->n_in + n_rates};
+    int32_t head[2] = {what, n_first + n_in + n_rates};
     return transfer(a, (char *)head, sizeof head, 1)
         && transfer(a, (char *)first, (size_t)n_first * sizeof(double), 1)
-        && transfer(a, (char *)a->in, (size_t)a->n_in * sizeof(double), 1)
+        && transfer(a, (char *)a->in, (size_t)n_in * sizeof(double), 1)
         && transfer(a, (char *)a->rates, (size_t)n_rates * sizeof(double), 1);
 }
 
+static void forget_derivatives(Instance *a)
+{
+    free(a->rows);
+    a->rows = 0;
+}
+
 /* Close the joints with the present inputs. */
-static fmi2Status begin(Instance *a)
+static int begin(Instance *a)
 {
     double first[N_PARAMETER];
     for (int i = 0; i < N_PARAMETER; i++) first[i] = a->parameter[i];
-    if (!request(a, START, first, N_PARAMETER, 0)) return lost(a);
+    if (!request(a, START, first, N_PARAMETER, a->n_in, 0)) return lost(a);
     a->stale = 0;
+    forget_derivatives(a);
     return answer(a, &a->out, a->n_out);
 }
 
@@ -202,11 +184,11 @@ static int launch(Instance *a, const char *folder)
                        "sys.exit(main(sys.argv[2]))\n";
     int ends[2];
     if (!read_solver(folder, python, home, sizeof python)) {
-        refuse(a, "fmi2Instantiate", "resources/solver.txt cannot be read");
+        refuse(a, "instantiate", "resources/solver.txt cannot be read");
         return 0;
     }
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends)) {
-        refuse(a, "fmi2Instantiate", "no socket");
+        refuse(a, "instantiate", "no socket");
         return 0;
     }
     for (int i = 0; i < 2; i++) fcntl(ends[i], F_SETFD, FD_CLOEXEC);
@@ -233,7 +215,7 @@ static int launch(Instance *a, const char *folder)
         snprintf(text, sizeof text,
                  "%s: %s; expected a Python with plymotion: set PLYMOTION_PYTHON", python,
                  strerror(failed));
-        tell(a, fmi2Error, text);
+        tell(a, STATUS_ERROR, text);
     }
     return !failed;
 }
@@ -243,5 +225,223 @@ static void release(Instance *a)
     if (a->socket >= 0) close(a->socket);     /* the process ends by itself */
     if (a->process > 0)
         while (waitpid(a->process, 0, 0) < 0 && errno == EINTR) {}
-    free(a->start), free(a->in), free(a->rates), free(a->out), free(a->name), free(a);
+    free(a->start), free(a->in), free(a->rates), free(a->out), free(a->rows), free(a->name), free(a);
+}
+
+static void forget_rates(Instance *a)
+{
+    for (int i = 0; i < 2 * a->n_in; i++) a->rates[i] = NAN;
+}
+
+static int reset(Instance *a)
+{
+    memcpy(a->in, a->start, (size_t)a->n_in * sizeof(double));
+    memcpy(a->parameter, usual, sizeof usual);
+    forget_rates(a);
+    forget_derivatives(a);
+    a->state = INSTANTIATED, a->stale = 1, a->jumped = 0;
+    a->t0 = a->t = 0.0;
+    return STATUS_OK;
+}
+
+/* Start the solver in a folder of resources; 0 and everything released where that fails. */
+static Instance *made(Instance *a, const char *folder)
+{
+    double *counts = 0;
+    int ready = folder && launch(a, folder) && answer(a, &counts, 2) <= STATUS_WARNING;
+    if (ready) {
+        a->n_in = (int)counts[0], a->n_out = (int)counts[1];
+        a->in = calloc((size_t)a->n_in + 1, sizeof(double));
+        a->rates = calloc(2 * (size_t)a->n_in + 1, sizeof(double));
+        a->out = calloc((size_t)a->n_out + 1, sizeof(double));
+        ready = a->in && a->rates && a->out && answer(a, &a->start, a->n_in) <= STATUS_WARNING;
+    }
+    free(counts);
+    if (ready) reset(a);
+    else release(a), a = 0;
+    return a;
+}
+
+/* ---------------------------------------------------------------- modes */
+
+/* Go from one mode to another, if the instance is in the first. */
+static int enter(Instance *a, const char *function, int from, int to)
+{
+    if (a->state != from) return refuse(a, function, "called out of turn");
+    a->state = to;
+    return STATUS_OK;
+}
+
+static int exit_initialization(Instance *a, const char *function)
+{
+    if (a->state != INITIALIZING) return refuse(a, function, "called out of turn");
+    int status = a->stale ? begin(a) : STATUS_OK;
+    if (status <= STATUS_WARNING) a->state = a->events ? EVENT : STEPPING;
+    return status;
+}
+
+/* ---------------------------------------------------------------- variables */
+
+/* Value references: inputs, outputs, parameters, time. */
+static int get_reals(Instance *a, const char *function, const uint32_t vr[], size_t n, double value[])
+{
+    int status = STATUS_OK, count = a->n_in + a->n_out;
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] < (unsigned)a->n_in) {
+            value[i] = a->in[vr[i]];
+            continue;
+        }
+        if (vr[i] == (unsigned)(count + N_PARAMETER)) {
+            value[i] = a->t;
+            continue;
+        }
+        if (vr[i] >= (unsigned)count) return refuse(a, function, "no such value reference");
+        if (a->stale && (a->state == INITIALIZING || a->state == INSTANTIATED)) {
+            status = begin(a);
+            if (status > STATUS_WARNING) return status;
+        }
+        value[i] = a->out[vr[i] - (unsigned)a->n_in];
+    }
+    return status;
+}
+
+static int set_reals(Instance *a, const char *function, const uint32_t vr[], size_t n,
+                     const double value[])
+{
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] >= (unsigned)a->n_in) return refuse(a, function, "not an input");
+        if (!isfinite(value[i])) return refuse(a, function, "expected a finite number");
+        if (a->in[vr[i]] != value[i]) a->stale = 1, a->jumped |= a->state == EVENT;
+        a->in[vr[i]] = value[i];
+    }
+    return STATUS_OK;
+}
+
+static int get_orders(Instance *a, const char *function, const uint32_t vr[], size_t n, int32_t value[])
+{
+    for (size_t i = 0; i < n; i++) {
+        unsigned k = vr[i] - (unsigned)(a->n_in + a->n_out);
+        if (k >= N_PARAMETER) return refuse(a, function, "no such value reference");
+        value[i] = a->parameter[k];
+    }
+    return STATUS_OK;
+}
+
+static int set_orders(Instance *a, const char *function, const uint32_t vr[], size_t n,
+                      const int32_t value[])
+{
+    for (size_t i = 0; i < n; i++) {
+        unsigned k = vr[i] - (unsigned)(a->n_in + a->n_out);
+        if (k >= N_PARAMETER) return refuse(a, function, "no such value reference");
+        if (a->state != INSTANTIATED && a->state != INITIALIZING)
+            return refuse(a, function, "parameters are fixed after the initialization");
+        if (value[i] < 0 || value[i] > 2)
+            return refuse(a, function, "an order of polynomials: expected 0, 1 or 2");
+        a->parameter[k] = value[i], a->stale = 1;
+    }
+    return STATUS_OK;
+}
+
+/* ---------------------------------------------------------------- steps, states, derivatives */
+
+/* Move on by h, or to the first event before, which `early` reports. */
+static int move(Instance *a, const char *function, double t, double h, int *early)
+{
+    double *found = 0;
+    *early = 0;
+    if (a->state != STEPPING) return refuse(a, function, "called out of turn");
+    if (!(h > 0.0) || !isfinite(h)) return refuse(a, function, "step size: expected above 0 s");
+    if (fabs(t - a->t) > NEAR * (h + fabs(t)))
+        return refuse(a, function, "expected to go on from where the last step has ended");
+    double to[2] = {t + h - a->t0, (a->stops ? TO_EVENT : 0) + (a->jumped ? JUMPED : 0)};
+    if (!request(a, STEP, to, 2, a->n_in, 2 * a->n_in)) return lost(a);
+    forget_derivatives(a);
+    int status = answer(a, &found, a->n_out + 2);
+    if (status <= STATUS_WARNING) {
+        *early = found[1] != 0.0;
+        a->t = *early ? a->t0 + found[0] : t + h;
+        memcpy(a->out, found + 2, (size_t)a->n_out * sizeof(double));
+    }
+    free(found);
+    forget_rates(a);
+    a->stale = a->jumped = 0;
+    return status;
+}
+
+static int save(Instance *a, const char *function, void **state)
+{
+    Saved *s = *state;
+    size_t count = (size_t)(3 * a->n_in + a->n_out);
+    double *number = 0, old = s ? s->number : 0.0; /* 0: a new one */
+    if (a->state == FAILED) return refuse(a, function, "the run has failed");
+    if (!request(a, SAVE, &old, 1, 0, 0)) return lost(a);
+    int status = answer(a, &number, 1);
+    if (status <= STATUS_WARNING && !s) s = calloc(1, sizeof *s + (count + 1) * sizeof(double));
+    if (status <= STATUS_WARNING && s) {
+        s->number = *number, s->t0 = a->t0, s->t = a->t, s->state = a->state, s->stale = a->stale;
+        memcpy(s->parameter, a->parameter, sizeof s->parameter);
+        memcpy(s->numbers, a->in, (size_t)a->n_in * sizeof(double));
+        memcpy(s->numbers + a->n_in, a->rates, 2 * (size_t)a->n_in * sizeof(double));
+        memcpy(s->numbers + 3 * a->n_in, a->out, (size_t)a->n_out * sizeof(double));
+        *state = s;
+    }
+    free(number);
+    return status;
+}
+
+static int restore(Instance *a, const char *function, void *state)
+{
+    Saved *s = state;
+    if (!s) return refuse(a, function, "expected a state");
+    if (!request(a, RESTORE, &s->number, 1, 0, 0)) return lost(a);
+    double none, *nothing = &none;
+    int status = answer(a, &nothing, 0);
+    if (status > STATUS_WARNING) return status;
+    a->t0 = s->t0, a->t = s->t, a->state = s->state, a->stale = s->stale;
+    memcpy(a->parameter, s->parameter, sizeof s->parameter);
+    memcpy(a->in, s->numbers, (size_t)a->n_in * sizeof(double));
+    memcpy(a->rates, s->numbers + a->n_in, 2 * (size_t)a->n_in * sizeof(double));
+    memcpy(a->out, s->numbers + 3 * a->n_in, (size_t)a->n_out * sizeof(double));
+    forget_derivatives(a);
+    return status;
+}
+
+static int forget(Instance *a, void **state)
+{
+    Saved *s = state ? *state : 0;
+    if (!s) return STATUS_OK;
+    double none, *nothing = &none, number = s->number;
+    free(s), *state = 0;
+    if (!request(a, FORGET, &number, 1, 0, 0)) return lost(a);
+    return answer(a, &nothing, 0);
+}
+
+/* Outputs at the end of the last step by its inputs, along a seed of these or, adjoint, of those. */
+static int derive(Instance *a, const char *function, const uint32_t unknown[], size_t n_unknown,
+                  const uint32_t known[], size_t n_known, const double seed[], double out[],
+                  int adjoint)
+{
+    for (size_t i = 0; i < n_unknown; i++)
+        if (unknown[i] - (unsigned)a->n_in >= (unsigned)a->n_out)
+            return refuse(a, function, "unknowns: expected outputs");
+    for (size_t k = 0; k < n_known; k++)
+        if (known[k] >= (unsigned)a->n_in) return refuse(a, function, "knowns: expected inputs");
+    if (!a->rows) {
+        int state = a->state;
+        if (!request(a, DERIVE, 0, 0, 0, 0)) return lost(a);
+        int status = answer(a, &a->rows, a->n_in * a->n_out);
+        if (status > STATUS_WARNING) {        /* refused: the run can go on */
+            a->state = state;
+            return status;
+        }
+    }
+    for (size_t i = 0; i < (adjoint ? n_known : n_unknown); i++) out[i] = 0.0;
+    for (size_t i = 0; i < n_unknown; i++)
+        for (size_t k = 0; k < n_known; k++) {
+            size_t row = unknown[i] - (unsigned)a->n_in;
+            double by = a->rows[row * (size_t)a->n_in + known[k]];
+            if (adjoint) out[k] += by * seed[i];
+            else out[i] += by * seed[k];
+        }
+    return STATUS_OK;
 }

@@ -2,12 +2,16 @@
 
 Numbers are of the machine, integers of 32 bits. A request is (what, count) and count doubles:
 
-    START   drive_order, force_order, inputs (k,)
-    STEP    time of the end [s], inputs (k,), first and second derivatives of each (k, 2)
+    START    drive_order, force_order, inputs (k,); the answer has the outputs (n,)
+    STEP     time of the end [s], flags, inputs (k,), first and second derivatives of each (k, 2);
+             the answer has the time reached [s], whether it is that of an event, the outputs
+    SAVE     number of a state to be replaced, or 0; the answer has its number
+    RESTORE  number
+    FORGET   number
+    DERIVE   nothing; the answer has the derivatives (n, k) of the last step
 
 An answer is (status of FMI, length of a text, count), the text and count doubles. Two come without
-a request, when the run is ready: (number of inputs, of outputs), and the start of the inputs. All
-others have the outputs.
+a request, when the run is ready: (number of inputs, of outputs), and the start of the inputs.
 """
 
 import os
@@ -20,12 +24,14 @@ import numpy as np
 from ...errors import InputError, PackageError
 from ...inputs.common.mesh_files import scripts
 from ...math.arrays import Array
-from ...run.coupled import Stepper
+from ...run.coupled import Kept, Stepper
 from ...run.execution import read_run
-from .write import INPUTS, run_of
+from ...studies.sensitivities.execution import step_derivatives
+from .write import INPUTS, derivatives_refused, run_of
 
 OK, WARNING, ERROR = 0, 1, 3
-START, STEP = 1, 2
+START, STEP, SAVE, RESTORE, FORGET, DERIVE = range(1, 7)
+TO_EVENT, JUMPED = 1, 2  # flags of a step
 TEXT_BYTES = 4000  # of a message, at most
 
 
@@ -43,32 +49,76 @@ def _serve(channel: socket.socket, folder: Path) -> None:
     try:
         names = (folder / INPUTS).read_text(encoding="utf-8").splitlines()
         with scripts(allowed=False):
-            stepper = Stepper(read_run(run_of(folder)), names)
+            spec = read_run(run_of(folder))
+            stepper = Stepper(spec, names, retraces=True)
     except Exception as error:
         _answer(channel, ERROR, _words(error))
         return
     _answer(channel, OK, "", np.array([len(stepper.inputs), len(stepper.outputs)], dtype=float))
     _answer(channel, OK, "", np.array([given.start[0] for given in stepper.inputs]))
+    instance = _Instance(stepper)
     while True:
         what, count = struct.unpack("=ii", _taken(channel, 8))
         numbers = np.frombuffer(_taken(channel, 8 * count))
         try:
-            outputs = _started(stepper, numbers) if what == START else _moved(stepper, numbers)
+            found = instance.answers[what](numbers)
         except Exception as error:
             _answer(channel, ERROR, _words(error))
             continue
         told = "\n".join(stepper.warnings())
-        _answer(channel, WARNING if told else OK, told, outputs)
+        _answer(channel, WARNING if told else OK, told, found)
 
 
-def _started(stepper: Stepper, numbers: Array) -> Array:
-    drive_order, force_order = (int(number) for number in numbers[:2])
-    return stepper.start(numbers[2:], drive_order=drive_order, force_order=force_order)
+class _Instance:
+    """A run and its saved states; `answers` by request."""
 
+    def __init__(self, stepper: Stepper) -> None:
+        self._stepper, self._states = stepper, dict[int, Kept | None]()
+        self._last, self._started = 0, False
+        self._refused = derivatives_refused(stepper)
+        self.answers = {
+            START: self._start,
+            STEP: self._step,
+            SAVE: self._save,
+            RESTORE: self._restore,
+            FORGET: self._forget,
+            DERIVE: self._derive,
+        }
 
-def _moved(stepper: Stepper, numbers: Array) -> Array:
-    k = len(stepper.inputs)
-    return stepper.advance(float(numbers[0]), numbers[1 : 1 + k], numbers[1 + k :].reshape(k, 2))
+    def _start(self, numbers: Array) -> Array:
+        drive_order, force_order = (int(number) for number in numbers[:2])
+        self._started = True
+        return self._stepper.start(numbers[2:], drive_order=drive_order, force_order=force_order)
+
+    def _step(self, numbers: Array) -> Array:
+        stepper, k, flags = self._stepper, len(self._stepper.inputs), int(numbers[1])
+        if flags & JUMPED:
+            stepper.jump()
+        inputs, rates = numbers[2 : 2 + k], numbers[2 + k :].reshape(k, 2)
+        event = stepper.move(float(numbers[0]), inputs, rates, to_event=bool(flags & TO_EVENT))
+        return np.array([stepper.t, event, *stepper.measured()])
+
+    def _save(self, numbers: Array) -> Array:
+        number = int(numbers[0])
+        if not number:
+            self._last = number = self._last + 1
+        self._states[number] = self._stepper.kept() if self._started else None
+        return np.array([float(number)])
+
+    def _restore(self, numbers: Array) -> Array:
+        kept = self._states[int(numbers[0])]
+        if kept is not None:  # else of before the start, which does all anew
+            self._stepper.restore(kept)
+        return np.zeros(0)
+
+    def _forget(self, numbers: Array) -> Array:
+        self._states.pop(int(numbers[0]), None)
+        return np.zeros(0)
+
+    def _derive(self, numbers: Array) -> Array:
+        if self._refused:
+            raise InputError(self._refused)
+        return step_derivatives(self._stepper).ravel()
 
 
 def _words(error: Exception) -> str:

@@ -26,6 +26,8 @@ from ...mechanism.python_functions import calling_forces
 from ...package.common.files import temporary_sibling
 from ...run.coupled import DRIVE_ORDER, FORCE_ORDER, Stepper
 from ...run.execution import read_run
+from ...studies.sensitivities.execution import require_derivatives
+from . import VERSIONS
 
 # modelDescription.xml of an FMU: variables with units, what the library can do.
 
@@ -33,6 +35,7 @@ from ...run.execution import read_run
 UNITS: dict[str, tuple[str, dict[str, int]]] = {
     "m": ("m", {"m": 1}),
     "rad": ("rad", {"rad": 1}),
+    "s": ("s", {"s": 1}),
     "m/s": ("m/s", {"m": 1, "s": -1}),
     "rad/s": ("rad/s", {"rad": 1, "s": -1}),
     "m/s2": ("m/s2", {"m": 1, "s": -2}),
@@ -69,8 +72,22 @@ def _meaning(drive: bool) -> str:
     return "value that the drive prescribes" if drive else "size of the force or torque"
 
 
+def derivatives_refused(stepper: Stepper) -> str:
+    """Return why outputs have no derivatives by inputs, or nothing."""
+    try:
+        require_derivatives(stepper.prepared)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
 def description(
-    stepper: Stepper, identifier: str, guid: str, title: str, solver: tuple[float, float]
+    stepper: Stepper,
+    identifier: str,
+    guid: str,
+    title: str,
+    solver: tuple[float, float],
+    version: str,
 ) -> bytes:
     """Return the XML text.
 
@@ -79,28 +96,33 @@ def description(
     identifier : name of the library
     title : modelName
     solver : end of the run and interval of its outputs [s], as defaults of the experiment
+    version : of FMI, "2.0" or "3.0"
     """
-    variables = variables_of(stepper)
+    variables, old = variables_of(stepper), version == "2.0"
+    differentiable = not derivatives_refused(stepper)
     root = ET.Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
+        {"fmiVersion": version, "guid" if old else "instantiationToken": guid},
         modelName=_words(title),
-        guid=guid,
         description="Flexible multibody mechanism; needs Plymotion on the machine that runs it",
         generationTool=f"Plymotion {__version__}",
         generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         variableNamingConvention="flat",
     )
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=identifier,
-        needsExecutionTool="true",
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="true",
-        canNotUseMemoryManagementFunctions="true",
-    )
-    _units(ET.SubElement(root, "UnitDefinitions"), variables)
+    able: dict[str, bool] = {
+        "needsExecutionTool": True,
+        "canHandleVariableCommunicationStepSize": True,
+    }
+    if old:
+        able |= {"canInterpolateInputs": True, "canNotUseMemoryManagementFunctions": True}
+        able |= {"canGetAndSetFMUstate": True, "providesDirectionalDerivative": differentiable}
+    else:
+        able |= {"canGetAndSetFMUState": True, "providesDirectionalDerivatives": differentiable}
+        able |= {"providesAdjointDerivatives": differentiable, "hasEventMode": True}
+    flags = {name: "true" for name, value in able.items() if value}
+    ET.SubElement(root, "CoSimulation", flags, modelIdentifier=identifier)
+    used = [variable.unit for variable in variables] + ([] if old else ["s"])
+    _units(ET.SubElement(root, "UnitDefinitions"), used)
     categories = ET.SubElement(root, "LogCategories")
     for category in ("logStatusWarning", "logStatusError"):
         ET.SubElement(categories, "Category", name=category)
@@ -112,12 +134,16 @@ def description(
         stopTime=repr(end),
         stepSize=repr(interval),
     )
-    outputs = _model_variables(ET.SubElement(root, "ModelVariables"), variables)
+    _model_variables(ET.SubElement(root, "ModelVariables"), variables, old=old)
     structure = ET.SubElement(root, "ModelStructure")
-    for part in ("Outputs", "InitialUnknowns") if outputs else ():
-        unknowns = ET.SubElement(structure, part)
-        for index in outputs:
-            ET.SubElement(unknowns, "Unknown", index=str(index))
+    outputs = [k for k, variable in enumerate(variables) if variable.start is None]
+    for part in ("Output", "InitialUnknown") if outputs else ():
+        parent = ET.SubElement(structure, f"{part}s") if old else structure
+        for k in outputs:
+            if old:
+                ET.SubElement(parent, "Unknown", index=str(k + 1))
+            else:
+                ET.SubElement(parent, part, valueReference=str(k))
     ET.indent(root)
     return bytes(ET.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
 
@@ -127,8 +153,8 @@ def _words(text: str) -> str:
     return printable(" ".join(text.split()))
 
 
-def _units(parent: ET.Element, variables: list[Variable]) -> None:
-    for unit in dict.fromkeys(variable.unit for variable in variables):
+def _units(parent: ET.Element, used: list[str]) -> None:
+    for unit in dict.fromkeys(used):
         if unit not in UNITS:
             raise InputError(f"unit {unit!r} of a signal: expected one of {', '.join(UNITS)}")
         name, exponents = UNITS[unit]
@@ -139,42 +165,38 @@ def _units(parent: ET.Element, variables: list[Variable]) -> None:
             ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
 
 
-def _model_variables(parent: ET.Element, variables: list[Variable]) -> list[int]:
-    """Add the variables, then the parameters; return the places of the outputs, from 1."""
-    outputs = []
-    for reference, variable in enumerate(variables):
-        causality = "output" if variable.start is None else "input"
-        scalar = ET.SubElement(
-            parent,
-            "ScalarVariable",
-            name=variable.name,
-            valueReference=str(reference),
-            causality=causality,
-            variability="continuous",
-        )
-        if variable.description:
-            scalar.set("description", _words(variable.description))
-        real = ET.SubElement(scalar, "Real", unit=UNITS[variable.unit][0])
-        if variable.start is None:
-            scalar.set("initial", "calculated")
-            outputs.append(reference + 1)
+def _model_variables(parent: ET.Element, variables: list[Variable], *, old: bool) -> None:
+    """Add the variables, then the parameters and, by FMI 3, the time."""
+    real, whole = ("Real", "Integer") if old else ("Float64", "Int32")
+
+    def add(name: str, kind: str, own: dict[str, str], words: str, **values: str) -> None:
+        """Add one; by FMI 2 the values of its kind stand in an element of their own."""
+        number = str(len(parent))
+        more = {"description": _words(words)} if words else {}
+        if old:
+            common = {"name": name, "valueReference": number, **more, **own}
+            ET.SubElement(ET.SubElement(parent, "ScalarVariable", common), kind, values)
         else:
-            real.set("start", repr(variable.start))
-    for reference, (name, usual) in enumerate(
-        (("drive_order", DRIVE_ORDER), ("force_order", FORCE_ORDER))
-    ):
-        scalar = ET.SubElement(
-            parent,
-            "ScalarVariable",
-            name=name,
-            valueReference=str(reference),
-            causality="parameter",
-            variability="fixed",
-            initial="exact",
-            description="of the polynomial that carries an input on during a step",
-        )
-        ET.SubElement(scalar, "Integer", start=str(usual), min="0", max="2")
-    return outputs
+            ET.SubElement(
+                parent, kind, {"name": name, "valueReference": number, **more, **own, **values}
+            )
+
+    for variable in variables:
+        causality = "output" if variable.start is None else "input"
+        own = {"causality": causality, "variability": "continuous"}
+        values = {"unit": UNITS[variable.unit][0]}
+        if variable.start is None:
+            own["initial"] = "calculated"
+        else:
+            values["start"] = repr(variable.start)
+        add(variable.name, real, own, variable.description, **values)
+    words = "of the polynomial that carries an input on during a step"
+    for name, usual in (("drive_order", DRIVE_ORDER), ("force_order", FORCE_ORDER)):
+        own = {"causality": "parameter", "variability": "fixed", "initial": "exact"}
+        add(name, whole, own, words, start=str(usual), min="0", max="2")
+    if not old:
+        own = {"causality": "independent", "variability": "continuous"}
+        add("time", real, own, "", unit="s")
 
 
 # Folder `resources` of an FMU: the run, its packages, names of the inputs, where the solver is.
@@ -225,20 +247,23 @@ def write_inputs(names: Sequence[str], folder: Path) -> None:
 # Write an FMU: description, library for this machine, run and packages, in one archive.
 
 LIBRARY = Path(__file__).with_name("library.c")
-PLATFORMS = {
-    ("Linux", "x86_64"): ("linux64", ".so"),
-    ("Linux", "aarch64"): ("aarch64-linux", ".so"),
-    ("Darwin", "x86_64"): ("darwin64", ".dylib"),
-    ("Darwin", "arm64"): ("aarch64-darwin", ".dylib"),
+PLATFORMS = {  # folder by FMI 2, by FMI 3, ending
+    ("Linux", "x86_64"): ("linux64", "x86_64-linux", ".so"),
+    ("Linux", "aarch64"): ("aarch64-linux", "aarch64-linux", ".so"),
+    ("Darwin", "x86_64"): ("darwin64", "x86_64-darwin", ".dylib"),
+    ("Darwin", "arm64"): ("aarch64-darwin", "aarch64-darwin", ".dylib"),
 }
 
 
-def write_fmu(run_file: Path, out: Path, inputs: Sequence[str] | None = None) -> Stepper:
+def write_fmu(
+    run_file: Path, out: Path, inputs: Sequence[str] | None = None, target: str = "fmu"
+) -> Stepper:
     """Write the FMU of a run file of `check`, whose packages are built.
 
     Parameters
     ----------
     inputs : names of drives and forces that are inputs; None: all
+    target : of `VERSIONS`
 
     Raises
     ------
@@ -263,9 +288,9 @@ def write_fmu(run_file: Path, out: Path, inputs: Sequence[str] | None = None) ->
         solver = spec.mechanism.solver
         times = float(solver.t_end), float(solver.output_step)
         guid = _guid(resources)
-        text = description(stepper, identifier, guid, title, times)
+        text = description(stepper, identifier, guid, title, times, VERSIONS[target])
         (folder / "modelDescription.xml").write_bytes(text)
-        _compile(folder / "binaries", identifier, guid)
+        _compile(folder / "binaries", identifier, guid, target)
         out.parent.mkdir(parents=True, exist_ok=True)
         with temporary_sibling(out) as temporary:
             _archive(folder, temporary)
@@ -281,12 +306,13 @@ def _guid(resources: Path) -> str:
     return f"{{{found[:8]}-{found[8:12]}-{found[12:16]}-{found[16:20]}-{found[20:32]}}}"
 
 
-def _compile(folder: Path, identifier: str, guid: str) -> None:
+def _compile(folder: Path, identifier: str, guid: str, version: str) -> None:
     machine = platform.system(), platform.machine()
     if machine not in PLATFORMS:
         known = ", ".join(" ".join(pair) for pair in PLATFORMS)
         raise InputError(f"--to fmu: {' '.join(machine)}: expected one of {known}")
-    place, suffix = PLATFORMS[machine]
+    *places, suffix = PLATFORMS[machine]
+    place = places[list(VERSIONS).index(version)]
     target = folder / place / f"{identifier}{suffix}"
     target.parent.mkdir(parents=True)
     compiler = shlex.split(os.environ.get("CC") or "cc")

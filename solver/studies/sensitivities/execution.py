@@ -15,6 +15,7 @@ from ...integrators.radau import Radau
 from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...results import Derivative, RunResult
+from ...run.coupled import Stepper
 from ...run.execution import Progress
 from ...run.inputs import RunSpec
 from ...run.outcome import collect
@@ -34,15 +35,14 @@ STOP = LIMIT_STOP.kind  # whose bends are located
 class _Follower:
     """Watch that carries the tangent along the steps of a run."""
 
-    def __init__(self, prepared: Prepared, tangent: Tangent) -> None:
+    def __init__(self, prepared: Prepared, tangent: Tangent, times: Array, y: Array) -> None:
         self._watch, self._tangent, self._functions = prepared.watch, tangent, prepared.functions
         self.note = self._watch.note
-        solver = prepared.mechanism.solver
-        self._times = output_times(solver.t_end, solver.output_step)
+        self._times = times
         self.S = np.empty((self._times.size, *tangent.S.shape))
         self.S[0] = tangent.S
-        self._last, self._sampled = prepared.y0, 0.0  # state; instant of the last sampling [s]
-        self._instants = Instants(prepared.model, solver.t_end)
+        self._last, self._sampled = y, float(times[0])  # state; instant of the last sampling [s]
+        self._instants = Instants(prepared.model, float(times[-1]))
         self._first = prepared.model.n_pos + prepared.model.n_vel
 
     def __call__(self, steps: Steps) -> StopRequest | None:
@@ -137,7 +137,8 @@ def with_sensitivities(
         columns.append(Column(minus.built.model, plus.built.model, parameter.h))
         S.append(start_tangent(model, y0, minus.y0, plus.y0, parameter.h))
     tangent = Tangent(model, columns, y0, np.array(S).T, bends_of(prepared))
-    follower = _Follower(prepared, tangent)
+    times = output_times(solver.t_end, solver.output_step)
+    follower = _Follower(prepared, tangent, times, y0)
     shown = Progress(follower, solver.t_end, spec.run, progress)
     try:
         finished = integrated(prepared, shown, folder=folder, stages=True)
@@ -157,7 +158,7 @@ def with_sensitivities(
         if asked.kind in ("strength_ratio", "exposure") and name in prepared.measured:
             prepared.measured[name].values(recording)
     for p, (parameter, pair) in enumerate(zip(parameters, pairs, strict=True)):
-        changes = _of_signals(prepared, solution.t, y, follower.S[:, :, p], parameter, pair, held)
+        changes = _of_signals(prepared, solution.t, y, follower.S[:, :, p], parameter.h, pair, held)
         for signal in result.signals:
             unit = _quotient(signal.unit, parameter.unit)
             values = changes[signal.name]
@@ -165,6 +166,52 @@ def with_sensitivities(
     order = {signal.name: k for k, signal in enumerate(result.signals)}
     found_.sort(key=lambda one: order[one.signal])
     return replace(result, sensitivities=tuple(found_)), summary
+
+
+TRIED = 1e-4  # displacement for differences of signals, as a share of the mechanism's size, or rad
+
+
+def step_derivatives(stepper: Stepper) -> Array:
+    """Return the derivatives of the outputs by the inputs of the last communication step.
+
+    (n_out, n_in): the state at its beginning is given, the inputs are those of this step, the
+    outputs those at its end. By the tangent of the steps that were taken.
+
+    Raises
+    ------
+    InputError
+        No step was taken yet; an impact within it that has no derivative.
+    """
+    if stepper.last is None:
+        raise InputError("derivatives of outputs: expected a step before")
+    prepared, (before, t) = stepper.prepared, (stepper.last.before, stepper.t)
+    model = prepared.model
+    columns = []
+    for k, given in enumerate(stepper.inputs):
+        h = 1e-5 if given.drive else max(1.0, abs(float(stepper.last.values[k])))
+        minus, plus = (stepper.inputs_at(model, k, by) for by in (-h, h))
+        columns.append(Column(minus, plus, h))
+    start = np.zeros((2 * model.n_vel + model.n_aux, len(columns)))
+    tangent = Tangent(model, columns, before.y, start, bends_of(prepared))
+    times = np.array([before.t, t])
+    follower = _Follower(prepared, tangent, times, before.y)
+    stepper.retraced(follower)
+    y, held = stepper.y[None], dict[str, Any]()
+    recording = Recording(model, times[1:], y, {HELD: held})
+    for sensor in stepper.outputs.values():
+        sensor.values(recording)
+    rows = np.empty((len(stepper.outputs), len(columns)))
+    for k, column in enumerate(columns):
+        S = follower.S[1:, :, k]
+        moved = np.abs(S[0, : 2 * model.n_vel].reshape(2, -1) * tangent.units).max(initial=0.0)
+        h = TRIED / moved if moved > 0.0 else column.h
+        pair = [
+            Variant(replace(prepared.built, model=stepper.inputs_at(model, k, by)), y[0])
+            for by in (-h, h)
+        ]
+        changes = _of_signals(prepared, times[1:], y, S, h, (pair[0], pair[1]), held)
+        rows[:, k] = [changes[name][0] for name in stepper.outputs]
+    return rows
 
 
 def _quotient(unit: str, by: str) -> str:
@@ -233,12 +280,12 @@ def _of_signals(
     t: Array,
     y: Array,
     S: Array,
-    parameter: Parameter,
+    h: float,
     pair: tuple[Variant, Variant],
     held: dict[str, Any],
 ) -> dict[str, Array]:
     """Return the derivatives (k,) of signals by a parameter, with its direct effect on them."""
-    h, values = parameter.h, list[dict[str, Array]]()
+    values = list[dict[str, Array]]()
     for sign, each in zip((-1.0, 1.0), pair, strict=True):
         moved = displaced(prepared.model, y, sign * h * S)
         recording = Recording(each.built.model, t, moved, {HELD: held})

@@ -82,6 +82,7 @@ class Tangent:
     Attributes
     ----------
     S : (2 n_vel + n_aux, P) displacements, changes of velocities and of auxiliary states
+    units : (n_vel,) of velocity coordinates as shares of the mechanism's size, or angles
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class Tangent:
     ) -> None:
         self.model, self.columns, self.S, self._bends = model, columns, S, bends
         self._size = extent(model, y0)
-        self._units = units_of(model, self._size)
+        self.units = units_of(model, self._size)
         self._root = np.sqrt(model.inertia_scale)
         n = model.n_vel
         per_step = 3 * (2 * n + 4 * model.n_constraint + 10) * (3 * n + len(columns))
@@ -302,8 +303,8 @@ class Tangent:
             for begin, part in ((0, x), (n, v), (2 * n, z)):
                 if part is not None:
                     directions[:, :, begin : begin + part.shape[1]] = part.transpose(0, 2, 1)
-            largest = np.abs(directions[:, :, :n] * self._units).max(axis=2, initial=0.0)
-            faster = np.abs(directions[:, :, n : 2 * n] * self._units).max(axis=2, initial=0.0)
+            largest = np.abs(directions[:, :, :n] * self.units).max(axis=2, initial=0.0)
+            faster = np.abs(directions[:, :, n : 2 * n] * self.units).max(axis=2, initial=0.0)
             other = np.abs(directions[:, :, 2 * n :]).max(axis=2, initial=0.0)
             h = STEP / np.maximum(np.maximum(np.maximum(largest, faster), other), 1e-300)
             h[(largest == 0.0) & (faster == 0.0) & (other == 0.0)] = 1.0
