@@ -10,7 +10,6 @@ import numpy as np
 from ..solver.errors import InputError
 from ..solver.extras.exchange import export_body
 from ..solver.extras.exchange import import_body as import_from
-from ..solver.extras.fmu import VERSIONS
 from ..solver.inputs.shell_specification import load_shell
 from ..solver.inputs.solid_specification import solid_spec
 from ..solver.math.arrays import Array
@@ -20,6 +19,7 @@ from ..solver.package.shell.schema import ShellFile
 from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
 from ..solver.studies.cases import turn
+from ..solver.studies.fmu import VERSIONS
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import prepared
@@ -413,7 +413,7 @@ def export(
         with named(out):
             _refused(*export_body(Path(what), to, Path(out), heard=False))
         return Path(out)
-    from ..solver.extras.fmu.write import write_fmu
+    from ..solver.studies.fmu.write import write_fmu
 
     checked, run, folder = chosen(what, run, coarse=coarse)
     with named(out), turn(folder):

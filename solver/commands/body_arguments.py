@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, did_you_mean
-from ..extras.fmu import VERSIONS
 from ..package.section.codes import CODES, OF_BLADES, TARGETS
+from ..studies.fmu import VERSIONS
 from ..studies.modes.place import at_of
 from .arguments import (
     FOLDERS,

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from samples.fmu_samples import Instance, fmpy, slider
 
-from plymotion.solver.extras.fmu.write import LIBRARY
+from plymotion.solver.studies.fmu.write import LIBRARY
 
 __all__ = ["fmpy", "slider"]  # fixtures
 

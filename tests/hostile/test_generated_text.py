@@ -197,11 +197,11 @@ def test_toml_that_we_write_is_what_it_was(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_description_of_an_fmu_is_xml(name: str, tmp_path: Path) -> None:
-    from plymotion.solver.extras.fmu.write import description
     from plymotion.solver.inputs.case.load import load_case
     from plymotion.solver.inputs.case.write import write_case
     from plymotion.solver.run.coupled import Stepper
     from plymotion.solver.run.execution import read_run
+    from plymotion.solver.studies.fmu.write import description
 
     text = SLIDER.replace("[signals.x]", f"[signals.x]\ndescription = {toml_value(name)}")
     solver = SOLVER.format(t_end=1.0, step=0.1, more="")

@@ -2,10 +2,10 @@
 
 from samples.case_samples import HEAD, SOLVER
 
-from plymotion.solver.extras.fmu.write import write_contents
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.fmu.write import write_contents
 
 ARM = """
 [bodies.{name}]

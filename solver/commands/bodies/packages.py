@@ -7,11 +7,11 @@ from pathlib import Path
 
 from ...errors import InputError, counted, few
 from ...extras.exchange import export_body, import_body
-from ...extras.fmu import VERSIONS
 from ...package import validate
 from ...package.body.io import read_package
 from ...studies.cases import build_folder, chosen_run
 from ...studies.exit_codes import INCOMPLETE
+from ...studies.fmu import VERSIONS
 from ...workers.executors import executor_of
 from ...workers.packages import BodiesFailed, build_packages, named_packages, needed_specs, prepared
 
@@ -118,8 +118,8 @@ def _told(code: int, text: str) -> int:
 
 def export_fmu(options: argparse.Namespace) -> int:
     """Write a run of a case as an FMU; return the exit code."""
-    from ...extras.fmu.write import write_fmu  # these take 0.2 s to import
     from ...inputs.case.load import load_case
+    from ...studies.fmu.write import write_fmu  # these take 0.2 s to import
 
     file: Path = options.file
     if file.suffix != ".toml":

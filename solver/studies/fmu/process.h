@@ -180,7 +180,7 @@ static int launch(Instance *a, const char *folder)
     char python[4096], home[4096], text[5000];
     const char *code = "import sys\n"
                        "sys.path[:0] = [p for p in sys.argv[1:2] if p]\n"
-                       "from plymotion.solver.extras.fmu.server import main\n"
+                       "from plymotion.solver.studies.fmu.server import main\n"
                        "sys.exit(main(sys.argv[2]))\n";
     int ends[2];
     if (!read_solver(folder, python, home, sizeof python)) {
