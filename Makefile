@@ -349,6 +349,12 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchma
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
 
+# Every code in an environment of its own, build/arena/environments (docs/arena.md).
+.PHONY: arena arena-quick
+arena arena-quick: $(LIGHT) $(FENICSX) | $(COMPILED) ## Scenes with truths, all codes, error against time: build/arena, docs/arena.md (arena-quick: a few)
+	. ./$(FENICSX) && export FENICSX_PYTHON && $(BENCH) benchmarks/arena/arena.py $(if \
+	    $(findstring quick,$@),--quick,--coverage 40 --write docs/arena.md) $(ARENA_OPTIONS)
+
 # Pinocchio and robots of others, in an environment of their own: wheels of 150 MB.
 ROBOTS := build/robots
 $(ROBOTS)/installed: Makefile | $(EMPTY)

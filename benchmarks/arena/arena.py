@@ -1,0 +1,140 @@
+"""The arena: scenes with truths, every code that can be run here, error against time, who wins.
+
+python benchmarks/arena/arena.py [--quick] [--no-install] [--out DIR] [--scenes DIR] [--runners DIR]
+    [--write docs/arena.md] [--coverage N] [WORD ...]
+
+Writes DIR/arena.json and DIR/index.html with charts. Words choose scenes whose names contain one
+of them. `--scenes` and `--runners` add a folder of scenes or runners of your own (docs/arena.md).
+`--page` draws the page again from DIR/arena.json. Times are CPU seconds (user and system).
+"""
+
+import argparse
+import json
+import math
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parents[1]), str(HERE.parents[1] / "tests")]
+os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+import frame  # noqa: E402
+import page  # noqa: E402
+import scenes  # noqa: E402
+from tqdm import tqdm  # noqa: E402
+
+LANES = 2  # codes that run beside each other
+QUICK_LONGEST = 3.0  # CPU seconds of a process after which finer settings are left out
+
+
+def main() -> None:
+    """Measure, write arena.json and the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="scenes with quick = true")
+    parser.add_argument("--no-install", action="store_true")
+    parser.add_argument("--page", action="store_true")
+    parser.add_argument("--out", type=Path, default=scenes.BUILD)
+    parser.add_argument("--scenes", type=Path)
+    parser.add_argument("--runners", type=Path)
+    parser.add_argument("--codes", default="", help="only these, as in runners/in_NAME.py")
+    parser.add_argument("--coverage", type=int, default=0, help="random scenes of the error bars")
+    parser.add_argument("--write", type=Path, help="renew the tables of this page of docs")
+    parser.add_argument("words", nargs="*")
+    told = parser.parse_args()
+    told.out.mkdir(parents=True, exist_ok=True)
+    file = told.out / "arena.json"
+    if told.page:
+        results = json.loads(file.read_text(encoding="utf-8"))
+    else:
+        if told.runners:
+            frame.FOLDERS.append(told.runners)
+        codes = frame.runners(not told.no_install, tuple(filter(None, told.codes.split(","))))
+        places = [HERE / "scenes", *([told.scenes] if told.scenes else [])]
+        chosen = scenes.find(places, tuple(told.words))
+        if told.quick:
+            chosen = [scene for scene in chosen if scene.table.get("quick")]
+        results = measured(chosen, codes, QUICK_LONGEST if told.quick else frame.LONGEST)
+        if told.coverage:
+            import coverage
+
+            results |= coverage.measured(told.coverage)
+        file.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    page.write(results, told.out)
+    if told.write:
+        page.write_docs(results, told.write)
+    print(f"{file}, {told.out / 'index.html'}")
+
+
+def measured(
+    chosen: list[scenes.Scene], codes: list[frame.Runner], longest: float
+) -> dict[str, Any]:
+    """Everything that arena.json has, except the coverage of error bars."""
+    rows, truths, cannot, titles = [], {}, {}, {}
+    for scene in tqdm(chosen, unit="scene"):
+        sheet = scene.sheet()
+        titles[scene.name] = about(scene)
+        truth = frame.truth(scene, sheet, codes)
+        if truth is None:
+            cannot[scene.name] = {"truth": "a code that it needs is not installed"}
+            continue
+        truths[scene.name] = {"bar": truth.bar, "by": truth.by, "disagree": truth.disagree}
+        able = []
+        for runner in codes:
+            why = runner.absent or runner.module.cannot(sheet)
+            if why:
+                cannot.setdefault(scene.name, {})[runner.name] = why
+            else:
+                able.append(runner)
+        with ThreadPoolExecutor(LANES) as lanes:
+            done = list(lanes.map(partial(trials, scene, sheet, longest=longest), able))
+        for of_code in done:
+            for trial in of_code:
+                if not trial.failed:
+                    found = frame.values(trial.found["values"])
+                    trial.error = frame.distance(found, truth.values)
+                    if not math.isfinite(trial.error):
+                        trial.failed = "not finite, or not all outputs"
+                rows.append(trial.row())
+    versions = {r.name: r.version or "absent" for r in codes}
+    return {
+        "scenes": len(titles),
+        "codes": [f"{name} {version}" for name, version in versions.items()],
+        "truths": {name: t["bar"] for name, t in truths.items()},
+        "coverage": None,
+        "bar_over_error_median": None,
+        **page.verdicts(rows, {n: t["bar"] for n, t in truths.items()}),
+        "about": titles,
+        "truth_by": truths,
+        "cannot": cannot,
+        "trials": rows,
+    }
+
+
+def about(scene: scenes.Scene) -> dict[str, Any]:
+    """What the page says of a scene."""
+    kept = ("title", "kind", "source", "licence", "unit", "note")
+    return {k: scene.table[k] for k in kept if k in scene.table}
+
+
+def trials(
+    scene: scenes.Scene, sheet: dict[str, Any], runner: frame.Runner, *, longest: float
+) -> list[frame.Trial]:
+    """Settings of a runner; of each method no finer ones after one that failed or took too long."""
+    found: list[frame.Trial] = []
+    over = set()
+    for setting in runner.module.settings(sheet):
+        if setting["method"] in over:
+            continue
+        trial = frame.run(scene, sheet, runner, setting, longest)
+        found.append(trial)
+        if trial.failed:
+            over.add(setting["method"])
+    return found
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,192 @@
+"""Error bars that are stated, against true errors, over scenes drawn at random with a seed.
+
+Three claims of ours are judged:
+
+- sections: the estimated error of K (`plymotion section`) over sqrt(Kii Kjj), against three times
+  the density of cells
+- planned runs: `error_at_most` of [fidelity] against a run with all modes (tests/samples)
+- runs: `rtol` as the error of chains of rods over their length, against rk8 at 1e-11
+
+Draws with an even number may be looked at while the estimates are tuned; the others never were.
+"""
+
+import json
+import math
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from frame import ROOT
+from page import table
+from runners.description import toml
+from scenes import BUILD
+from tqdm import tqdm
+
+SEED = 20261127
+Draw = np.random.Generator
+CARBON = {
+    "kind": "orthotropic", "E1": 1.42e11, "E2": 9.8e9, "E3": 9.8e9, "G12": 6e9, "G13": 6e9,
+    "G23": 4.8e9, "nu12": 0.3, "nu13": 0.3, "nu23": 0.42, "rho": 1600.0,
+}  # fmt: skip
+METAL = {"kind": "isotropic", "E": 7e10, "nu": 0.3, "rho": 2700.0}
+
+
+@dataclass
+class Judged:
+    """One bar beside its error, both relative, and CPU seconds of the run and of its bar."""
+
+    claim: str
+    unseen: bool
+    bar: float
+    error: float
+
+
+def section(draw: Draw, folder: Path) -> tuple[float, float]:
+    """A rectangle, ellipse or laminated box; its stated and true error of K."""
+    shape = draw.choice(["rectangle", "ellipse", "box"])
+    size, ratio = 10.0 ** draw.uniform(-2, 0), draw.uniform(0.2, 1.0)
+    angles = [round(float(a)) for a in draw.uniform(-90, 90, 2)]
+    spec: dict[str, Any] = {"format": 1, "title": "drawn", "convention": "contour"}
+    spec["mesh"] = {
+        "rectangle": {"shape": "rectangle", "width": size, "height": size * ratio},
+        "ellipse": {"shape": "ellipse", "radius_2": size, "radius_3": size * ratio},
+        "box": {"shape": "box", "width": size, "height": size * ratio, "wall": 0.03 * size},
+    }[shape]
+    spec["materials"] = {"m": CARBON if shape == "box" else METAL}
+    spec["regions"] = {"all": {"material": "m"}}
+    if shape == "box":
+        ply = 0.03 * size / 4
+        spec["laminates"] = {
+            "wall": {"material": "m", "angles_deg": angles, "ply_thickness": ply, "repeat": 2}
+        }
+        spec["regions"] = {"all": {"laminate": "wall"}}
+    found = []
+    for density in (1.0, 3.0):
+        spec["mesh"]["density"] = density
+        file = folder / "drawn.toml"
+        file.write_text(toml(spec), encoding="utf-8")
+        command = [sys.executable, "-m", "plymotion", "section", str(file), "--json", "--force"]
+        command += ["--no-figures", "--quiet", "--out", str(folder / "out")]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        found.append(json.loads(done.stdout))
+    K, true = (np.array(each["K"]) for each in found)
+    scale = np.sqrt(np.outer(np.diag(true), np.diag(true)))
+    bar = float((np.abs(np.array(found[0]["error_estimate"])) / scale).max())
+    return bar, float((np.abs(K - true) / scale).max())
+
+
+def planned(draw: Draw, folder: Path) -> tuple[float, float]:
+    """A driven pendulum of one or two beams with [fidelity]: bar and error of what is delivered."""
+    from samples.fidelity_samples import pendulum, planned_run, true_signals
+
+    from plymotion.solver.studies.fidelity.execution import checked, plan_of
+    from plymotion.solver.studies.fidelity.motions import difference, scales
+
+    scene = pendulum(
+        links=int(draw.integers(1, 3)),
+        speed=float(draw.uniform(2.0, 8.0)),
+        t_end=float(draw.uniform(0.15, 0.4)),
+        accuracy=float(10.0 ** draw.uniform(-3, -1)),
+        signals=[["tip_x", "tip_y"], ["bending"], ["force"]][draw.integers(3)],
+    )
+    side = str(draw.choice(["stiff", "soft"]))
+    answer = checked(plan_of(*planned_run(scene, side)))
+    if answer.estimate is None or answer.delivered is None:
+        return math.nan, math.nan
+    exact = true_signals(scene, side, 1e-8)
+    values = np.array([exact[name] for name in answer.names])
+    sizes = scales("pointwise", values)
+    error = difference("pointwise", answer.delivered.signals, values) / sizes
+    worst = int(np.argmax(error / answer.estimate))
+    return float(answer.estimate[worst]), float(error[worst])
+
+
+def rigid(draw: Draw, folder: Path) -> tuple[float, float]:
+    """A chain of one to three rods with hinges turned at random: rtol and error of the far end."""
+    from plymotion.solver.inputs.case.load import load_case
+    from plymotion.solver.inputs.case.write import write_case
+    from plymotion.solver.run.execution import execute, read_run
+
+    n, lengths = int(draw.integers(1, 4)), draw.uniform(0.2, 1.0, 3)
+    spec: dict[str, Any] = {"format": 1, "title": "drawn", "gravity": [0.0, -9.81, 0.0]}
+    spec |= {"ground": {"o": {"position": [0.0, 0.0, 0.0]}}, "bodies": {}, "joints": {}}
+    at = 0.0
+    for k, length in enumerate(map(float, lengths[:n])):
+        inertia = [[1e-3, 0.0, 0.0], [0.0, length**2 / 12, 0.0], [0.0, 0.0, length**2 / 12]]
+        spec["bodies"][f"rod{k}"] = {
+            "kind": "rigid", "mass": 1.0, "centre": [length / 2, 0.0, 0.0], "inertia": inertia,
+            "position": [at, 0.0, 0.0],
+            "interfaces": {"a": {"position": [0.0] * 3}, "b": {"position": [length, 0.0, 0.0]}},
+        }  # fmt: skip
+        tilt = float(draw.uniform(-0.5, 0.5))
+        spec["joints"][f"hinge{k}"] = {
+            "kind": "revolute", "axis": [0.0, math.sin(tilt), math.cos(tilt)],
+            "between": [f"rod{k - 1}.b" if k else "ground.o", f"rod{k}.a"],
+        }  # fmt: skip
+        at += length
+    spec["signals"] = {
+        c: {"kind": "position", "at": f"rod{n - 1}.b", "component": c} for c in "xyz"
+    }
+    rtol = float(10.0 ** draw.uniform(-7, -3))
+    spec["solver"] = {"t_end": float(draw.uniform(0.5, 2.0)), "output_step": 0.01}
+    spec["runs"] = {"base": {}}
+    file = folder / "case.toml"
+    file.write_text(toml(spec), encoding="utf-8")
+    write_case(load_case(file), folder, None)
+    run = read_run(folder / "runs/base.json")
+    paths = []
+    for keys in ({"rtol": rtol}, {"integrator": "rk8", "rtol": 1e-11}):
+        changed = run.changed({f"solver.{key}": value for key, value in keys.items()})
+        result, _ = execute(changed, progress=False)
+        signals = {s.name: np.ravel(s.values) for s in result.signals}
+        paths.append(np.stack([signals[c] for c in "xyz"], axis=1))
+    return rtol, float(np.linalg.norm(paths[0] - paths[1], axis=1).max()) / at
+
+
+CLAIMS = {"sections: estimate of K": section, "planned runs": planned, "runs: rtol": rigid}
+
+
+def measured(count: int) -> dict[str, Any]:
+    """Coverage, median width and the table, over `count` scenes in all."""
+    folder = BUILD / "drawn"
+    folder.mkdir(parents=True, exist_ok=True)
+    found: list[Judged] = []
+    begin = time.process_time()
+    for k in tqdm(range(count), unit="draw", desc="error bars"):
+        name, judge = list(CLAIMS.items())[k % len(CLAIMS)]
+        number = k // len(CLAIMS)
+        bar, error = partial(judge, np.random.default_rng([SEED, k]))(folder)
+        found.append(Judged(name, number % 2 == 1, bar, error))
+    rows = []
+    for name in [*CLAIMS, "all"]:
+        for unseen in (False, True):
+            own = [j for j in found if j.unseen == unseen and name in (j.claim, "all")]
+            rows.append([name, "never used" if unseen else "may tune", *cells(own)])
+    unseen = [j for j in found if j.unseen and not math.isnan(j.bar)]
+    return {
+        "coverage": sum(j.error <= j.bar for j in unseen) / max(len(unseen), 1),
+        "bar_over_error_median": float(np.median([j.bar / max(j.error, 1e-16) for j in unseen])),
+        "draws": [vars(j) for j in found],
+        "coverage_cpu_s": time.process_time() - begin,
+        "error_bars": table(
+            ["claim", "draws", "number", "inside", "median bar / error", "worst error / bar"], rows
+        ),
+    }
+
+
+def cells(own: list[Judged]) -> list[str]:
+    """Number, share inside, median width, worst."""
+    known = [j for j in own if not math.isnan(j.bar)]
+    if not known:
+        return [str(len(own)), "–", "–", "–"]
+    inside = sum(j.error <= j.bar for j in known) / len(known)
+    width = float(np.median([j.bar / max(j.error, 1e-16) for j in known]))
+    worst = max(j.error / j.bar for j in known)
+    none = len(own) - len(known)
+    number = str(len(own)) + (f" ({none} without a bar)" if none else "")
+    return [number, f"{inside:.0%}", f"{width:.2g}", f"{worst:.2g}"]

@@ -1,0 +1,157 @@
+"""The neutral description of a mechanism: bodies as they start, joints, gravity, probe."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from solver_exudyn import reduced
+from solver_problems import interface, node, plain
+
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.record import seal
+from plymotion.solver.inputs.case.tables.schema import changed_mechanism, resolved
+from plymotion.solver.inputs.case.write import dump, write_if_changed
+from plymotion.solver.math.rotations import rotation_matrix
+from plymotion.solver.package import read_package
+from plymotion.solver.run.execution import read_run
+from plymotion.solver.run.preparation import prepare
+
+if TYPE_CHECKING:
+    from scenes import Scene
+
+FOLDER = Path("build/arena/runs")
+SOLVER = ("start", "modes_at_start", "on_invalid", "on_singular", "geometric_stiffening")
+
+
+def run_file(name: str, table: dict[str, Any], packages: dict[str, Path]) -> Path:
+    """Run file as `plymotion check` writes it, for packages that exist."""
+    mechanism = resolved(plain(table), name)
+    file = FOLDER / name / "runs" / f"{name}.json"
+    entries = {b: {"file": os.path.relpath(p, file.parent.parent)} for b, p in packages.items()}
+    content = {"case": name, "run": name, "title": name, "packages": entries}
+    checked = {"checked": seal(mechanism), "mechanism": mechanism.model_dump()}
+    write_if_changed(file, dump(content | checked))
+    return file
+
+
+def mechanism(scene: "Scene") -> dict[str, Any]:
+    """Entries of the sheet of a scene of kind `mechanism`."""
+    table = scene.table
+    runs = load_case(scene.case()).runs
+    name = table.get("run", next(iter(runs)))
+    if name not in runs:
+        raise SystemExit(f"{scene.name}: run = {name!r}: expected one of {', '.join(runs)}")
+    case = changed_mechanism(runs[name], table.get("changes", {})).model_dump()
+    solver = {key: case["solver"][key] for key in SOLVER}
+    every = table.get("every", 0.01)
+    case["solver"] = solver | {"t_end": table["t_end"], "output_step": every}
+    case["fidelity"] = None
+    case["signals"] = {
+        axis: {"kind": "position", "at": table["probe"], "component": axis} for axis in "xyz"
+    }
+    packages = {}
+    if "packages" in table:
+        folder = scene.path(table["packages"])
+        for body, entry in case["bodies"].items():
+            if entry["kind"] != "rigid":
+                own = [folder / f"{n}.vtkhdf" for n in (f"{body}.{name}", body)]
+                own += sorted(folder.glob(f"{body}.*.vtkhdf"))
+                packages[body] = next(p for p in own if p.exists())
+    file = run_file(scene.name, case, packages)
+    spec = read_run(file)
+    ready = prepare(spec.mechanism, spec.packages)
+    model, y0 = ready.model, ready.y0
+    frames, bodies = {}, []
+    for k, (body, entry) in enumerate(case["bodies"].items()):
+        p, v = y0[int(model.pos_start[k]) :], y0[model.n_pos + int(model.vel_start[k]) :]
+        R = rotation_matrix(p[3:7])
+        frames[body] = (k, p[:3], R)
+        bodies.append(
+            {
+                "name": body,
+                "position": p[:3],
+                "rotation": R,
+                "velocity": v[:3],
+                "spin_body": v[3:6],
+            }
+        )
+        if body in packages:
+            package = read_package(packages[body])
+            points = {i.name: i.position_B for i in package.interfaces}
+            nodes = {i: node(package, i) for i in points}
+            arrays = vars(reduced(package, masses(case, body)))
+            npz = FOLDER / scene.name / f"{body}.npz"
+            np.savez(npz, **{key: np.asarray(value) for key, value in arrays.items()})
+            shapes = {i: np.abs(interface(package, i).phi_B).max() for i in points}
+            held = [i for i in points if shapes[i] < 1e-12 and not np.any(points[i])]
+            bodies[-1] |= {
+                "modal": str(npz),
+                "nodes": nodes,
+                "points": points,
+                "held": held,
+                "modal_rates": v[6 : 6 + package.n_mode],
+            }
+        else:
+            bodies[-1] |= {
+                "mass": entry["mass"],
+                "centre": entry["centre"],
+                "inertia": about_origin(entry),
+                "points": {n: i["position"] for n, i in entry["interfaces"].items()},
+            }
+    ground = {n: g["position"] for n, g in case["ground"].items()}
+
+    def place(at: str) -> dict[str, Any]:
+        body, point = at.split(".", 1)
+        if body == "ground":
+            return {"body": -1, "point": ground[point], "at": point, "global": ground[point]}
+        k, r, R = frames[body]
+        local = np.asarray(bodies[k]["points"][point])
+        return {"body": k, "point": local, "at": point, "global": r + R @ local}
+
+    joints = []
+    for name, joint in case["joints"].items():
+        one, two = (place(at) for at in joint["between"])
+        joints.append(joint | {"name": name, "one": one, "two": two})
+    return listed(
+        {
+            "run_file": file,
+            "times": scene.times,
+            "every": every,
+            "t_end": table["t_end"],
+            "gravity": case["gravity"] or [0.0, 0.0, 0.0],
+            "bodies": bodies,
+            "joints": joints,
+            "forces": case["forces"],
+            "masses": case["masses"],
+            "couplings": case["couplings"],
+            "probe": place(table["probe"]),
+        }
+    )
+
+
+def masses(case: dict[str, Any], body: str) -> dict[str, float]:
+    """Point masses on the interfaces of a body, interface -> kg."""
+    found = {}
+    for entry in (case["masses"] or {}).values():
+        at = entry["at"].split(".", 1)
+        if at[0] == body:
+            found[at[1]] = float(entry["mass"])
+    return found
+
+
+def about_origin(entry: dict[str, Any]) -> Any:
+    """Inertia of a rigid body about the centre of mass -> about the origin of its frame."""
+    c = np.asarray(entry["centre"])
+    return np.asarray(entry["inertia"]) + entry["mass"] * (c @ c * np.eye(3) - np.outer(c, c))
+
+
+def listed(value: Any) -> Any:
+    """Arrays as lists and paths as text, for JSON."""
+    if isinstance(value, dict):
+        return {key: listed(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [listed(v) for v in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return str(value) if isinstance(value, Path) else value

@@ -1,0 +1,90 @@
+"""Ours: `plymotion run`, `section` and `shell` as a user calls them, every integrator."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import description
+from common import Sheet
+
+NAME = "Plymotion"
+ENVIRONMENT: dict[str, Any] = {"own": True}
+METHODS = {
+    "radau": {"integrator": "radau"},
+    "rk8": {"integrator": "rk8"},
+    "rk5": {"integrator": "rk5"},
+    "generalized-alpha": {"integrator": "generalized-alpha", "constraints": "ggl"},
+    "gear": {"integrator": "gear", "max_order": 2},
+}
+RTOLS = {
+    "radau": [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9],
+    "rk8": [1e-4, 1e-6, 1e-9],
+    "rk5": [1e-6],
+    "generalized-alpha": [1e-3, 1e-5],
+    "gear": [1e-3],
+}
+
+
+def cannot(sheet: Sheet) -> str:
+    """Nothing of the scenes of today, except what a scene says."""
+    return str(sheet.get("ours", {}).get("cannot", ""))
+
+
+def settings(sheet: Sheet) -> list[Sheet]:
+    """Each integrator, from coarse to fine; sections and shells by mesh."""
+    if sheet["kind"] == "section":
+        return [{"method": "section", "density": d} for d in (0.5, 1.0, 2.0)]
+    if sheet["kind"] == "shell":
+        return [{"method": "shell", "cells": n} for n in sheet["ours"]["cells"]]
+    wanted = sheet.get("ours", {}).get("methods", list(METHODS))
+    return [{"method": m, "rtol": r} for m in wanted for r in RTOLS[m]]
+
+
+def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
+    """Write the run file or description and return the command."""
+    start = [python, "-m", "plymotion"]
+    if sheet["kind"] != "mechanism":
+        return description.command(sheet, setting, folder, python)
+    table = json.loads(Path(sheet["run_file"]).read_text(encoding="utf-8"))
+    solver = METHODS[setting["method"]] | {"rtol": setting["rtol"]}
+    file = changed(Path(sheet["run_file"]), table, solver, folder)
+    return [*start, "run", str(file), "--out", str(folder / "out"), "--quiet"]
+
+
+def changed(original: Path, table: Sheet, solver: Sheet, folder: Path) -> Path:
+    """The run file with another [solver], checked and sealed."""
+    from mechanism_sheet import run_file
+
+    packages = {
+        body: (original.parent.parent / entry["file"]).resolve()
+        for body, entry in table["packages"].items()
+    }
+    mechanism = table["mechanism"]
+    return run_file(
+        f"{original.stem}/{folder.name}",
+        mechanism | {"solver": mechanism["solver"] | solver},
+        packages,
+    )
+
+
+def read(sheet: Sheet, setting: Sheet, folder: Path) -> Sheet:
+    """Positions of the probe, or the numbers of the description, and phases of the run."""
+    if sheet["kind"] != "mechanism":
+        return description.numbers(sheet, folder)
+    import numpy as np
+
+    from plymotion.solver.results.file import read_result
+
+    summary = json.loads((folder / "out/summary.json").read_text(encoding="utf-8"))
+    if summary["status"] != "finished":
+        raise RuntimeError(summary.get("message", summary["status"]))
+    result = read_result(folder / "out/result.vtkhdf")
+    signals = {s.name: s.values for s in result.signals}
+    paths = np.stack([np.ravel(signals[axis]) for axis in "xyz"], axis=1)[1:]
+    seconds = summary["cost"]["seconds"]
+    return {
+        "values": paths.tolist(),
+        "solution_s": seconds["integrate"] + seconds["monitors"],
+        "phases": seconds,
+        "steps": summary["cost"]["steps"],
+    }
