@@ -18,9 +18,19 @@ from numba.np import arrayobj
 from numba.np.numpy_support import as_dtype, from_dtype
 
 from . import machine
-from .doors import ArrayOf, StructureOf, TupleOf, class_named, parse, parse_all
+from .doors import (
+    ArrayOf,
+    StructureOf,
+    TupleOf,
+    class_named,
+    parse,
+    parse_all,
+    text_of_array,
+    text_of_structure,
+    text_of_tuple,
+)
 from .lowering import CONTEXT, define, fast_compilation, lower
-from .parts import Part
+from .parts import Part, digest
 
 _WORD = ir.IntType(64)
 _POINTER = ir.IntType(8).as_pointer()
@@ -30,7 +40,6 @@ class StructureType(types.Type):
     """A pointer to a table of words (doors.py)."""
 
     def __init__(self, kind: StructureOf) -> None:
-        self.class_name = kind.name
         self.fields = {
             name: numba_type(part) for name, part in zip(kind.names, kind.parts, strict=True)
         }
@@ -38,8 +47,9 @@ class StructureType(types.Type):
         for name, field in self.fields.items():
             self.offsets[name] = self.n_word
             self.n_word += _words_of(field)
-        parts = ",".join(f"{name}={text_of(field)}" for name, field in self.fields.items())
-        super().__init__("{" + f"{kind.name}:{parts}" + "}")
+        texts = {name: text_of(field) for name, field in self.fields.items()}
+        self.text = text_of_structure(kind.name, texts)
+        super().__init__(f"{kind.name}.{digest(self.text)}")
 
 
 def _words_of(field: Any) -> int:
@@ -79,16 +89,14 @@ def text_of(kind: Any) -> str:
     """
     kind = types.unliteral(kind)
     if isinstance(kind, StructureType):
-        return str(kind.name)
+        return kind.text
     if isinstance(kind, types.Array):
-        layout = "" if kind.layout == "C" else kind.layout
-        return f"{_code(kind.dtype)}[{kind.ndim}]{layout}{'' if kind.mutable else '!'}"
+        return text_of_array(_code(kind.dtype), kind.ndim, kind.layout, mutable=kind.mutable)
     if isinstance(kind, types.BaseTuple):
-        parts = ",".join(text_of(part) for part in kind.types)
         cls = getattr(kind, "instance_class", tuple)
-        name = "" if cls is tuple else f"<{cls.__module__}:{cls.__qualname__}>"
-        return f"{name}({parts})"
-    return "n" if kind is types.none else _code(kind)
+        name = "" if cls is tuple else f"{cls.__module__}:{cls.__qualname__}"
+        return text_of_tuple(map(text_of, kind.types), name)
+    return repr("n" if kind is types.none else _code(kind))
 
 
 def _code(kind: Any) -> str:
@@ -218,7 +226,7 @@ def result_of_call(part: Part, kinds: tuple[Any, ...]) -> Any:
             return context.call_internal(builder, lowered.description, sig, arguments)
 
     else:
-        unit = part.unit(_text(kinds))
+        unit = part.unit(text_of_tuple(map(text_of, kinds)))
         result = numba_type(parse(unit.result))
 
         def code(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
@@ -228,10 +236,6 @@ def result_of_call(part: Part, kinds: tuple[Any, ...]) -> Any:
     define(code, key, kinds)
     _results[key] = result
     return result
-
-
-def _text(kinds: tuple[Any, ...]) -> str:
-    return "(" + ",".join(text_of(kind) for kind in kinds) + ")"
 
 
 def unit_type(context: Any, kinds: tuple[Any, ...], result: Any) -> Any:

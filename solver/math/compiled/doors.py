@@ -1,13 +1,11 @@
 """How Python calls compiled code: types as text, tables of structures, arguments as words.
 
-Texts say what a call is looked up and kept by, without Numba:
+Texts say what a call is looked up and kept by, without Numba. They are literals of Python:
 
-f8 i8 b1 c16 ...        a number
-f8[2] f8[1]A f8[1]!     an array of so many axes; strided; read-only
-(f8,f8,f8)              a tuple
-<module:Class>(f8,...)  a NamedTuple
-{Class:name=f8[1],...}  a structure, by pointer
-n                       nothing
+'f8' 'i8' 'b1' 'c16'                    a number; 'n': nothing
+('array', 'f8', 2, 'C', True)           its numbers, axes, layout, and whether it may be written
+('tuple', 'module:Class', (...))        a NamedTuple of such parts; without a name: a tuple
+('structure', 'Class', names, (...))    a structure, by pointer
 
 A structure is a NamedTuple that compiled code sees as one pointer. The pointer leads to a table of
 8-byte words: address and lengths of each array, the value of each number, the words of a structure
@@ -15,18 +13,15 @@ inside. Compiled code loads what it needs and is spared the hundreds of words th
 model and its memory take. Python sees the tuple.
 """
 
+import ast
 import ctypes
-import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-
-_WORD = re.compile(r"[a-z]\d*")
-_ARRAY = re.compile(r"\[(\d+)\]([AF]?)(!?)")
 
 
 class Number(NamedTuple):
@@ -59,57 +54,41 @@ class StructureOf(NamedTuple):
     parts: tuple[Any, ...]
 
 
+_KINDS: dict[str, Any] = {"array": ArrayOf, "tuple": TupleOf, "structure": StructureOf}
+
+
 def parse(text: str) -> Any:
     """Return what a text says."""
-    found, end = _any(text, 0)
-    if end != len(text):
-        raise ValueError(f"signature {text!r}: not understood at {end}")
-    return found
+    return _said(ast.literal_eval(text))
 
 
 def parse_all(text: str) -> tuple[Any, ...]:
-    """Return the arguments of a call: texts between brackets."""
+    """Return the arguments of a call: the parts of a tuple."""
     return tuple(parse(text).parts)
 
 
-def _any(text: str, at: int) -> tuple[Any, int]:
-    if text[at] == "{":
-        end = text.index(":", at)
-        name, names = text[at + 1 : end], []
-
-        def field(start: int) -> tuple[Any, int]:
-            equal = text.index("=", start)
-            names.append(text[start:equal])
-            return _any(text, equal + 1)
-
-        parts, after = _list(text, end + 1, "}", field)
-        return StructureOf(name, tuple(names), parts), after
-    name = ""
-    if text[at] == "<":
-        end = text.index(">", at)
-        name, at = text[at + 1 : end], end + 1
-    if text[at] == "(":
-        parts, after = _list(text, at + 1, ")", lambda start: _any(text, start))
-        return TupleOf(name, parts), after
-    word = _WORD.match(text, at)
-    if word is None:
-        raise ValueError(f"signature {text!r}: not understood at {at}")
-    array = _ARRAY.match(text, word.end())
-    if array is None:
-        return Number(word[0]), word.end()
-    return ArrayOf(word[0], int(array[1]), array[2] or "C", not array[3]), array.end()
+def _said(value: Any) -> Any:
+    if isinstance(value, str):
+        return Number(value)
+    kind, *fields = value
+    if kind != "array":
+        fields[-1] = tuple(map(_said, fields[-1]))
+    return _KINDS[kind](*fields)
 
 
-def _list(
-    text: str, at: int, end: str, one: Callable[[int], tuple[Any, int]]
-) -> tuple[tuple[Any, ...], int]:
-    parts = []
-    while text[at] != end:
-        part, at = one(at)
-        parts.append(part)
-        if text[at] == ",":
-            at += 1
-    return tuple(parts), at + 1
+def text_of_tuple(parts: Iterable[str], name: str = "") -> str:
+    """Return the text of a tuple of the texts of its parts."""
+    return f"('tuple',{name!r},({''.join(f'{part},' for part in parts)}))"
+
+
+def text_of_array(code: str, ndim: int, layout: str = "C", *, mutable: bool = True) -> str:
+    """Return the text of an array."""
+    return repr(("array", code, ndim, layout, mutable))
+
+
+def text_of_structure(name: str, fields: Mapping[str, str]) -> str:
+    """Return the text of a structure of the texts of its fields."""
+    return f"('structure',{name!r},{(*fields,)!r},({''.join(f'{f},' for f in fields.values())}))"
 
 
 def leaves(kind: Any) -> list[str]:
@@ -130,8 +109,8 @@ def class_named(name: str) -> Any:
 
 Class = TypeVar("Class", bound=type)
 
-_NUMBERS = {int: "i8", float: "f8", bool: "b1"}
-_PLAIN = 0x101  # flags of arrays: contiguous, aligned
+_NUMBERS: dict[Any, str] = {int: "i8", float: "f8", bool: "b1", complex: "c16"}
+_PLAIN, _ALIGNED, _WRITABLE = 0x101, 0x100, 0x400  # flags of arrays: contiguous and aligned, ...
 _DATA = 16  # bytes from the beginning of an array object to the address of its data
 _PACKED = {"i8": np.int64, "b1": np.int64, "f8": np.float64}
 
@@ -179,13 +158,13 @@ def table_of(value: Any) -> Table:
 @cache
 def _text_of(dtype: np.dtype[Any], ndim: int) -> str:
     """Return what an array is; nothing if its numbers are not in the order of this machine."""
-    return f"{dtype.str[1:]}[{ndim}]" if dtype.isnative else ""
+    return text_of_array(dtype.str[1:], ndim) if dtype.isnative else ""
 
 
 def _describe(value: Any, words: list[int]) -> str:
     """Append the words of a structure; return its text."""
     cls = type(value)
-    fields = []
+    fields: dict[str, str] = {}
     for name, field in zip(cls._fields, value, strict=True):
         if isinstance(field, np.ndarray):
             text = _text_of(field.dtype, field.ndim)
@@ -198,12 +177,13 @@ def _describe(value: Any, words: list[int]) -> str:
             text = table.text
             words.extend(table.words.view(np.uint64).tolist())
         else:
-            text = _NUMBERS.get(cls.__annotations__[name], "")
-            if not text:
+            code = _NUMBERS.get(cls.__annotations__[name], "")
+            if code not in _PACKED:
                 raise TypeError(f"{cls.__name__}.{name}: expected an array, a number, a structure")
-            words.append(int(np.array(field, dtype=_PACKED[text]).view(np.uint64)))
-        fields.append(f"{name}={text}")
-    return "{" + cls.__name__ + ":" + ",".join(fields) + "}"
+            words.append(int(np.array(field, dtype=_PACKED[code]).view(np.uint64)))
+            text = repr(code)
+        fields[name] = text
+    return text_of_structure(cls.__name__, fields)
 
 
 @cache
@@ -263,28 +243,22 @@ def described(arguments: tuple[Any, ...]) -> tuple[Any, list[Any]]:
     return tuple(kinds), words
 
 
-def text(arguments: tuple[Any, ...]) -> str | None:
-    """Return the types of arguments as text; None if compiled code cannot be given them."""
+def text(kinds: tuple[Any, ...]) -> str | None:
+    """Return the types of arguments as text, of what `described` tells of them.
+
+    None if compiled code cannot be given them.
+    """
     found = []
-    for value in arguments:
-        if isinstance(value, np.ndarray):
-            flags = value.flags
-            if not (flags.aligned and value.dtype.isnative and value.dtype.kind in "fcib"):
+    for kind in kinds:
+        if isinstance(kind, tuple):
+            dtype, ndim, flags = kind
+            if not (flags & _ALIGNED and dtype.isnative and dtype.kind in "fcib"):
                 return None
-            layout = "" if flags.c_contiguous else "A"
-            writable = "" if flags.writeable else "!"
-            found.append(f"{value.dtype.str[1:]}[{value.ndim}]{layout}{writable}")
-        elif hasattr(type(value), "is_structure"):
-            found.append(table_of(value).text)
-        elif isinstance(value, bool | np.bool_):
-            found.append("b1")
-        elif isinstance(value, int | np.integer):
-            found.append("i8")
-        elif isinstance(value, float | np.floating):
-            found.append("f8")
+            layout, mutable = "C" if flags & 1 else "A", bool(flags & _WRITABLE)
+            found.append(text_of_array(dtype.str[1:], ndim, layout, mutable=mutable))
         else:
-            found.append("c16")
-    return "(" + ",".join(found) + ")"
+            found.append(kind if isinstance(kind, str) else repr(_NUMBERS[kind]))
+    return text_of_tuple(found)
 
 
 def door(address: int, kinds: tuple[Any, ...], result: Any) -> Callable[..., Any]:

@@ -73,7 +73,7 @@ def door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., An
 
 
 def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
-    text = None if kinds is None else doors.text(arguments)
+    text = None if kinds is None else doors.text(kinds)
     if text is None or len(arguments) != part.function.__code__.co_argcount:
         return lambda words, arguments: part.function(*arguments)
     try:
