@@ -15,6 +15,7 @@ from concurrent.futures import (
     Future,
     ThreadPoolExecutor,
 )
+from concurrent.futures import Executor as PoolExecutor
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -162,34 +163,29 @@ class Here:
         """Do nothing."""
 
 
-class _Process:
-    """One worker process. It ends with this one, however that ends.
+class _Worker:
+    """A worker process, or a thread for tasks that wait for a process; who stops that ends them.
 
-    It does not import the main module of this one: tasks are functions of Plymotion, and a script
-    of a user would begin again.
+    A process ends with this one, however that ends. It does not import the main module of this one:
+    tasks are functions of Plymotion, and a script of a user would begin again.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, thread: bool) -> None:
+        self._links: tuple[Connection, ...] = ()
+        if thread:
+            self.pool: PoolExecutor = ThreadPoolExecutor(1)
+            return
         # A fresh interpreter: threads and open files of this one are none of its own.
-        self._theirs, self._ours = context(fresh=True).Pipe(duplex=False)
-        self.pool = processes(1, _begin, self._theirs, fresh=True)
+        theirs, ours = context(fresh=True).Pipe(duplex=False)
+        self._links = ours, theirs
+        self.pool = processes(1, _begin, theirs, fresh=True)
 
     def close(self, *, at_once: bool) -> None:
-        if at_once:
-            self._ours.close()
-        self.pool.shutdown(cancel_futures=at_once)
-        self._ours.close()
-        self._theirs.close()
-
-
-class _Thread:
-    """One worker thread, for tasks that wait for a process; whoever stops that ends the task."""
-
-    def __init__(self) -> None:
-        self.pool = ThreadPoolExecutor(1)
-
-    def close(self, *, at_once: bool) -> None:
-        self.pool.shutdown(wait=not at_once, cancel_futures=at_once)
+        for link in self._links[:1] if at_once else ():
+            link.close()
+        self.pool.shutdown(wait=not at_once or bool(self._links), cancel_futures=at_once)
+        for link in self._links:
+            link.close()
 
 
 class Local:
@@ -206,7 +202,7 @@ class Local:
     def __init__(self, jobs: int, *, threads: bool = False) -> None:
         self.name = f"--jobs {jobs}"
         self._jobs, self._threads = jobs, threads
-        self._workers: dict[int, _Process | _Thread] = {}
+        self._workers: dict[int, _Worker] = {}
         self._tasks = dict.fromkeys(range(jobs), 0)
 
     def width(self) -> int:
@@ -224,7 +220,7 @@ class Local:
         if lane in self._workers:
             self._workers.pop(lane).close(at_once=True)
         with nullcontext() if self._threads else _starting():  # the process starts in `submit`
-            self._workers[lane] = _Thread() if self._threads else _Process()
+            self._workers[lane] = _Worker(thread=self._threads)
             return self._workers[lane].pool.submit(function, *arguments)
 
     def close(self, *, at_once: bool) -> None:

@@ -116,29 +116,42 @@ def compile_forms() -> str:
     return done.stdout.strip()
 
 
+@dataclass(frozen=True)
+class Start:
+    """How the preprocessor is started."""
+
+    python: str  # empty: what each worker finds on its machine
+    command: str
+    options: tuple[str, ...]
+    ranks: int = 1  # that share each analysis, one process of each
+
+
 class Preprocessor:
     """A preprocessor process that makes one file after the other.
 
     Parameters
     ----------
-    python : the interpreter
-    folder : folder that contains `plymotion`
     start : command of the preprocessor that reads names from standard input: body, section, ...
     """
 
-    def __init__(self, python: str, folder: Path, start: "Start") -> None:
+    def __init__(self, start: Start) -> None:
+        self.start, self.python = start, start.python or _found()
+        # What specifications name may be relative to the current folder at the start. A fork of
+        # this process must not use it.
+        self.made_in = os.getcwd(), os.getpid()
+        self.timer: threading.Timer | None = None  # ends it when it has had no work for a time
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  as long as the process
         # -P: modules of the current folder must not shadow installed ones. A new session:
         # Ctrl-C reaches only this process, which then ends the other.
         self._process = subprocess.Popen(
             [
-                *(python, "-P", "-m", "plymotion.preprocess"),
+                *(self.python, "-P", "-m", "plymotion.preprocess"),
                 *(start.command, "-", "--json", *start.options),
             ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
-            env=environment(folder, start.ranks),
+            env=environment(_home(), start.ranks),
             pass_fds=_of_job() if start.ranks > 1 else (),
             text=True,
             encoding="utf-8",
@@ -205,31 +218,9 @@ END_S = 10.0  # time for an idle process to end [s]
 CLEANUP_S = 2.0  # time for an interrupted process to clean up [s]
 
 
-@dataclass(frozen=True)
-class Start:
-    """How the preprocessor is started."""
-
-    python: str  # empty: what each worker finds on its machine
-    command: str
-    options: tuple[str, ...]
-    ranks: int = 1  # that share each analysis, one process of each
-
-
-@dataclass(eq=False)
-class _Started:
-    """A preprocessor process; it ends when it has had no work for a time."""
-
-    start: Start
-    python: str
-    folder: str  # the current one at its start: what specifications name may be relative to it
-    process: Preprocessor
-    owner: int  # process that started it; a fork of it must not use it
-    timer: threading.Timer | None = None
-
-
 _lock = threading.Lock()  # of the two lists
-_idle: list[_Started] = []
-_busy: list[_Started] = []
+_idle: list[Preprocessor] = []
+_busy: list[Preprocessor] = []
 _listeners: list[Callable[[str], None]] = []
 _kept = False
 
@@ -270,7 +261,7 @@ def make(start: Start, spec: Path) -> Line:
         No Python with FEniCSx, or the preprocessor does not start.
     """
     own = _taken(start)
-    line = own.process.make(spec, _tell(spec))
+    line = own.make(spec, _tell(spec))
     with _lock:
         ended = own not in _busy
         if not ended:
@@ -282,39 +273,36 @@ def make(start: Start, spec: Path) -> Line:
             _idle.append(own)
     if line is not None:
         return line
-    reason, code = own.process.end_reason(), own.process.exit_code()
+    reason, code = own.end_reason(), own.exit_code()
     if code == START_FAILED:
         raise InputError(f"{own.python}: the preprocessor does not run: {reason}")
     return crashed(reason)
 
 
-def _taken(start: Start) -> _Started:
+def _taken(start: Start) -> Preprocessor:
     """Return a preprocessor without work that was started in this way, or a new one."""
-    folder = os.getcwd()
     with _lock:
         for own in _idle:
-            same = (own.start, own.folder, own.owner) == (start, folder, os.getpid())
-            if same and own.process.runs():
+            same = (own.start, own.made_in) == (start, (os.getcwd(), os.getpid()))
+            if same and own.runs():
                 _idle.remove(own)
                 _busy.append(own)
                 assert own.timer is not None
                 own.timer.cancel()
                 return own
-    python = start.python or _found()
-    process = Preprocessor(python, _home(), start)
-    own = _Started(start, python, folder, process, os.getpid())
+    own = Preprocessor(start)
     with _lock:
         _busy.append(own)
     return own
 
 
-def _end_idle(own: _Started) -> None:
+def _end_idle(own: Preprocessor) -> None:
     """End a preprocessor that has had no work."""
     with _lock:
         if own not in _idle:
             return
         _idle.remove(own)
-    own.process.end(END_S)
+    own.end(END_S)
 
 
 def crashed(reason: str) -> Line:
@@ -352,16 +340,16 @@ def preprocessors(progress: Callable[[str], None]) -> Iterator[None]:
 def _end_all(*, at_once: bool) -> None:
     """End the preprocessors that this process has started."""
     with _lock:
-        found = [own for own in (*_idle, *_busy) if own.owner == os.getpid()]
+        found = [own for own in (*_idle, *_busy) if own.made_in[1] == os.getpid()]
         _idle.clear()
         _busy.clear()
     if at_once:
         for own in found:
-            own.process.interrupt()
+            own.interrupt()
     for own in found:
         if own.timer is not None:
             own.timer.cancel()
-        own.process.end(CLEANUP_S if at_once else END_S)
+        own.end(CLEANUP_S if at_once else END_S)
 
 
 def _tell(spec: Path) -> Callable[[str], None]:

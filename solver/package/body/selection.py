@@ -18,7 +18,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
-from ..common.dataset import mapped, shapes_by_path
+from ..common.dataset import all_values, rebuilt, shapes_by_path
 from ..common.design import Derivative, changed
 from ..specification import DIRECTIONS
 from .schema import ModalPackage
@@ -59,7 +59,12 @@ def changed_basis(
             A = 0.5 * (A + A.transpose(2, 3, 0, 1))  # to the last bit: the format asks it
         return np.ascontiguousarray(A) if axes else A
 
-    found, known = mapped(package, change), package.mode_labels or package.mode_kinds
+    shapes = shapes_by_path(package)
+    values = {
+        path: change(shapes[path], value) if isinstance(value, np.ndarray) else value
+        for path, value in all_values(package).items()
+    }
+    found, known = rebuilt(package, values), package.mode_labels or package.mode_kinds
     return replace(
         found,
         mode_kinds=kinds or tuple(package.mode_kinds[i] for i in largest),

@@ -224,21 +224,6 @@ def all_values(item: Any) -> dict[str, Any]:
     return found
 
 
-def mapped(item: Object, change: Callable[[str, Any], Any]) -> Object:
-    """Return a dataclass with `change(shape, array)` of each array, parts and members included."""
-    new: dict[str, Any] = {}
-    for field in _fields(_kind(item)):
-        value, mark = getattr(item, field.name), field.mark
-        if isinstance(mark, Data) and isinstance(value, np.ndarray):
-            new[field.name] = change(mark.shape, value)
-        elif isinstance(mark, Part) and mark.via is None and value is not None:
-            new[field.name] = mapped(value, change)
-        elif isinstance(mark, Named):
-            new[field.name] = tuple(mapped(member, change) for member in value)
-    changed: Any = item
-    return replace(changed, **new)
-
-
 def build(
     kind: Callable[..., Object], data: Mapping[str, Any], at: str = "", **given: Any
 ) -> Object:
