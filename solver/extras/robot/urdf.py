@@ -40,6 +40,14 @@ class Dynamics(StrEnum):
     FRICTION = auto()
 
 
+MESH = "mesh"
+# Attributes of geometries, and how many numbers each has.
+SIZES = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    MESH: {"scale": 3},
+}
 MOST_BYTES = 50_000_000
 
 
@@ -186,21 +194,19 @@ def _tree(file: Path) -> Element:
     parser = expat.ParserCreate()
     stack = [Element("", {}, 0)]
 
+    def refused(words: str) -> InputError:
+        return InputError(f"{file}:{parser.CurrentLineNumber}: {words}")
+
     def begin(tag: str, attributes: dict[str, str]) -> None:
         if len(stack) > 100:
-            raise InputError(f"{file}:{parser.CurrentLineNumber}: elements too deep for a URDF")
+            raise refused("elements too deep for a URDF")
         if tag.startswith("xacro:"):
-            raise InputError(
-                f"{file}:{parser.CurrentLineNumber}: <{tag}>: a xacro file; expected the URDF "
-                "that `xacro FILE` makes of it"
-            )
+            raise refused(f"<{tag}>: a xacro file; expected the URDF that `xacro FILE` makes of it")
         stack[-1].children.append(Element(tag, attributes, parser.CurrentLineNumber))
         stack.append(stack[-1].children[-1])
 
     def no_entities(*_: object) -> None:
-        raise InputError(
-            f"{file}:{parser.CurrentLineNumber}: <!ENTITY>: expected a file without entities"
-        )
+        raise refused("<!ENTITY>: expected a file without entities")
 
     parser.StartElementHandler = begin
     parser.EndElementHandler = lambda _: stack.pop()
@@ -244,21 +250,24 @@ class _Reader:
         for element in self._root.all(tag):
             name = element.attributes.get("name", "")
             if not name or printable(name) != name:
-                self._found.append(f"{self._at(element)}: expected a name")
+                self._of(element, ": expected a name")
             elif name in found:
-                self._found.append(f'{self._at(element)}: a second {tag} "{name}"')
+                self._of(element, f': a second {tag} "{name}"')
             else:
                 found[name] = read(name, element)
         if tag == "link" and not found:
-            self._found.append(f"{self._at(self._root)}: no link; expected one or more")
+            self._of(self._root, ": no link; expected one or more")
         return found
 
-    def _at(self, element: Element) -> str:
+    def _say(self, line: int, text: str) -> None:
+        self._found.append(f"{self._file}:{line}: {text}")
+
+    def _of(self, element: Element, text: str) -> None:
         name = element.attributes.get("name")
-        return f"{self._file}:{element.line}: <{element.tag}{f' {name}' if name else ''}>"
+        self._say(element.line, f"<{element.tag}{f' {name}' if name else ''}>{text}")
 
     def _wrong(self, joint: UrdfJoint, text: str) -> None:
-        self._found.append(f"{self._file}:{joint.line}: <joint {joint.name}>: {text}")
+        self._say(joint.line, f"<joint {joint.name}>: {text}")
 
     def _numbers(
         self,
@@ -280,10 +289,7 @@ class _Reader:
         if len(values) != count or not all(map(math.isfinite, values)):
             shown = "missing" if text is None else f'"{printable(text)}"'
             what = "a number" if count == 1 else f"{count} numbers"
-            self._found.append(
-                f"{self._file}:{element.line}: {where}, <{element.tag} {key}>: {shown}; "
-                f"expected {what}"
-            )
+            self._say(element.line, f"{where}, <{element.tag} {key}>: {shown}; expected {what}")
             return np.array(default if default is not None else (1.0,) * count)
         return np.array(values)
 
@@ -314,14 +320,12 @@ class _Reader:
         of_mass, moments = inertial.one("mass"), inertial.one("inertia")
         mass, values = 0.0, np.zeros(6)
         if of_mass is None:
-            self._found.append(f"{self._at(inertial)} of {where}: no <mass>; expected one [kg]")
+            self._of(inertial, f" of {where}: no <mass>; expected one [kg]")
         else:
             mass = float(self._numbers(where, of_mass, "value", 1, None)[0])
             if mass < 0.0:
-                self._found.append(
-                    f"{self._file}:{of_mass.line}: {where}, <mass value>: {mass:g}; expected 0 or "
-                    "above [kg]"
-                )
+                text = f"{where}, <mass value>: {mass:g}; expected 0 or above [kg]"
+                self._say(of_mass.line, text)
         if moments is not None:
             for k, key in enumerate(("ixx", "iyy", "izz", "ixy", "ixz", "iyz")):
                 default = None if k < 3 else (0.0,)
@@ -336,68 +340,60 @@ class _Reader:
             return
         pose = self._pose(where, visual)
         for child in geometry.children:
-            sizes: Array = np.zeros(0)
-            if child.tag == "box":
-                sizes = self._numbers(where, child, "size", 3, None)
-            elif child.tag == "cylinder":
-                keys = ("radius", "length")
-                sizes = np.array([self._numbers(where, child, k, 1, None)[0] for k in keys])
-            elif child.tag == "sphere":
-                sizes = self._numbers(where, child, "radius", 1, None)
-            elif child.tag == "mesh":
-                sizes = self._numbers(where, child, "scale", 3, (1.0,) * 3)
-                if not child.attributes.get("filename"):
-                    self._found.append(f"{self._at(child)} of {where}: expected a filename")
-            else:
+            if child.tag not in SIZES:
                 continue
+            default = (1.0,) * 3 if child.tag == MESH else None
+            sizes = [
+                float(size)
+                for key, count in SIZES[child.tag].items()
+                for size in self._numbers(where, child, key, count, default)
+            ]
             file = child.attributes.get("filename", "")
-            yield Shape(pose, child.tag, tuple(sizes.tolist()), file, child.line)
+            if child.tag == MESH and not file:
+                self._of(child, f" of {where}: expected a filename")
+            yield Shape(pose, child.tag, tuple(sizes), file, child.line)
 
     def _joint(self, name: str, element: Element) -> UrdfJoint:
         where, kind = f"joint {name}", element.attributes.get("type", "")
         if kind not in tuple(Type):
-            self._found.append(
-                f'{self._at(element)}: type = "{printable(kind)}"; expected one of '
-                f"{', '.join(Type)}{nearest(kind, tuple(Type))}"
-            )
+            words = f"expected one of {', '.join(Type)}{nearest(kind, tuple(Type))}"
+            self._of(element, f': type = "{printable(kind)}"; {words}')
         ends = []
         for tag in ("parent", "child"):
             end = element.one(tag)
             ends.append(end.attributes.get("link", "") if end is not None else "")
             if not ends[-1]:
-                self._found.append(f'{self._at(element)}: expected <{tag} link="...">')
+                self._of(element, f': expected <{tag} link="...">')
         if ends[0] and ends[0] == ends[1]:
-            self._found.append(f'{self._at(element)}: expected two links, found "{ends[0]}" twice')
+            self._of(element, f': expected two links, found "{ends[0]}" twice')
         given, axis = element.one("axis"), np.array([1.0, 0.0, 0.0])
         if given is not None:
             axis = self._numbers(where, given, "xyz", 3, (1.0, 0.0, 0.0))
         length = float(np.linalg.norm(axis))
         if length == 0.0 and kind not in (Type.FIXED, Type.FLOATING):
             line = given.line if given is not None else element.line
-            self._found.append(
-                f"{self._file}:{line}: {where}, <axis xyz>: expected a vector of non-zero length"
-            )
+            self._say(line, f"{where}, <axis xyz>: expected a vector of non-zero length")
         limit, dynamics = element.one("limit"), element.one("dynamics")
         lower = upper = None
         if limit is not None and kind in (Type.REVOLUTE, Type.PRISMATIC):
             lower = self._number(where, limit, "lower", 0.0)
             upper = self._number(where, limit, "upper", 0.0)
             if lower > upper:
-                self._found.append(
-                    f"{self._file}:{limit.line}: {where}, <limit>: lower = {lower:g}; expected at "
-                    f"most upper = {upper:g}"
-                )
+                text = f"lower = {lower:g}; expected at most upper = {upper:g}"
+                self._say(limit.line, f"{where}, <limit>: {text}")
         mimic = element.one("mimic")
         values = [self._number(where, dynamics, key, 0.0) for key in Dynamics]
         if min(values) < 0.0:
-            self._found.append(f"{self._at(element)}, <dynamics>: expected values of 0 or above")
-        follows = None
-        if mimic is not None:
-            follows = Mimic(
+            self._of(element, ", <dynamics>: expected values of 0 or above")
+        follows = (
+            None
+            if mimic is None
+            else Mimic(
                 mimic.attributes.get("joint", ""),
                 self._number(where, mimic, "multiplier", 1.0),
                 self._number(where, mimic, "offset", 0.0),
             )
+        )
         return UrdfJoint(
             name=name,
             line=element.line,
