@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics.analysis.recovery import stiffened
-from ..dynamics.elements.floating_frame import centrifugal_matrix, stiffening_matrices
+from ..dynamics.elements.floating_frame import stiffening_matrices
 from ..dynamics.elements.joints.table import RIGID
 from ..dynamics.evaluation import series
 from ..dynamics.model.model import GROUND, Model
@@ -30,35 +30,44 @@ SAME = 1e-3  # difference of spins, relative, that is judged once
 
 
 @dataclass(frozen=True)
-class CarriedMass:
-    """A mass that moves with an interface of a flexible body and is not in its own M."""
+class _Inertia:
+    """Modal tables of a body, with the masses that move with its interfaces."""
 
-    body: int
-    phi: Array  # (3, m)
-    mass: float
+    M: Array  # (m, m)
+    K: Array  # (m, m)
+    T11: Array  # (3, 3, m, m)
+
+    def lost(self, w: Array) -> Array:
+        """Return what spins w (..., 3) take of the stiffness of a linear body, (..., m, m).
+
+        w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb)
+        """
+        square = (w * w).sum(axis=-1)[..., None, None] * np.einsum("aaij->ij", self.T11)
+        return np.asarray(square - np.einsum("...a,...b,abij->...ij", w, w, self.T11))
 
 
-def carried_masses(model: Model) -> list[CarriedMass]:
-    """Rigid bodies fixed at the interfaces of flexible bodies.
+def _inertias(model: Model) -> dict[int, _Inertia]:
+    """Return the tables of the flexible bodies.
 
-    Heavy point masses are such bodies (mechanism/build.py); T11 has the others.
+    Rigid bodies fixed at their interfaces move with them, heavy point masses are such bodies
+    (mechanism/build.py); the tables of the model have the others.
     """
-    found = []
+    found = {}
+    for i in np.flatnonzero(model.n_mode).tolist():
+        m, two = int(model.n_mode[i]), int(model.square_start[i])
+        M, K = (of[two : two + m * m].reshape(m, m).copy() for of in (model.M_qq, model.K_qq))
+        T11 = model.T11[9 * two : 9 * (two + m * m)].reshape(3, 3, m, m)
+        found[i] = _Inertia(M, K, 0.5 * (T11 + T11.transpose(1, 0, 3, 2)))
     for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
-        for side in (0, 1):
-            marker, other = (int(model.joint_marker[joint, s]) for s in (side, 1 - side))
-            body = int(model.marker_body[other])
-            if body != GROUND and model.n_mode[body] == 0:
-                found.append((marker, float(model.mass[body])))
-    carried = []
-    for marker, mass in found:
-        body = int(model.marker_body[marker])
-        if body != GROUND and model.n_mode[body] > 0:
-            m = int(model.n_mode[body])
-            s = int(model.marker_start[marker])
-            phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
-            carried.append(CarriedMass(body, phi, mass))
-    return carried
+        pair = model.joint_marker[joint].tolist()
+        for marker, other in (pair, pair[::-1]):
+            i, fixed = int(model.marker_body[marker]), int(model.marker_body[other])
+            if fixed != GROUND and model.n_mode[fixed] == 0 and i in found:
+                s, m = int(model.marker_start[marker]), int(model.n_mode[i])
+                phi, mass = model.marker_phi[s : s + 3 * m].reshape(3, m), float(model.mass[fixed])
+                found[i].M[:] += mass * phi.T @ phi
+                found[i].T11[:] += mass * np.einsum("aj,bi->abij", phi, phi)
+    return found
 
 
 @dataclass
@@ -81,47 +90,24 @@ class SpinMonitor:
     loads: Callable[[int, Array, Array], Array | None] | None = None
 
     def __post_init__(self) -> None:
-        self._carried = carried_masses(self.model)
         # A stiffened body does not lose its stiffness by spinning: see indicators.py.
         stiffened = np.diff(self.model.second_start) > 0
         self._flexible = [
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
         ]
-        self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
+        self._tables = _inertias(self.model)
         self._held: dict[tuple[int, float, bytes], bool] = {}
-        self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
+        # Below this spin the margin is positive about any axis: no eigenvalues needed there. About
+        # three orthogonal axes the lost stiffness adds up to twice the whole w^2 (phi.phi).
+        self._safe_spin = {
+            i: self._critical(i, np.einsum("aaij->ij", self._tables[i].T11)) for i in self._flexible
+        }
 
-    def _spin_without_doubt(self, body: int) -> float:
-        """Spin below which the margin is positive about any axis: no eigenvalues needed there."""
-        K, _ = self._matrices(body, np.zeros(3))
-        # About three orthogonal axes the lost stiffness adds up to twice the whole w^2 (phi.phi).
-        largest = 0.5 * np.einsum("aajk->jk", self._lost[body])
-        inverse = np.linalg.inv(np.linalg.cholesky(K))
-        top = float(np.linalg.eigvalsh(inverse @ largest @ inverse.T)[-1])
-        return 1.0 / np.sqrt(top) if top > 0 else np.inf
-
-    def _matrices(self, body: int, w: Array) -> tuple[Array, Array]:
-        """Return modal stiffness and the stiffness lost by spinning, (m, m) each."""
-        m = int(self.model.n_mode[body])
-        two = int(self.model.square_start[body])
-        K = self.model.K_qq[two : two + m * m].reshape(m, m)
-        lost = centrifugal_matrix(w, self.model.T11[9 * two : 9 * (two + m * m)], m)
-        for c in self._carried:
-            if c.body == body:
-                along = c.phi.T @ w
-                lost = lost + c.mass * ((w @ w) * (c.phi.T @ c.phi) - np.outer(along, along))
-        return K, lost
-
-    def _lost_by_axes(self, body: int) -> Array:
-        """Return L (3, 3, m, m): the stiffness lost at w is the sum of w_a w_b L_ab."""
-        m, axes = int(self.model.n_mode[body]), np.eye(3)
-        L = np.zeros((3, 3, m, m))
-        for a in range(3):
-            L[a, a] = self._matrices(body, axes[a])[1]
-        for a, b in ((0, 1), (0, 2), (1, 2)):
-            both = self._matrices(body, axes[a] + axes[b])[1]
-            L[a, b] = L[b, a] = 0.5 * (both - L[a, a] - L[b, b])
-        return L
+    def _critical(self, body: int, lost: Array) -> float:
+        """Spin at which the margin vanishes, if unit spin takes `lost` (m, m); inf if never."""
+        inverse = np.linalg.inv(np.linalg.cholesky(self._tables[body].K))
+        largest = float(np.linalg.eigvalsh(inverse @ lost @ inverse.T)[-1])
+        return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
 
     def spin(self, body: int, y: Array) -> Array:
         """Angular velocity (3,) of the body's frame, body components [rad/s]."""
@@ -130,21 +116,21 @@ class SpinMonitor:
 
     def matrices(self, body: int, y: Array) -> tuple[Array, Array]:
         """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
-        return self._matrices(body, self.spin(body, y))
+        found = self._tables[body]
+        return found.K, found.lost(self.spin(body, y))
 
     def margin(self, body: int, y: Array, t: float = 0.0) -> float:
         """Smallest eigenvalue of the softened modal stiffness [1/s2].
 
         Its size where the loss does not count (`holds`).
         """
-        K, lost = self._matrices(body, self.spin(body, y))
+        K, lost = self.matrices(body, y)
         found = float(np.linalg.eigvalsh(K - lost)[0])
         return found if found > 0.0 or not self._holds(body, t, y) else -found
 
     def _holds(self, body: int, t: float, y: Array) -> bool:
         """Tell whether a body that has lost its stiffness by a state's spin keeps its shape."""
-        w = self.spin(body, y)
-        K, lost = self._matrices(body, w)
+        w, (K, lost) = self.spin(body, y), self.matrices(body, y)
         if self.holds(body, w, K - lost):
             return True
         Kg = self.loads(body, np.array([t]), y[None]) if self.loads else None
@@ -167,13 +153,14 @@ class SpinMonitor:
         whole : (m, m) stiffness of all terms
         Kg : (m, m) geometric stiffness; None: not looked at
         """
-        M, *rest = self._inertia(body, w)
+        tables = self._tables[body]
         try:
-            to_unit = np.linalg.inv(np.linalg.cholesky(M))
+            to_unit = np.linalg.inv(np.linalg.cholesky(tables.M))
         except np.linalg.LinAlgError:  # modes without inertia of their own
             return False
         # In coordinates of unit mass; V: the directions without stiffness.
-        G, K, whole = (to_unit @ each @ to_unit.T for each in (*rest, whole))
+        gyroscopic = 2.0 * np.einsum("ab,abij->ji", skew(w), tables.T11)
+        G, K, whole = (to_unit @ each @ to_unit.T for each in (gyroscopic, tables.K, whole))
         values, V = np.linalg.eigh(whole)
         V = V[:, values <= 0.0]
         if not V.size:
@@ -191,24 +178,9 @@ class SpinMonitor:
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-B.T @ whole @ B, -B.T @ G @ B]])
         return float(np.linalg.eigvals(A).real.max()) <= GROWS * spin
 
-    def _inertia(self, body: int, w: Array) -> tuple[Array, Array, Array]:
-        """Return modal mass, gyroscopic matrix at a spin w (3,), and stiffness, (m, m) each."""
-        m, two = int(self.model.n_mode[body]), int(self.model.square_start[body])
-        M = self.model.M_qq[two : two + m * m].reshape(m, m).copy()
-        T11 = self.model.T11[9 * two : 9 * (two + m * m)].reshape(3, 3, m, m).copy()
-        for c in self._carried:
-            if c.body == body:
-                M += c.mass * c.phi.T @ c.phi
-                T11 += c.mass * np.einsum("aj,bi->abij", c.phi, c.phi)
-        G = 2.0 * np.einsum("ab,abij->ji", skew(w), T11)
-        return M, G, self.model.K_qq[two : two + m * m].reshape(m, m)
-
     def critical_spin(self, body: int, direction: Array) -> float:
         """Spin about `direction` (3,) at which the margin vanishes [rad/s]; inf if never."""
-        K, lost = self._matrices(body, direction / np.linalg.norm(direction))
-        inverse = np.linalg.inv(np.linalg.cholesky(K))
-        largest = float(np.linalg.eigvalsh(inverse @ lost @ inverse.T)[-1])
-        return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
+        return self._critical(body, self._tables[body].lost(direction / np.linalg.norm(direction)))
 
     def check(self, y: Array) -> list[int]:
         """Return the bodies that are invalid in state y."""
@@ -258,7 +230,12 @@ class SpinMonitor:
             if self.stop and step > min(first.values()):
                 break
             dense = steps.dense_output(step)
-            t = self._crossing(i, steps.t[step], steps.t[step + 1], dense)
+            begin, end = float(steps.t[step]), float(steps.t[step + 1])
+
+            def margin(t: float, i: int = i, dense: Dense = dense) -> float:
+                return self.margin(i, dense(t), t)
+
+            t = _crossing(margin, begin, end, 1e-9 * max(1.0, abs(end)))
             found = self._found(i, t, dense(t))
             if self.stop and (request is None or t < request.t_stop):
                 request = StopRequest(t, found.text, found.code)
@@ -282,9 +259,8 @@ class SpinMonitor:
         doubtful = np.flatnonzero(np.einsum("ka,ka->k", w, w) >= self._safe_spin[body] ** 2)
         if doubtful.size == 0:
             return None
-        K, _ = self._matrices(body, np.zeros(3))
-        w = w[doubtful]
-        lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
+        w, K = w[doubtful], self._tables[body].K
+        lost = self._tables[body].lost(w)
         for k in np.flatnonzero(np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0):
             # One look for all states of nearly the same spin; `whole`: its size by powers of two.
             whole = float(np.exp2(np.floor(np.log2(np.abs(w[k]).max()))))
@@ -296,15 +272,16 @@ class SpinMonitor:
                 return int(doubtful[k])
         return None
 
-    def _crossing(self, body: int, low: float, high: float, dense: Dense) -> float:
-        """Bisect a step for the time at which the margin passes zero."""
-        while high - low > 1e-9 * max(1.0, abs(high)):
-            middle = 0.5 * (low + high)
-            if self.margin(body, dense(middle), middle) > 0.0:
-                low = middle
-            else:
-                high = middle
-        return float(high)
+
+def _crossing(margin: Callable[[float], float], low: float, high: float, near: float) -> float:
+    """Bisect for the time at which a margin passes zero, to `near` [s]."""
+    while high - low > near:
+        middle = 0.5 * (low + high)
+        if margin(middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 STATES = 8  # groups of states whose rates and loads are kept
@@ -480,8 +457,14 @@ class BucklingMonitor:
                 k = int(np.argmax(lost))
                 ends = np.arange(int(ahead[k - 1]) + 1 if k > 0 else first, int(ahead[k]) + 1)
                 first = int(ends[np.argmax(self._without(i, steps, ends))])
-                dense = steps.dense_output(first - 1)
-                self._since[i] = self._crossing(i, steps.t[first - 1], steps.t[first], dense)
+                dense, begin = steps.dense_output(first - 1), float(steps.t[first - 1])
+
+                def margin(t: float, dense: Dense = dense) -> float:
+                    when = np.array([t])
+                    return float(self.margin(i, when, dense(when))[0])
+
+                near = 1e-6 * self.t_end
+                self._since[i] = _crossing(margin, begin, float(steps.t[first]), near)
             until = self._since[i] + self._lasts[i]
             last = min(int(np.searchsorted(steps.t, until)), len(steps))
             ends = np.arange(first, last + 1)
@@ -504,13 +487,3 @@ class BucklingMonitor:
         text = buckling_text(name, t, linear=linear)
         self.findings.append(code.finding(text, body=name, t=t))
         return self.findings[-1]
-
-    def _crossing(self, i: int, low: float, high: float, dense: Dense) -> float:
-        """Bisect a step for the time at which the margin passes zero."""
-        while high - low > 1e-6 * self.t_end:
-            middle = np.array([0.5 * (low + high)])
-            if self.margin(i, middle, dense(middle))[0] > 0.0:
-                low = float(middle[0])
-            else:
-                high = float(middle[0])
-        return float(high)

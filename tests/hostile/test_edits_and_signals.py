@@ -281,10 +281,10 @@ def test_workers_hear_no_signal_before_they_ignore_it(tmp_path):
     if not Path("/proc/self/status").is_file():
         pytest.skip("reads masks of signals from Linux")
     from plymotion.solver.system.interrupts import shielded
-    from plymotion.solver.workers.executors import _Process
+    from plymotion.solver.workers.executors import _Worker
 
     with shielded():
-        worker = _Process()
+        worker = _Worker(thread=False)
         found = worker.pool.submit(_blocked)
     try:
         assert found.result() >= {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}

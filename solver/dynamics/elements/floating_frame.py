@@ -437,17 +437,3 @@ def _inertia(
     for a in range(3):
         f[a] = mass * model.gravity_G[a] - s_r[a]
         f[3 + a] = arm[a] - spin[a] + 2.0 * (coriolis[a] - trace_P * w[a]) - work.twist[a]
-
-
-def centrifugal_matrix(w: Array, T11: Array, m: int) -> Array:
-    """Return w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), (m, m) [kg m2/s2].
-
-    The reduction of modal stiffness by the spin of a linear body. `T11` is
-    laid out as in `Model`.
-    """
-    T = T11.reshape(3, 3, m, m)
-    out = (w @ w) * (T[0, 0] + T[1, 1] + T[2, 2])
-    for a in range(3):
-        for b in range(3):
-            out = out - w[a] * w[b] * T[a, b]
-    return 0.5 * (out + out.T)
