@@ -6,10 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.elements.forces.table import FORCES
+from ..dynamics.elements.joints.contract import Angle, DrivenBy
+from ..dynamics.elements.joints.table import JOINTS
+from ..inputs.case.tables.kinds import is_along_length
+from ..inputs.case.tables.schema import Mechanism
 from ..integrators.generic import advice
+from ..math.catalogue import Number
 from ..package import ModalPackage
-from ..package.common.plausible import CODES as UNITS
 from ..package.common.plausible import (
+    ANGLE,
+    DEGREES,
     MATERIAL,
     Doubt,
     beam_doubts,
@@ -19,7 +26,9 @@ from ..package.common.plausible import (
     section_doubts,
     shell_doubts,
 )
+from ..package.common.plausible import CODES as UNITS
 from ..results.codes import (
+    ANGLE_UNITS,
     CODES,
     CONSTRAINT_DRIFT,
     ENERGY_DRIFT,
@@ -107,6 +116,35 @@ def material_findings(run: FinishedRun) -> Iterator[Finding]:
             seen.add(doubt.text)
         code = MATERIAL_UNITS if doubt.code == MATERIAL else SIZE_UNITS
         yield code.finding(f"{body}: {doubt.text}", body=body, value=doubt.value)
+
+
+def angle_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield angles in radians that are round numbers of degrees."""
+    mechanism = run.mechanism
+    for key, value in _angles(mechanism) if ANGLE not in mechanism.allow else ():
+        if abs(value) in DEGREES:
+            text = (
+                f"{key} = {value:g} rad are {abs(value) / (2 * np.pi):.3g} turns: is it in rad, "
+                "not in degrees?"
+            )
+            yield ANGLE_UNITS.finding(text, value=value)
+
+
+def _angles(mechanism: Mechanism) -> Iterator[tuple[str, float]]:
+    """Yield the angles of forces and drives in radians, by their keys."""
+    joints = {name: joint.model_dump() for name, joint in mechanism.joints.items()}
+    for name, force in mechanism.forces.items():
+        table = force.model_dump()
+        units = ("rad",) if is_along_length(table, joints) else ("rad", "m or rad")
+        for key in getattr(FORCES[force.kind], "keys", ()):
+            if isinstance(key, Number) and key.unit in units and table[key.name] is not None:
+                yield f"forces.{name}.{key.name}", float(table[key.name])
+    for name, joint in mechanism.joints.items():
+        for own in JOINTS[joint.kind].keys:
+            if isinstance(own, DrivenBy) and isinstance(own.drive.coordinate, Angle):
+                step = getattr(getattr(joint, own.name), "smooth_step", None)
+                if step is not None:
+                    yield f"joints.{name}.{own.name}.smooth_step.value", step.value
 
 
 def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:

@@ -17,6 +17,7 @@ CHECKS: tuple[Check, ...] = (
     course.growth_findings,
     inputs.start_findings,
     balances.material_findings,
+    balances.angle_findings,
     inputs.table_findings,
     course.refusal_findings,
     balances.constraint_findings,

@@ -155,8 +155,13 @@ def add_report_figures(group: Any) -> None:
         "figures",
         "also draw the figures as PNG files, for papers; later commands keep them up to date",
     )
-    flag(group, "svg", "draw them as SVG files")
-    flag(group, "pdf", "draw them as PDF files")
+    add_vector_figures(group)
+
+
+def add_vector_figures(group: Any) -> None:
+    """Add the options that draw figures in formats of lines, not pixels."""
+    flag(group, "svg", "also draw the figures as SVG files")
+    flag(group, "pdf", "also draw the figures as PDF files")
 
 
 def add_executor(group: Any, what: str) -> None:

@@ -44,6 +44,8 @@ def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace,
             fresh=options.force,
             csv=False,
             figures=not options.no_report,
+            svg=options.svg,
+            pdf=options.pdf,
             quiet=options.quiet,
             allow_doubtful=options.allow_doubtful,
         )

@@ -12,6 +12,7 @@ from .arguments import (
     add_no_scripts,
     add_packages,
     add_report_figures,
+    add_vector_figures,
     command,
     expecting,
     flag,
@@ -267,6 +268,7 @@ def add_sweep(parser: Any) -> None:
     flag(parser, "csv", "print the table")
     text, action = "draw a figure for each signal (default: yes)", argparse.BooleanOptionalAction
     parser.add_argument("--figures", action=action, default=True, help=text)
+    add_vector_figures(parser)
     flag(parser, "quiet", "no progress bar")
 
 

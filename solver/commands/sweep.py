@@ -6,7 +6,7 @@ import sys
 import time
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import InputError, few
 from ..package.common.files import refuse_foreign, refuse_link, write_text
 from ..package.common.plain_data import share
 from ..studies.exit_codes import INCOMPLETE
@@ -120,8 +120,10 @@ def _told(
     """
     if table:
         text = sweep_csv(result)
-        if options.figures:
-            draw_sweep(file.parent, result)
+        wanted = {"png": options.figures, "svg": options.svg, "pdf": options.pdf}
+        drawn = draw_sweep(file.parent, result, [form for form, asked in wanted.items() if asked])
+        if drawn:
+            lines.append(f"  figures: {few(path.name for path in drawn)}")
         write_text(file.parent / CSV, text)
     if table and options.csv:
         print(text, end="")

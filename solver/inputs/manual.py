@@ -167,7 +167,8 @@ SECTIONS = """\
 ## `[sections.NAME]` with `shape`: a section of one material
 
 The body names the material. The keys are those of `[mesh]` in a section description, see \
-[section-description.md](section-description.md); these are required:
+[section-description.md](section-description.md); these are required, and the \
+height of rectangles:
 """
 
 _TABLE = re.compile("`[^`]*`")

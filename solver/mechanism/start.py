@@ -230,14 +230,15 @@ def moved_findings(
     for share, i, distance, angle in _moved(model, given, y, body_names):
         name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
         keys = "" if getattr(bodies.get(name), "part_of", None) else _keys(place)
-        found.append((share, f"{name} by {distance:.3g} m and {np.degrees(angle):.3g} deg{keys}"))
+        by = f"{round(distance, 12):.3g} m and {np.degrees(angle):.3g} deg"
+        found.append((share, f"{name} by {by}{keys}"))
     if not found:
         return []
     listed = few((words for _, words in sorted(found, reverse=True)), "; ")
     text = (
         f"to close the joints at the start, bodies were moved from their given places: {listed}. "
-        "If this is the start that is meant, give these values; if not, check lengths, ground "
-        "points, axes and positions"
+        "If this is the start that is meant, give these values [m, deg]; if not, check lengths, "
+        "ground points, axes and positions"
     )
     return [START_MOVED.finding(text, t=0.0, value=max(found)[0])]
 

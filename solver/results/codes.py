@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import isnan, nan
 from typing import Any, Literal
 
-from ..package.common.plausible import MATERIAL, SIZE
+from ..package.common.plausible import ANGLE, MATERIAL, SIZE
 
 # error: the results cannot be used, or end early; warning: they may be wrong; note: worth knowing.
 Level = Literal["error", "warning", "note"]
@@ -78,6 +78,7 @@ LOADED_START = _run("loads-begin-suddenly", limit=0.05)
 # solver/package/common/plausible.py has the limits with their sources.
 MATERIAL_UNITS = _run(MATERIAL)
 SIZE_UNITS = _run(SIZE)
+ANGLE_UNITS = _run(ANGLE)
 TABLE_OVERSHOOTS = _run("table-overshoots", "note", 0.05)
 LOCKED = _run("mechanism-locked")
 CONSTRAINT_DRIFT = _run("constraint-drift", limit=1e-6)

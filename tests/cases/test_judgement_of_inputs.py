@@ -102,6 +102,42 @@ def test_sizes_and_masses_in_other_units(tmp_path):
     assert "kg mm2" in message
 
 
+TURNS = """
+[ground.o]
+position = [0.0, 0.0, 0.0]
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "wheel.centre"]
+[forces.stop]
+kind = "limit_stop"
+joint = "hinge"
+upper = 90.0
+stiffness = 1e3
+[joints.slide]
+kind = "prismatic"
+between = ["ground.o", "sled.centre"]
+[forces.end]
+kind = "limit_stop"
+joint = "slide"
+upper = 90.0
+stiffness = 1e3
+"""
+
+
+@pytest.mark.provokes("angle-units")
+def test_limits_in_degrees(tmp_path):
+    bodies = (rigid(name, 1.0, 1.0, {"centre": (0, 0, 0)}) for name in ("wheel", "sled"))
+    text = "".join(bodies) + TURNS
+    (said,) = (
+        w["message"]
+        for w in judged(tmp_path, text, t_end=0.01).summary["warnings"]
+        if w["code"] == "angle-units"
+    )
+    assert said.startswith("forces.stop.upper = 90 rad are 14.3 turns"), "angle-units"
+    meant = judged(tmp_path, 'allow = ["angle-units"]\n' + text, t_end=0.01)
+    assert "angle-units" not in meant.codes
+
+
 def test_what_is_meant_is_accepted(tmp_path):
     spec = {"materials": {"gel": ALUMINIUM | {"E": 100.0, "rho": 1000.0}}}
     package = cantilever()

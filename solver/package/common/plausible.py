@@ -12,7 +12,7 @@ import numpy as np
 
 from ...math.arrays import Array
 
-MATERIAL, SIZE = "material-units", "size-units"
+MATERIAL, SIZE, ANGLE = "material-units", "size-units", "angle-units"
 CODES = (MATERIAL, SIZE)
 
 # Speed of waves along the stiffest axis, sqrt(E / rho) [m/s]: silicone rubber 20 to 40, soft foam
@@ -37,6 +37,8 @@ FIBRES = 2.0  # E1 over E2 and E3 of a ply with fibres
 LARGEST_SECTION, HEAVIEST_SECTION = 50.0, 5e4
 SMALLEST_SECTION = 1e-7  # beams of microsystems have 1e-6
 HEAVIEST_BODY = 1e8  # [kg]: the ship Titanic 5e7. With mm for m, 0.1 kg become 1e8 kg.
+# Numbers that are more likely degrees than radians, of which they are 5 to 57 turns.
+DEGREES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0, 180.0, 270.0, 360.0)
 # Mass over the cube of twice the radius of gyration [kg/m3]: a boom of 20 m and 1 kg has 6e-4, a
 # solar sail of 100 kg and 80 m 2e-4. With kg mm2 for kg m2, a steel ball has 1e-5 and others less.
 THINNEST_BODY = 1e-4

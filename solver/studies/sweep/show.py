@@ -72,14 +72,17 @@ SHOWN = (("final", "final value"), ("min", "smallest"), ("max", "largest"))
 FAMILY = 6  # values of one of two parameters up to which curves are drawn in place of a map
 
 
-def draw_sweep(folder: Path, result: SweepResult) -> list[Path]:
-    """Draw DIR/<signal>.png for every signal. Raises InputError without matplotlib."""
-    files = []
+def draw_sweep(folder: Path, result: SweepResult, formats: Sequence[str]) -> list[Path]:
+    """Draw DIR/<signal>.png, .svg, .pdf of every signal. Raises InputError without matplotlib."""
+    if not formats:
+        return []
     with house_style():
-        for name in result.signal_units:
-            if np.isfinite(result.signal(name, "min")).any():
-                files.append(draw_signal(folder / f"{name}.png", result, name))
-    return files
+        return [
+            draw_signal(folder / f"{name}.{form}", result, name)
+            for name in result.signal_units
+            if np.isfinite(result.signal(name, "min")).any()
+            for form in formats
+        ]
 
 
 def draw_signal(path: Path, result: SweepResult, name: str) -> Path:

@@ -14,7 +14,7 @@ from ....math.laws import lengths_along
 from ....package.specification import MassForm, Theory
 from ...common.table import FilePath, Name, Pair, Table, Vector, entry, optional, usable_path
 from ...common.text_file import numbered_lines
-from .bodies import Flexible, Modes
+from .bodies import DEFAULT_PLACE, Flexible, Modes
 from .laws import FOLDER, RESOLVED
 
 FINE = 2000  # steps of a spline through points, at least
@@ -335,6 +335,19 @@ class BeamBody(Flexible):
     interfaces: dict[Name, BeamInterface] = entry(
         "named places; some carry the reference condition", min_length=1
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _frame_at_start(cls, data: Any) -> Any:
+        """Clamp the frame to the only interface at the start if none is named root."""
+        places = data.get("interfaces") if isinstance(data, dict) else None
+        given = data.get("reference", {}) if isinstance(data, dict) else None
+        if not isinstance(places, dict) or not isinstance(given, dict) or DEFAULT_PLACE in places:
+            return data
+        starts = [n for n, p in places.items() if isinstance(p, dict) and p.get("at") == "start"]
+        if "at" in given or given.get("kind", "clamped") != "clamped" or len(starts) != 1:
+            return data
+        return {**data, "reference": {**given, "at": starts[0]}}
 
     @model_validator(mode="before")
     @classmethod

@@ -35,8 +35,8 @@ class Reference(Table):
         default="clamped",
     )
     at: Name | list[Name] | None = optional(
-        'interface that carries a clamped frame, absent: "root"; two for a chord, origin and '
-        "twist at the first; none for a mean axis"
+        'interface that carries a clamped frame, absent: "root", or the only one at the start of a '
+        "beam; two for a chord, origin and twist at the first; none for a mean axis"
     )
 
     @model_validator(mode="before")

@@ -174,7 +174,7 @@ def is_along_length(force: Any, joints: Mapping[str, Any]) -> bool:
     kind = force.get("kind") if isinstance(force, dict) else None
     if not isinstance(kind, str) or not isinstance(FORCES.get(kind), CoordinateForce):
         return False
-    if "between" in force:
+    if force.get("between") is not None:
         return True
     joint = joints.get(str(force.get("joint")))
     with suppress(ValueError):  # which is said of the joint
@@ -182,7 +182,7 @@ def is_along_length(force: Any, joints: Mapping[str, Any]) -> bool:
     known = JOINTS.get(str(joint.get("kind"))) if isinstance(joint, dict) else None
     free = known.coordinates if known else ()
     return any(
-        not isinstance(each, Angle) and force.get("coordinate", each.name) == each.name
+        not isinstance(each, Angle) and (force.get("coordinate") or each.name) == each.name
         for each in free
     )
 

@@ -211,7 +211,7 @@ class PointMass(Table):
 class Mechanism(Table):
     """Keys of one run; a variant may change any of them."""
 
-    allow: list[Literal["material-units", "size-units", "inertia"]] = entry(
+    allow: list[Literal["material-units", "size-units", "angle-units", "inertia"]] = entry(
         "warnings that are not shown, because the unusual numbers are meant; inertia: rigid bodies "
         "with principal moments that no solid has, as in files of robots",
         default=[],

@@ -163,7 +163,7 @@ def arc(span: float, step: float, first: float) -> dict[str, list[float]]:
 
 RECTANGLE = (
     size("width", "along x2", required=True),
-    size("height", "along x3", required=True),
+    size("height", "along x3; default: that of the plies"),
 )
 COUNTS = (
     Parameter(
@@ -202,6 +202,8 @@ def spaced(values: Values, n: int, key: str) -> list[float]:
 def counts(values: Values) -> tuple[int, int]:
     """Numbers of elements that keep the stiffness of an off-axis ply within about 1e-4."""
     short = 10
+    if values["height"] is None:
+        raise InputError("height: missing; expected a value, or plies with thicknesses [m]")
     width, height = values["width"], values["height"]
     long = 2 * math.ceil(short * min(slenderness(values), SLENDER) ** 0.5 / 2)
     defaults = (long, short) if width >= height else (short, long)
