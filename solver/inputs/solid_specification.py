@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, collected, refuse, unknown
+from ..errors import InputError, collected, did_you_mean, refuse, unknown
 from ..math.arrays import IntArray
 from ..package.common.files import temporary_sibling
 from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
@@ -196,7 +196,8 @@ def _material(file: Path, text: str | None) -> dict[str, Any]:
     except ValueError:
         values = ()
     if len(values) != 3:
-        raise InputError(f"{file}: --material {text}: {expected}")
+        hint = did_you_mean(text, (*METALS, *isotropic))
+        raise InputError(f"{file}: --material {text}: {expected}{hint}")
     return {"kind": "isotropic", **dict(zip(("E", "nu", "rho"), values, strict=True))}
 
 

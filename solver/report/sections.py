@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..errors import counted
 from ..results.summary import invalid_words, verdict
 from .story import Story
-from .table import number
+from .table import measure, number
 
 # Elements of report.html: sections, tables that can be sorted, names of runs.
 
@@ -279,10 +279,10 @@ def signals_section(stories: list[Story]) -> str:
                     f"{escape(words)}<br><code>{escape(name)}</code>" if words else escape(name),
                     name_of(story),
                     escape(found.get("unit", "-")),
-                    figures(found.get("final"), 5),
-                    figures(found.get("min"), 4),
+                    figures(measure(found, "final"), 5),
+                    figures(measure(found, "min"), 4),
                     _jump(story, name, found, "min"),
-                    figures(found.get("max"), 4),
+                    figures(measure(found, "max"), 4),
                     _jump(story, name, found, "max"),
                     figures(found.get("rms"), 4),
                 ]

@@ -34,7 +34,17 @@ def summary_table(summaries: list[dict[str, Any]]) -> str:
 
 def _values(signal: dict[str, Any]) -> list[str]:
     """Return final, smallest and largest value as text."""
-    return [number(signal.get(key), digits) for key, digits in VALUES.items()]
+    return [number(measure(signal, key), digits) for key, digits in VALUES.items()]
+
+
+ROUNDING = 1e-12  # of the largest value of a signal
+
+
+def measure(signal: Mapping[str, Any], key: str) -> float | None:
+    """Return a value of a signal's summary; one that is rounding beside its extremes is 0."""
+    value: float | None = signal.get(key)
+    largest = max(abs(signal.get(end) or 0.0) for end in ("min", "max"))
+    return 0.0 if value is not None and abs(value) < ROUNDING * largest else value
 
 
 def _side_by_side(names: Sequence[str], signals: Sequence[Signal]) -> list[str]:

@@ -58,3 +58,17 @@ def test_the_section_of_the_tutorial(
         expected = [float(x) for x in NUMBER.findall(line)]
         # Digits depend on the version of gmsh.
         assert [float(x) for x in NUMBER.findall(mine)] == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_closed_loop(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
+) -> None:
+    """It closes where the page puts its bodies, and has the values of the page."""
+    (text,) = BLOCK.findall((repository / "docs/mechanisms.md").read_text("utf-8"))
+    monkeypatch.chdir(tmp_path)
+    Path("four-bar.toml").write_text(text)
+    assert main(["four-bar.toml", "--quiet", "--no-report"]) == 0
+    result = pm.Result.from_folder("build/four-bar/base")
+    assert not result.warnings
+    assert abs(result.signals["bending"]).max == pytest.approx(6.3e-6, rel=0.01)
+    assert abs(result.signals["torque"]).max == pytest.approx(0.12, rel=0.01)

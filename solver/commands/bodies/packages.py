@@ -97,6 +97,9 @@ def import_urdf(options: argparse.Namespace) -> int:
         if made.tables.get(group)
     ]
     print(f"{out / 'case.toml'}: {', '.join(counts)}")
+    if options.joints == "hold":
+        print("Drives hold the joints at 0. Give them a motion, such as this one [rad]:")
+        print("drive = { smooth_step = { value = 1.0, duration = 1.0 } }")
     return 0
 
 
