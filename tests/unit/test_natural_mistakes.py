@@ -63,6 +63,68 @@ MISTAKES = [
     ),
 ]
 
+STUDY = """
+[design.parameters.a]
+of = ["bodies.arm.ply_angle_deg"]
+kind = "angle"
+bounds = [-90, 90]
+[design.studies.s]
+run = "base"
+minimise = { signal = "tip_bending", of = "rms" }
+"""
+ROTOR = """
+[rotor]
+hub = "hub.centre"
+axis = [1, 0, 0]
+blades = ["arm"]
+wind = { speed = { constant = 10 } }
+"""
+FLOOR = """
+[forces.floor]
+kind = "contact"
+between = ["ground.base", "arm.tip"]
+stiffness = 1e5
+"""
+PID = """
+[forces.motor]
+kind = "controller"
+joint = "shoulder"
+proportional = 10
+setpoint = "1.0"
+"""
+# In new tables: the table, what is wrong in it, and the message.
+NEW = [
+    (STUDY, "minimise", "objective", "did you mean 'minimise'?"),
+    (STUDY, "minimise", "minimize", "did you mean 'minimise'?"),
+    (
+        STUDY,
+        "bounds = [-90, 90]",
+        "max = 90",
+        "parameters.a.max: unknown key; did you mean 'bounds'",
+    ),
+    (STUDY, '"rms"', '"mean"', "did you mean 'rms'?"),
+    (STUDY, "[-90, 90]", "[90, -90]", "a.bounds = [90.0, -90.0]: expected the lower bound first"),
+    (STUDY, "run =", "constraints = []\nrun =", "did you mean 'subject_to'?"),
+    (STUDY, "run =", "algorithm = 1\nrun =", "did you mean 'driver'?"),
+    (STUDY, "run =", "subject_to = { max = 1 }\nrun =", "expected a list, such as [{ ... }]"),
+    (STUDY, "run =", "subject_to = [{ mass = true }]\nrun =", "in quotes: name of a body"),
+    (STUDY, '["bodies.arm.ply_angle_deg"]', '"bodies.arm.x"', 'expected a list: ["bodies.arm.x"]'),
+    (STUDY, "arm.ply_angle_deg", "arm.angle", "did you mean 'ply_angle_deg'?"),
+    (ROTOR, "axis", 'table = "a.csv"\naxis', "rotor.table: "),
+    (ROTOR, "{ constant = 10 }", "10", "expected a table, such as { constant = ... }"),
+    (FLOOR, "between", "mu = 0.3\nbetween", "did you mean 'coefficient'?"),
+    (FLOOR, "between", "friction = 0.3\nbetween", "did you mean 'coefficient'?"),
+    (FLOOR, "between", "damping = 3\nbetween", "did you mean 'restitution'?"),
+    (FLOOR, "between", "normal = [0, 0, 1]\nbetween", "did you mean 'axis'?"),
+    (FLOOR, '"contact"', '"plane"', "did you mean 'contact'?"),
+    (PID, "proportional", "kp", "did you mean 'proportional'?"),
+    (PID, "setpoint", "target", "did you mean 'setpoint'?"),
+]
+MISTAKES += [
+    ("arm", "[runs.base]", f"{table.replace(old, new, 1)}[runs.base]", message)
+    for table, old, new, message in NEW
+]
+
 
 @pytest.mark.parametrize(("starter", "old", "new", "message"), MISTAKES)
 def test_the_message_leads_to_what_is_meant(

@@ -15,7 +15,7 @@ from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
 from ...math.expressions.program import Node, value_at
-from ..common.table import Table, bare_lines, lines
+from ..common.table import Table, bare_lines, lines, meant
 from ..common.table import unit as unit_of
 from ..common.units import LENGTHS, in_metres
 from .bodies.descriptions import described
@@ -211,7 +211,7 @@ def _unit(model: BaseModel, key: str, shown: str, units: str) -> str:
                 f"keys{nearest(part, known)}"
             )
         if part not in known:
-            raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{nearest(part, known)}")
+            raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{meant(part, known)}")
         if isinstance(here, BaseModel):
             unit = unit_of(type(here).model_fields[part])
             apart = (*here.more_lengths, *here.lengths_or_angles) if isinstance(here, Table) else ()

@@ -178,7 +178,8 @@ def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
         for name in names:
             *others, own = _kinds_with([name], model, table)
             hint = meant(name, _keys(kind))
-            meant_here = "." in hint or any(name in known for known in _keys(kind))
+            common = name in MEANT and hint.startswith("; did")
+            meant_here = common or "." in hint or any(name in known for known in _keys(kind))
             if others and not meant_here:
                 has = "has" if len(others) == 1 else "have"
                 hint = f" of {own}; {few(others)} {has} it"
@@ -189,38 +190,51 @@ def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
 # Common words, and what they are in a file; with a dot the key of another table. Words that a table
 # does not know are not proposed for it.
 WORDS = """
+algorithm method optimizer optimiser: driver integrator
 angle: angle_deg ply_angle_deg rotation_deg start_deg
 angles: angles_deg
+average mean: rms
 ball: spherical
 bending: bending-xy
 bernoulli euler_bernoulli: classical
 b: width
+bodies places: between
 circle: ellipse
+constraints constraint limits: subject_to
+contact normal_force: force
+damping: restitution
 density: rho
 displacement: deflection
 dt: output_step
 duration time: t_end
 force: expression
+friction mu: coefficient
 h: height
 hinge pin: revolute
 k: stiffness
 c: damping
-d: derivative
-i: integral
-p: proportional
-lay_up: layup
+d kd: derivative
+i ki: integral
+p kp: proportional
+layup lay_up laminate plies: layup sections.description
 loads: forces
+maximize: maximise
+minimize objective: minimise
 moi: inertia
 newmark: generalized-alpha
 pid: controller
 pipe: tube
+plane ground floor: contact
 poisson: nu
 second_order: solver.geometric_stiffening
 slider: prismatic
 static: equilibrium
+target reference: setpoint
 stress: ply_stress
 tolerance: rtol
 torque: moment
+max min: bounds
+normal: axis
 torsional_spring: rotary_spring
 value: law
 weld: fixed
@@ -287,11 +301,15 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
     if not path:  # a contradiction of the whole file, whose text names the keys
         return "", text
     value = item.get("input")
-    inner = re.match(r"([\w.-]+): ", text)
+    inner = re.match(r"([\w.-]+( = [^:]*)?): ", text)
     if isinstance(value, dict) and inner is not None:  # about a key of the table
         return f"{key}.{inner[1]}", text[inner.end() :]
     if item["type"] == "list_type":
         text = f"expected a list{_of_numbers(field)}"
+        text += f': ["{value}"]' if isinstance(value, str) else ""
+        text += ", such as [{ ... }]" if isinstance(value, dict) else ""
+    elif item["type"] == "string_type" and field is not None and field.description:
+        text = f"expected a text in quotes: {field.description.partition(';')[0]}"
     elif item["type"] in ("model_type", "model_attributes_type", "dict_type"):
         text = f"expected a table{_with_keys(kind)}"
     elif item["type"] in ("float_type", "int_type") and isinstance(value, str):

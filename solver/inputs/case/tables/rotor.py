@@ -118,12 +118,12 @@ class Rotor(Table):
         found = dict(data) if isinstance(data, dict) else data
         if (file := _file_of(data, info, "table")) is not None:
             _check_alone(data, "table", ("sections",))
-            rows = _rows(file, SECTION, ("place", "polar"))
+            rows = _of("table", file, SECTION, ("place", "polar"))
             found["sections"] = [row for _, row in rows]
         if (file := _file_of(data, info, "polar_table")) is not None:
             _check_alone(data, "polar_table", ("polars",))
             polars: dict[str, dict[str, list[float]]] = {}
-            for _, row in _rows(file, POLAR, ("polar",)):
+            for _, row in _of("polar_table", file, POLAR, ("polar",)):
                 polar = polars.setdefault(row["polar"], {key: [] for key in POLAR})
                 for key in POLAR:
                     polar[key].append(row[key])
@@ -143,6 +143,16 @@ def _file_of(data: Any, info: ValidationInfo, key: str) -> Path | None:
     if context.get(RESOLVED) or not isinstance(data, dict) or not isinstance(data.get(key), str):
         return None
     return Path(context.get(FOLDER, ".")) / usable_path(data[key])
+
+
+def _of(
+    key: str, file: Path, numbers: tuple[str, ...], words: tuple[str, ...]
+) -> list[tuple[int, dict[str, Any]]]:
+    """Return the rows of the file at a key, which errors name."""
+    try:
+        return _rows(file, numbers, words)
+    except ValueError as error:
+        raise ValueError(f"{key}: {error}") from error
 
 
 def _check_alone(data: dict[str, Any], key: str, others: tuple[str, ...]) -> None:
