@@ -203,7 +203,7 @@ circle: ellipse
 constraints constraint limits: subject_to
 contact normal_force: force
 damping: restitution
-density: rho
+density rho: rho air_density
 displacement: deflection
 dt: output_step
 duration time: t_end
