@@ -2,15 +2,13 @@
 
 from collections.abc import Iterator
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.elements.joints.contract import Angle, DrivenBy
 from ..dynamics.elements.joints.table import JOINTS
-from ..inputs.case.tables.kinds import is_along_length
-from ..inputs.case.tables.schema import Mechanism
 from ..integrators.generic import advice
 from ..math.catalogue import Number
 from ..package import ModalPackage
@@ -43,6 +41,9 @@ from ..results.codes import (
 from ..strength.found import BodyStrength, failure_text
 from ..strength.shell_bodies import body_search
 from .finished import FinishedRun
+
+if TYPE_CHECKING:
+    from ..inputs.case.tables.schema import Mechanism
 
 
 def constraint_findings(run: FinishedRun) -> Iterator[Finding]:
@@ -130,15 +131,19 @@ def angle_findings(run: FinishedRun) -> Iterator[Finding]:
             yield ANGLE_UNITS.finding(text, value=value)
 
 
-def _angles(mechanism: Mechanism) -> Iterator[tuple[str, float]]:
+def _angles(mechanism: "Mechanism") -> Iterator[tuple[str, float]]:
     """Yield the angles of forces and drives in radians, by their keys."""
-    joints = {name: joint.model_dump() for name, joint in mechanism.joints.items()}
     for name, force in mechanism.forces.items():
-        table = force.model_dump()
-        units = ("rad",) if is_along_length(table, joints) else ("rad", "m or rad")
+        units = ["rad"]
+        if (joint := mechanism.joints.get(str(getattr(force, "joint", "")))) is not None:
+            known = JOINTS[joint.kind].coordinates
+            wanted = getattr(force, "coordinate", None) or known[0].name
+            if any(isinstance(c, Angle) and c.name == wanted for c in known):
+                units.append("m or rad")
         for key in getattr(FORCES[force.kind], "keys", ()):
-            if isinstance(key, Number) and key.unit in units and table[key.name] is not None:
-                yield f"forces.{name}.{key.name}", float(table[key.name])
+            if isinstance(key, Number) and key.unit in units:
+                value = getattr(force, key.name)
+                yield from () if value is None else [(f"forces.{name}.{key.name}", float(value))]
     for name, joint in mechanism.joints.items():
         for own in JOINTS[joint.kind].keys:
             if isinstance(own, DrivenBy) and isinstance(own.drive.coordinate, Angle):

@@ -31,6 +31,26 @@ def test_published_values_of_the_source():
     assert pytest.approx(10.3e6 * 6894.757, rel=1e-3) == read("al-7075-t6").E
 
 
+# MIL-HDBK-5J (31 January 2003, approved for public release): E [1e6 psi], mu, omega [lb/in3]. Read
+# in three transcriptions of its tables, which agree.
+HANDBOOK = [
+    ("al-2024-t3", "3.2.3.0(b1)", 10.5, 0.33, 0.100),
+    ("al-6061-t6", "3.6.2.0(b1)", 9.9, 0.33, 0.098),
+    ("al-7075-t6", "3.7.6.0(b1)", 10.3, 0.33, 0.101),
+    ("steel-4130", "2.3.1", 29.0, 0.32, 0.283),
+    ("ti-6al-4v", "5.4.1.0(b)", 16.0, 0.31, 0.160),
+]
+
+
+@pytest.mark.parametrize(("name", "table", "E", "nu", "rho"), HANDBOOK)
+def test_metals_of_the_handbook(name, table, E, nu, rho):
+    metal = read(name)
+    assert table in LIBRARY[name].source
+    assert pytest.approx(E * 6.894757e9, rel=1e-3) == metal.E
+    assert metal.nu == nu
+    assert metal.rho == pytest.approx(rho * 27679.9, abs=0.5)
+
+
 @pytest.mark.parametrize("name", LIBRARY)
 def test_every_material_is_possible(name):
     material = read({"library": name, "rho": 1600.0})

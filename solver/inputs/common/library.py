@@ -9,7 +9,7 @@ WWFE = (
     "Soden, Hinton, Kaddour: Compos. Sci. Technol. 58 (1998) 1011 (World-Wide Failure Exercise); "
     "transversely isotropic; no density"
 )
-HANDBOOK = "MIL-HDBK-5J (2003), moduli in tension at room temperature; no strength"
+HANDBOOK = "MIL-HDBK-5J (2003), {}: modulus in tension at room temperature; no strength"
 GPA, MSI, LB_IN3 = 1e9, 6.894757e9, 27679.9  # [Pa], [Pa], [kg/m3]
 
 
@@ -38,9 +38,10 @@ def _ply(meaning: str, elastic: tuple[float, ...], strengths: tuple[float, ...])
     return Published(meaning, WWFE, table)
 
 
-def _metal(meaning: str, E_msi: float, nu: float, rho_lb_in3: float) -> Published:
-    E, rho = round(E_msi * MSI, -8), round(rho_lb_in3 * LB_IN3, -1)
-    return Published(meaning, HANDBOOK, {"kind": "isotropic", "E": E, "nu": nu, "rho": rho})
+def _metal(meaning: str, table: str, E_msi: float, nu: float, rho_lb_in3: float) -> Published:
+    E, rho = round(E_msi * MSI, -8), round(rho_lb_in3 * LB_IN3, 0)
+    source = HANDBOOK.format(table)
+    return Published(meaning, source, {"kind": "isotropic", "E": E, "nu": nu, "rho": rho})
 
 
 LIBRARY = {
@@ -56,11 +57,11 @@ LIBRARY = {
     "e-glass-my750": _ply(
         "glass/epoxy", (45.6, 16.2, 5.83, 0.278, 0.4), (1280.0, 800.0, 40.0, 145.0, 73.0)
     ),
-    "al-2024-t3": _metal("aluminium alloy, sheet", 10.5, 0.33, 0.100),
-    "al-6061-t6": _metal("aluminium alloy", 9.9, 0.33, 0.098),
-    "al-7075-t6": _metal("aluminium alloy, sheet", 10.3, 0.33, 0.101),
-    "steel-4130": _metal("low-alloy steel", 29.0, 0.32, 0.283),
-    "ti-6al-4v": _metal("titanium alloy", 16.0, 0.31, 0.160),
+    "al-2024-t3": _metal("aluminium alloy, sheet", "Table 3.2.3.0(b1)", 10.5, 0.33, 0.100),
+    "al-6061-t6": _metal("aluminium alloy, sheet", "Table 3.6.2.0(b1)", 9.9, 0.33, 0.098),
+    "al-7075-t6": _metal("aluminium alloy, sheet", "Table 3.7.6.0(b1)", 10.3, 0.33, 0.101),
+    "steel-4130": _metal("low-alloy steel", "section 2.3.1", 29.0, 0.32, 0.283),
+    "ti-6al-4v": _metal("titanium alloy, sheet", "Table 5.4.1.0(b)", 16.0, 0.31, 0.160),
 }
 
 
