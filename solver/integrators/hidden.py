@@ -22,15 +22,23 @@ from ..dynamics.model.model import SLIP, SPIN, Model
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
-from ..math.expressions.program import Programs
+from ..math.expressions.program import NO_SEED, Programs, evaluated
 from ..math.expressions.ranges import bound_parts
+from ..math.laws import Hermite
 from .breakpoints import JUMPING, JUMPS, SPLIT, VARIES, programs_read
-from .generic.base import Over
+from .generic.base import Derivative
+from .generic.norm import ErrorNorm
 
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
 MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fast everywhere
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
-HALVES = 48  # of a step, in which a jump is located
+HALVES, LOOKS = 48, 4  # of a step, in which a break is located, and is looked for
+BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE}
+# Of a step: the largest error by a bend, over the step and over how far a force gets from its
+# continuation (rk5, rk8, radau). Beside a bend: part of the shorter side; rounding of a force.
+BEND, BESIDE, ROUNDING = 0.25, 0.02, 1e-12
+UNSURE = 0.03  # tolerance, above which an error by a bend is looked at closer
+CLOSER, PARTS = 2, 8  # times, and parts of an interval, in which a break is located
 # Longest steps over a jump within which it comes back; attempts to pass it that are no motion.
 AHEAD, OFTEN = 20.0, 30
 SUMS = frozenset((op.ADD, op.SUBTRACT, op.NEGATE))
@@ -47,14 +55,15 @@ class Watched(NamedTuple):
     loads: IntArray  # (l,) quantities that it reads
     cubic: IntArray  # (l,) 1: the rate of a quantity follows it among all quantities
     curved: IntArray  # (n,) 1: a part is not linear in them
-    jumping: IntArray  # (n,) 1: a part jumps
+    breaking: IntArray  # (n,) 1: a part has branches
     points: Array  # (s,) parts of a step at which forces are evaluated
     span: Array  # (n, 2) least and largest value of each part so far
     quiet: Array  # (1 + l, 2) bounds of time and quantities within which no part varies much
     path: Array  # (1 + l, 4) coefficients of the powers of the part of a step
     box: Array  # (1 + l, 2) bounds over an interval
     bounds: Array  # (n, 2) of the parts
-    breaks: IntArray  # (n,)
+    breaks: IntArray  # (n,) of the parts: whether they may break, or their branches at a point
+    branches: IntArray  # (n,) at the begin of an interval
     limits: Array  # (n, 2) of each part, beyond which it was not seen
     cells: Array  # (2, MOST_CELLS, 2) parts of a step, and those that they are divided into
 
@@ -77,41 +86,112 @@ class HiddenForces:
         )
         self._watched = [each for each in found if each is not None]
 
-        self._switching = [each for each in self._watched if each.jumping.any()]
+        self._breaking = [each for each in self._watched if each.breaking.any()]
+        self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
         self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
         self.chattering: dict[int, float] = {}  # expressions, and since when [s]
 
     def __bool__(self) -> bool:
         return bool(self._watched)
 
-    def stops(self, t: Array, y: Array, over: Over) -> list[float]:
+    def stops(
+        self, t: Array, y: Array, rate: Derivative, norm: ErrorNorm, over_bends: bool
+    ) -> list[float]:
         """Return the instants [s] at which steps have to end, for the earliest cause; or none.
+
+        One for a force that was not seen; two around a jump; one, twice, at a bend.
 
         Parameters
         ----------
         t, y : (k + 1,), (k + 1, n) ends of k steps
-        over : of the ends (2,), (2, n) of a step with a jump: see `Over`
+        rate : f(t, y) -> (n,), valid up to the next call
+        norm : of errors; 1 is just acceptable
+        over_bends : steps may go over bends
         """
         found, values = np.inf, quantities(self._model, t, y)
         with np.errstate(all="ignore"):
             for each in self._watched:
                 found = first_hidden(each, t, values, found)
             stops = [found] if np.isfinite(found) else []
-            for each in list(self._switching):
-                i, at = first_switch(each, t, values, 0)
-                while i >= 0 and at < found:
-                    most, rate = over(t[i : i + 2], y[i : i + 2])
-                    most = max(most, 1e3 * np.spacing(abs(at)))
-                    if t[i + 1] - t[i] > most:
-                        if not self._chatters(each, at):
-                            found = at
-                            stops = [max(at - 0.4 * most, float(t[i])), at + 0.4 * most]
-                        break
-                    later = AHEAD * most
-                    onwards = np.stack([y[i], y[i + 1] + later * rate])
-                    self._pass(each, np.array([t[i], t[i + 1] + later]), onwards)
-                    i, at = first_switch(each, t, values, i + 1)
+            for each in list(self._breaking):
+                i, part, jump, bend = first_break(each, t, values, 0, 0.0)
+                path, begin = None, 0.0  # of the step that was looked at last
+                while i >= 0 and t[i] + part * (t[i + 1] - t[i]) < found:
+                    h = float(t[i + 1] - t[i])
+                    gain = self._gain.get(each.program, np.inf)
+                    if jump > 0.0 or (BEND * h * gain * bend > UNSURE and not over_bends):
+                        if path is None or path.t_old != t[i]:
+                            begin = float(t[i])
+                            path = _path(t[i : i + 2], y[i : i + 2], rate)
+                        more, begin = self._about(each, path, begin, rate, norm)
+                        if more and more[0] < found and (jump > 0.0 or not over_bends):
+                            found, stops = more[-1], more
+                            break
+                    i, part, jump, bend = first_break(each, t, values, i, part)
         return stops
+
+    def _about(
+        self, each: Watched, path: Hermite, begin: float, rate: Derivative, norm: ErrorNorm
+    ) -> tuple[list[float], float]:
+        """Return stops about the first break along a step from `begin` [s], and where it is.
+
+        No stops if the step is short enough: wherever a jump is, its error is at most that of the
+        jump over the whole step; that of a bend has `BEND`.
+        """
+        low, high, end = begin, path.t_old + path.h, path.t_old + path.h
+        for _ in range(CLOSER):
+            t = np.linspace(low, high, PARTS + 1)
+            i, part, jump, _ = first_break(each, t, quantities(self._model, t, path(t)), 0, 0.0)
+            if i < 0:
+                return [], end
+            low, high = float(t[i]), float(t[i + 1])
+        at = low + part * (high - low)
+        weight = norm.weight(path.y_0, path.y_1)
+        close = 1e3 * np.spacing(abs(at))
+        if jump > 0.0:
+            most = max(1.0 / max(norm((path.f_1 - path.f_0) * weight), 1e-300), close)
+            if path.h > most and not self._chatters(each, at):
+                return [max(at - 0.4 * most, path.t_old), at + 0.4 * most], at
+            later = np.array([path.t_old, end + AHEAD * most])
+            onwards = np.stack([path.y_0, path.y_1 + AHEAD * most * path.f_1])
+            self._pass(each, later, onwards)
+            return [], at
+        side = min(at - path.t_old, end - at)
+        if side < 2.0 * close:
+            return [], at
+        near = at + side * BESIDE * np.arange(-2.0, 3.0)
+        states = path(near)
+        F = self._values(each, near, states)
+        slopes = 0.5 * abs(4.0 * (F[3] + F[1]) - F[4] - F[0] - 6.0 * F[2]) / BESIDE
+        curves = 0.5 * abs(F[4] - 2.0 * F[3] + 2.0 * F[1] - F[0]) / BESIDE**2
+        turn = abs(F[3] - 2.0 * F[2] + F[1])
+        if not turn > ROUNDING * np.abs(F).max():
+            return [], at
+        rates = [rate(float(near[k]), states[k]).copy() for k in (1, 2, 3)]
+        weight = norm.weight(path.y_0, path.y_0)  # the end may be far off
+        gain = norm((rates[0] - 2.0 * rates[1] + rates[2]) * weight) / turn
+        self._gain[each.program] = gain
+        if not BEND * path.h * gain * (slopes + curves) > 1.0:
+            return [], at
+        # Surely before what turns out to be a jump when the step is shorter: rates are finite.
+        return [at - close, at - close], at
+
+    def _values(self, each: Watched, t: Array, y: Array) -> Array:
+        """Return an expression at times t (k,) and states y (k, n)."""
+        return np.array(
+            [
+                evaluated(
+                    each.programs,
+                    each.program,
+                    at,
+                    row,
+                    NO_SEED,
+                    NO_SEED,
+                    self._model.quantities.stack,
+                )[0]
+                for at, row in zip(t.tolist(), quantities(self._model, t, y), strict=True)
+            ]
+        )
 
     def _chatters(self, watched: Watched, at: float) -> bool:
         """Count an attempt to step up to a jump at time `at`; tell whether it is one too many."""
@@ -120,7 +200,7 @@ class HiddenForces:
         self._last[p] = last, count + 1
         if count == OFTEN:
             self.chattering[p] = at
-            self._switching = [each for each in self._switching if each.program != p]
+            self._breaking = [each for each in self._breaking if each.program != p]
         return count == OFTEN
 
     def _pass(self, watched: Watched, t: Array, y: Array) -> None:
@@ -132,7 +212,7 @@ class HiddenForces:
         last, count = self._last.get(watched.program, (-np.inf, 0))
         if t[0] > last:  # not taken again
             values = quantities(self._model, t, y)
-            count = 0 if first_switch(watched, t, values, 0)[0] == 0 else count
+            count = 0 if first_break(watched, t, values, 0, 0.0)[2] > 0.0 else count
             self._last[watched.program] = float(t[0]), count
 
 
@@ -157,13 +237,14 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         loads,
         cubic.astype(np.int64),
         curved.astype(np.int64),
-        np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(JUMPING)).astype(np.int64),
+        np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(BREAKING)).astype(np.int64),
         points,
         np.tile(nothing, (parts, 1)),
         np.tile(nothing, (read, 1)),
         np.zeros((read, 4)),
         np.zeros((read, 2)),
         np.zeros((parts, 2)),
+        np.zeros(parts, dtype=np.int64),
         np.zeros(parts, dtype=np.int64),
         np.zeros((parts, 2)),
         cells,
@@ -216,47 +297,83 @@ def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> fl
 
 
 @lean
-def first_switch(watched: Watched, t: Array, values: Array, first: int) -> tuple[int, float]:
-    """Return the first step, from step `first` on, over which an expression jumps; and when [s].
+def first_break(
+    watched: Watched, t: Array, values: Array, first: int, begin: float
+) -> tuple[int, float, float, float]:
+    """Return where an expression next gets onto another branch, behind part `begin` of a step.
 
-    t, values : as of `first_hidden`. Step -1: there is none.
+    Parameters
+    ----------
+    t, values : as of `first_hidden`
+    first : the step
+
+    Returns
+    -------
+    The step, -1 if there is none, and the part of it; the jump of the expression there, 0 where it
+    is continuous; its bend: how far it gets from its continuation over the shorter side of the
+    step, by differences.
     """
-    limits, bounds = watched.limits, watched.bounds
+    last = watched.bounds.shape[0] - 1  # the whole expression
     for i in range(first, t.shape[0] - 1):
         _set_path(watched, t, values, i)
-        _set_box(watched, 0.0, 0.0)
+        if i > first:
+            begin = 0.0
+        _set_box(watched, begin, 1.0)
         _bound(watched)
-        for k in range(bounds.shape[0]):
-            limits[k, 0] = bounds[k, 0]
-        if not _switched(watched, 1.0):
+        may = False
+        for k in range(last + 1):
+            may = may or (watched.breaking[k] > 0 and watched.breaks[k] > 0)
+        if not may:
             continue
-        last = bounds.shape[0] - 1  # the whole expression
-        size = max(abs(bounds[last, 0]), abs(limits[last, 0]))
-        size = max(size, watched.span[last, 1] - watched.span[last, 0])
-        low, high = 0.0, 1.0
-        for _ in range(HALVES):
-            middle = 0.5 * (low + high)
-            if _switched(watched, middle):
-                high = middle
-            else:
-                low = middle
-        _switched(watched, low)
-        before = bounds[last, 0]
-        _switched(watched, high)
-        if abs(bounds[last, 0] - before) > JUMPS * size:
-            return i, t[i] + high * (t[i + 1] - t[i])
-    return -1, 0.0
+        size = _value(watched, begin)
+        for k in range(last + 1):
+            watched.branches[k] = watched.breaks[k]
+        for n in range(LOOKS):
+            high = begin + (1.0 - begin) * (n + 1.0) / LOOKS
+            if not _has_left(watched, high):
+                continue
+            low = begin + (1.0 - begin) * n / LOOKS
+            for _ in range(HALVES):
+                middle = 0.5 * (low + high)
+                if _has_left(watched, middle):
+                    high = middle
+                else:
+                    low = middle
+            before, behind = _value(watched, low), _value(watched, high)
+            size = max(max(abs(size), abs(behind)), watched.span[last, 1] - watched.span[last, 0])
+            if abs(behind - before) > JUMPS * size:
+                return i, high, abs(behind - before), 0.0
+            e = BESIDE * min(high, 1.0 - high)
+            a, b = _value(watched, high - e), _value(watched, high - 2.0 * e)
+            c, d = _value(watched, high + e), _value(watched, high + 2.0 * e)
+            slopes = 0.5 * (4.0 * c - d - 6.0 * behind + 4.0 * a - b) / BESIDE
+            curves = 0.5 * (d - 2.0 * c + 2.0 * a - b) / BESIDE**2
+            return i, high, 0.0, abs(slopes) + abs(curves)
+    return -1, 0.0, 0.0, 0.0
 
 
 @lean
-def _switched(watched: Watched, at: float) -> bool:
-    """Tell whether a part that jumps is at a part of a step not what it was at its begin."""
+def _value(watched: Watched, at: float) -> float:
+    """Return the expression at a part of the step; its parts are bounded."""
     _set_box(watched, at, at)
     _bound(watched)
+    return float(watched.bounds[watched.bounds.shape[0] - 1, 0])
+
+
+@lean
+def _has_left(watched: Watched, at: float) -> bool:
+    """Tell whether a part is at a part of a step on another branch than at the begin."""
+    _value(watched, at)
     found = False
-    for k in range(watched.jumping.shape[0]):
-        found = found or (watched.jumping[k] > 0 and watched.bounds[k, 0] != watched.limits[k, 0])
+    for k in range(watched.breaking.shape[0]):
+        found = found or (watched.breaking[k] > 0 and watched.breaks[k] != watched.branches[k])
     return found
+
+
+def _path(t: Array, y: Array, rate: Derivative) -> Hermite:
+    """Return the cubic by states and rates between the ends t (2,), y (2, n) of a step."""
+    rates = [rate(float(t[k]), y[k]).copy() for k in range(2)]
+    return Hermite(float(t[0]), float(t[1] - t[0]), y[0], rates[0], y[1], rates[1])
 
 
 @inlined

@@ -170,6 +170,7 @@ class StrideMemory(Integrator):
 
 # Steps of one call, between which Ctrl-C is heard without loss.
 CHUNK = 200 if COMPILED else 5
+FEW = min(4, CHUNK)  # behind a stop at a force that was not seen
 MOST_KEPT = 500_000  # numbers of the steps of one call
 LOCATED, MOST_PASSES = 64, 12  # steps between looks for events; passes to locate one
 APART = 4.0  # lengths of a jump of a law of time: an instant so near is that of the jump
@@ -240,6 +241,7 @@ class StepLoop(StrideMemory):
         self._workspace = self._begin(rate, work.multipliers.copy())
         self._evaluated = self.counters.evaluations
         self._forget()
+        self._pace = CHUNK  # steps of the next call, if forces may hide
         self._before, self._behind = -np.inf, -np.inf  # next jump of a law of time
         self._set_instants()
         events = self._model.quantities.event_state.size
@@ -266,7 +268,7 @@ class StepLoop(StrideMemory):
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             if self._armed:
                 return self._up_to_event(most, times, rows, filled, keep=keep)
-            return self._take(most, times, rows, filled, keep=keep)
+            return self._take(min(most, self._pace), times, rows, filled, keep=keep)
 
     def _take(
         self, most: int, times: Array, rows: Array, filled: int, *, keep: bool = False
@@ -279,15 +281,22 @@ class StepLoop(StrideMemory):
             begun = self._begun if keep or self.hidden is None else self._mark()
             code, reached = self._call(most, times, rows, filled, self._ends)
             self._take_over(code)
-            unseen = [] if self.hidden is None else self._unseen(*self._ends_since(begun))
+            if self.hidden is None:
+                return reached
+            t, y = self._ends_since(begun)
+            unseen = self._unseen(t, y)
             if not unseen:
+                self._pace = min(2 * self._pace, CHUNK)
                 return reached
             self._go_back(begun)
             self._stop_also(unseen)
-            options, known = self._options, np.isin(self._kinks, self._options.kinks)
-            sharp = np.zeros(len(self._kinks), dtype=bool)
-            sharp[known] = options.sharp
-            self._options = options._replace(kinks=self._kinks, sharp=sharp)
+            # The next stop is about as many steps ahead: few are taken again for it.
+            self._pace = max(FEW, int(np.searchsorted(t, unseen[0])))
+            broken = unseen if len(unseen) > 1 else []  # forces have other rates behind it
+            sharp = np.append(self._options.kinks[self._options.sharp], broken)
+            sharp = np.isin(self._kinks, sharp)
+            self._options = self._options._replace(kinks=self._kinks, sharp=sharp)
+            self._workspace.clock[codes.KINK] = 0.0
             if keep:  # the steps are taken again from here, with the stops
                 self._begun = self._mark()
 

@@ -246,6 +246,7 @@ def integrated(
         )
         if stages:
             integrator.keeps_stages = True  # type: ignore[attr-defined]
+            integrator.over_bends = True  # the tangent divides steps there
         if integrator.unsearched:
             prepared.notes.append(_unsearched(integrator.unsearched))
         times = output_times(solver.t_end, solver.output_step)

@@ -100,14 +100,15 @@ def test_steps_are_taken_again_as_they_were(tmp_path, integrator):
 @pytest.mark.provokes("breaks-not-searched")
 def test_an_end_of_the_look_is_told(tmp_path, monkeypatch):
     """The second force is stepped over; `max_step`, as the message says, sees both."""
-    monkeypatch.setattr(Integrator, "most_hidden", 1)
-    text = carriage(by("50 * (x > 1 and x < 1.01) + 50 * (x > 3 and x < 3.01)"), speed=1.0)
+    monkeypatch.setattr(Integrator, "most_hidden", 3)  # each peak takes three or four
+    peaks = " + ".join(f"100 * exp(-((x - {at}) / 1e-3)**2)" for at in (1.37, 3.2))
+    text, gain = carriage(by(peaks), speed=1.0), 0.2 * sqrt(pi)
     _, found, summary = run(tmp_path, text, 4.0, 0.5, solver("radau"))
-    assert found["v"][-1] == pytest.approx(sqrt(2.0), abs=20 * RTOL)
+    assert found["v"][-1] == pytest.approx(sqrt(1.0 + gain), abs=20 * RTOL)
     (told,) = [w for w in summary["warnings"] if w["code"] == "breaks-not-searched"]
-    assert told["value"] == told["limit"] == 1
-    _, found, summary = run(tmp_path, text, 4.0, 0.5, solver("radau", "max_step = 0.004"))
-    assert found["v"][-1] == pytest.approx(sqrt(3.0), abs=20 * RTOL)
+    assert told["value"] == told["limit"] == 3
+    _, found, summary = run(tmp_path, text, 4.0, 0.5, solver("radau", "max_step = 0.001"))
+    assert found["v"][-1] == pytest.approx(sqrt(1.0 + 2.0 * gain), abs=20 * RTOL)
     assert not summary["warnings"]
 
 

@@ -3,9 +3,10 @@
 Motions between jumps are parabolas or harmonic, so all numbers are closed forms.
 """
 
-from math import atan2, cos, hypot, log, pi, sqrt
+from math import asin, atan2, cos, exp, hypot, log, pi, sqrt
 
 import pytest
+from samples.case_samples import rigid
 from samples.coordinate_samples import carriage, force, run
 
 RTOL = 1e-5  # the default
@@ -14,7 +15,8 @@ INTEGRATORS = ("radau", "rk8", "rk5", "gear")
 
 def solved(folder, expression, speed, t_end, integrator):
     law = force("law", "coordinate_force", joint="rail", expression=expression)
-    solver = f'integrator = "{integrator}"'
+    solver = f'integrator = "{integrator}"\n'
+    solver += 'constraints = "ggl"' if integrator == "generalized-alpha" else ""
     _, found, summary = run(folder, carriage(law, speed=speed), t_end, t_end / 8, solver)
     return found["x"][-1], found["v"][-1], summary
 
@@ -72,3 +74,50 @@ def test_a_law_that_holds_the_state_at_its_jump_is_named(tmp_path):
     (told,) = [w for w in summary["warnings"] if w["code"] == "law-chatters"]
     assert told["message"].startswith("law: from t = ")
     assert told["t"] == pytest.approx(reached, abs=later / 2)
+
+
+def kelvin_voigt(u: float, w: float, ratio: float, gap: float) -> tuple[str, float, float]:
+    """Walls at +-gap that push only, their law, restitution and time of contact.
+
+    Mass 1 on k = w^2 and d = 2 ratio w leaves where k depth + d rate = 0, not where depth = 0.
+    """
+    push = f"({w**2!r} * (abs(x) - {gap!r}) + {2 * ratio * w!r} * v * sign(x))"
+    law = f"-sign(x) * max({push}, 0) if abs(x) > {gap!r} else 0"
+    root = sqrt(1 - ratio**2)
+    angle = pi - 2 * asin(ratio)
+    return law, exp(-ratio / root * angle), angle / (w * root)
+
+
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, "generalized-alpha"])
+@pytest.mark.parametrize(("u", "w", "ratio"), [(3.0, 300.0, 0.2), (2.0, 100.0, 0.3)])
+def test_walls_that_push_only(tmp_path, u, w, ratio, integrator):
+    """Force = k depth + d rate, above 0: it bends where the depth passes 0, and where it ends."""
+    law, e, contact = kelvin_voigt(u, w, ratio, 0.3 * u)
+    n = 4
+    t_end = 0.3 + sum(contact + 0.6 / e**j for j in range(1, n)) + contact + 0.2 / e**n
+    _, v, summary = solved(tmp_path, law, u, t_end, integrator)
+    share = {"generalized-alpha": 150, "gear": 20}.get(integrator, 10)  # of low order
+    assert abs(v) == pytest.approx(e**n * u, rel=share * RTOL)
+    assert not summary["warnings"]
+    assert summary["cost"]["steps"] < (700 if share > 10 else 300)
+
+
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, "generalized-alpha"])
+@pytest.mark.parametrize(("n", "k", "e"), [(1.0, 1e6, 0.5), (1.5, 1e5, 0.8)])
+def test_a_stop_and_a_sphere_of_constant_damping(tmp_path, n, k, e, integrator):
+    """Hunt and Crossley: a mass at the speed of the law leaves with its restitution."""
+    u = 3.0
+    keys = {"stiffness": k, "exponent": n, "restitution": e, "impact_speed": u}
+    stop = force("stop", "limit_stop", joint="rail", upper=0.3 * u, **keys)
+    floor = "[ground.floor]\nposition = [0.0, 0.0, 0.0]\n" + rigid(
+        "ball", 1.0, 0.01, {"c": [0, 0, 0]}, position=[0, 0, 0.3 * u + 0.1], velocity=[1.0, 0, -u]
+    )
+    floor += force("k", "contact", between=["ground.floor", "ball.c"], radius=0.1, **keys)
+    floor += '[signals.v]\nkind = "velocity"\nat = "ball.c"\ncomponent = "z"\n'
+    solver = f'integrator = "{integrator}"\n'
+    solver += 'constraints = "ggl"' if integrator == "generalized-alpha" else ""
+    share = 15 if integrator == "generalized-alpha" else 3
+    for text in (carriage(stop, speed=u), floor):
+        _, found, summary = run(tmp_path, text, 2.0, 0.5, solver)
+        assert abs(found["v"][-1]) == pytest.approx(e * u, rel=share * RTOL)
+        assert not summary["warnings"]

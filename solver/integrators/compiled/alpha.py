@@ -20,6 +20,7 @@ from .alpha_stages import (
     MAX_ITERATIONS,
     MIN_FACTOR,
     SAFETY,
+    SMALL,
     TOLERANCE,
     AlphaWorkspace,
     Scheme,
@@ -152,7 +153,9 @@ def _solve_end(
     """
     counts, work, stage = workspace.counts, workspace.work, workspace.stage
     counts[TROUBLE] = NEWTON
-    size_last = 0.0
+    size_last, lawful = 0.0, False
+    for k in range(model.quantities.along.shape[0]):
+        lawful = lawful or model.quantities.along[k] >= 0
     for iteration in range(1, MAX_ITERATIONS + 1):
         place(model, workspace)
         for k in range(model.n_constraint):
@@ -173,7 +176,11 @@ def _solve_end(
         # the second correction may exceed the first: a prediction can be too good for its J
         if iteration > 2 and rate >= 1.0 and size > TOLERANCE:
             return
-        if size == 0.0 or (iteration > 1 and size * rate / max(1.0 - rate, 0.1) < TOLERANCE):
+        # Behind a wall the matrix of its force makes corrections small, whatever is left over: one
+        # ratio of two does not show it.
+        known = not lawful or (iteration > 2 and (rate < 0.5 or size < SMALL * TOLERANCE))
+        settled = iteration > 1 and known and size * rate / max(1.0 - rate, 0.1) < TOLERANCE
+        if size == 0.0 or settled:
             # rows that no correction closes contradict each other
             inflate(model, workspace.step, 0, workspace.real.x)
             if not largest_left(model, work, work.J, workspace.real.x) > opening:

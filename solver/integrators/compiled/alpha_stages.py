@@ -35,6 +35,7 @@ SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
 HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
 MAX_ITERATIONS = 8
 TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
+SMALL = 1e-3  # part of it: corrections that do not fall any more are rounding
 # Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
 # step.
 POWER, POWER_LAST = 3, 4

@@ -23,9 +23,7 @@ Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
 Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
-# The longest step [s] over a jump of f between states (2, n) at times (2,), and f behind it (n,).
-Over = Callable[[Array, Array], tuple[float, Array]]
-Hidden = Callable[[Array, Array, Over], list[float]]
+Hidden = Callable[[Array, Array, Derivative, ErrorNorm, bool], list[float]]
 
 MAX_REFUSALS_NOT_FINITE = 25
 ROUNDING = 1e-14  # of the end of a run: what breaks there does so after it
@@ -110,6 +108,7 @@ class Integrator(ABC):
     points: ClassVar[tuple[float, ...]] = (0.0, 1.0)  # of a step at which f is evaluated
     hidden: Hidden | None = None  # looks for instants at which f varies unseen: hidden.py
     most_hidden = 1000  # such instants of a run
+    over_bends = False  # whether steps may go over bends of forces, as a tangent along them asks
     chattering: Mapping[int, float] = MappingProxyType({})  # expressions, and since when [s]
     unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
     bounded_to = 0  # steps after which a bound by the fastest vibration is found anew
@@ -206,18 +205,15 @@ class Integrator(ABC):
 
     def _unseen(self, t: Array, y: Array) -> list[float]:
         """Return where steps with the ends t (k + 1,), y (k + 1, n) have to end, too."""
-        return [] if self.hidden is None else self.hidden(t, y, self._over_jump)
-
-    def _over_jump(self, t: Array, y: Array) -> tuple[float, Array]:
-        """See `Over`: wherever the jump is in the step, its error is within the tolerance."""
-        before = self.derivative(float(t[0]), y[0]).copy()
-        behind = self.derivative(float(t[1]), y[1]).copy()
-        size = self.norm((behind - before) * self.norm.weight(y[0], y[1]))
-        return 1.0 / max(size, 1e-300), behind
+        return (
+            []
+            if self.hidden is None
+            else self.hidden(t, y, self.derivative, self.norm, self.over_bends)
+        )
 
     def _stop_also(self, times: list[float]) -> None:
         """Let steps end at these times [s], too: one of a force that has not been seen, or two."""
-        self._kinks = np.union1d(self._kinks, times)
+        self._kinks = np.union1d(self._kinks[self._kinks >= self.t], times)
         self.most_hidden -= len(times) == 1
         if self.most_hidden == 0:
             self.hidden = None

@@ -95,17 +95,19 @@ def bound_parts(
     p : number of the expression
     box : (1 + l, 2) bounds of the time [s] and of the quantities `loads` (l,)
     stack : memory (program.py)
-    bounds, breaks : (n, 2), (n,); filled: nan for a part that reads another quantity, and 1 for
-        one that may break
+    bounds, breaks : (n, 2), (n,); filled: nan for a part that reads another quantity; 1 for one
+        that may break, or, where `box` is a point, the branch on which it is
     """
-    k, part = -1, 0
+    k, part, point = -1, 0, True
+    for j in range(box.shape[0]):
+        point = point and box[j, 0] == box[j, 1]
     for i in range(programs.start[p], programs.start[p + 1]):
         code = programs.code[i]
         if code <= op.LOAD:
             k += 1
             _push(code, programs.argument[i], box, loads, stack, k)
             continue
-        may = False
+        may, branch = False, 0
         if code == op.SELECT:
             k -= 2
             low, high = _of_choice(stack, k)
@@ -113,6 +115,7 @@ def bound_parts(
             u, v = stack[k, 0], stack[k, 1]
             low, high = _of_one(code, u, v)
             may = _breaks(code, u, v)
+            branch = _branch(code, u) if point else 0
         elif code == op.CURVE:
             curve = int(programs.argument[i])
             low, high, may = _of_curve(
@@ -123,6 +126,9 @@ def bound_parts(
                 stack[k, 0],
                 stack[k, 1],
             )
+            if point:
+                begin, end = programs.curve_start[curve], programs.curve_start[curve + 1]
+                branch = _piece(programs.curve_place, begin, end, stack[k, 0])
         else:
             k -= 1
             u, v, w, x = stack[k, 0], stack[k, 1], stack[k + 1, 0], stack[k + 1, 1]
@@ -132,8 +138,10 @@ def bound_parts(
             if code in (op.LESS, op.LESS_EQUAL, op.MINIMUM, op.MAXIMUM):
                 # not where they are the same throughout, as of two numbers
                 may = u <= x and w <= v and (u < v or w < x)
+                if point:
+                    branch = 2 if u > w else 1 if u == w else 0
         stack[k, 0], stack[k, 1] = bounds[part, 0], bounds[part, 1] = low, high
-        breaks[part] = 1 if may else 0
+        breaks[part] = 1 if may else branch
         part += 1
 
 
@@ -193,6 +201,18 @@ def _breaks(code: int, u: float, v: float) -> bool:
     if code == op.FLOOR:
         return bool(np.floor(u) < np.floor(v))
     return code == op.SMOOTH and ((u <= 0.0 and v > 0.0) or (u < 1.0 and v >= 1.0))
+
+
+@inlined
+def _branch(code: int, u: float) -> int:
+    """Return the branch on which a function of one argument is at u."""
+    if code in (op.ABS, op.SIGN):
+        return 2 if u > 0.0 else 1 if u == 0.0 else 0
+    if code == op.FLOOR and abs(u) < 1e15:
+        return int(np.floor(u))
+    if code == op.SMOOTH:
+        return 2 if u >= 1.0 else 1 if u > 0.0 else 0
+    return 0
 
 
 @lean
