@@ -122,7 +122,7 @@ def test_one_section_from_text_to_files(folder: Path, run: Run) -> None:
     assert lines[0] == "bar: A bar of one ply"
     assert max(map(len, lines)) <= 100
     assert any(line.startswith("Error estimate  ") for line in lines)
-    assert any(line.startswith("section 1 cfrp") for line in lines)
+    assert any(line.startswith("section 0 cfrp") for line in lines)
     assert any(line.startswith("least by tsai-wu: ") for line in lines)
     file = folder / "build" / "sections" / "bar" / "bar.vtkhdf"
     assert f"Files           {file.relative_to(folder)}" in lines

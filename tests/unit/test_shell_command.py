@@ -206,7 +206,7 @@ def test_command_tells_what_is_wrong(
     (tmp_path / "a.toml").write_text("format = 1\ntitle = 3\n")
     assert main(["shell", "a.toml", "none.toml", "--check"]) == 2
     seen = capsys.readouterr()
-    assert "error: a.toml: title = 3: value should be a valid string" in seen.err
+    assert "error: a.toml: title = 3: expected a text in quotes: one line" in seen.err
     assert "error: none.toml: no such shell description" in seen.err
     assert "0 of 2 descriptions are right" in seen.out
     (tmp_path / "sub").mkdir()

@@ -173,7 +173,7 @@ def load_text(
 
 
 def _ply(peak: PlyPeak) -> str:
-    return f"{peak.ply.region} {peak.ply.index + 1} {peak.ply.material}"
+    return f"{peak.ply.region} {peak.ply.index} {peak.ply.material}"
 
 
 def _margins(peaks: Sequence[PlyPeak]) -> list[str]:

@@ -174,7 +174,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
         x, y, z = centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.cell]])[0]
         lines.append(
             f"{'Least strength':16}ratio R = {reserve.ratio:.4g} by {reserve.criterion} "
-            f"({reserve.mode}), {of.laminate} ply {ply.ply + 1}, {reserve.level},"
+            f"({reserve.mode}), {of.laminate} ply {ply.ply}, {reserve.level},"
         )
         lines.append(f"{'':16}near ({x:.4g}, {y:.4g}, {z:.4g}) m")
     return lines
@@ -194,7 +194,7 @@ def _plies(laminate: str, plies: list[PlyExtreme]) -> list[str]:
     for ply in plies:
         least = min((reserve.ratio for reserve in ply.reserves), default=None)
         shown = [rounded(ply.stress_M[i] / 1e6, size / 1e6, 4) for i in SHOWN_STRESSES]
-        own = [str(ply.ply + 1), ply.material, f"{ply.angle_deg:.4g}"]
+        own = [str(ply.ply), ply.material, f"{ply.angle_deg:.4g}"]
         rows.append([*own, *shown, number(least, 4)])
     return [
         f"Plies of {laminate}: largest stress [MPa] in ply axes, lowest strength ratio R",
