@@ -15,26 +15,13 @@ from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.math.rotations import vector_to_matrix
 from ...solver.package.body.invariants import rigid_motions
+from ...solver.package.common.cells import SOLID_FACES, corners_of
 from .free_body import Cells, FreeBody
 
-# VTK type -> faces, as nodes of the cell: corners, then nodes on the sides.
-_TET = ((0, 1, 2, 4, 5, 6), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 2, 3, 6, 9, 7))
-_HEX = (
-    (0, 1, 2, 3, 8, 9, 10, 11),
-    (4, 5, 6, 7, 12, 13, 14, 15),
-    (0, 1, 5, 4, 8, 17, 12, 16),
-    (1, 2, 6, 5, 9, 18, 13, 17),
-    (2, 3, 7, 6, 10, 19, 14, 18),
-    (3, 0, 4, 7, 11, 16, 15, 19),
-)
-_WEDGE = (
-    (0, 1, 2, 6, 7, 8),
-    (3, 4, 5, 9, 10, 11),
-    (0, 1, 4, 3, 6, 13, 9, 12),
-    (1, 2, 5, 4, 7, 14, 10, 13),
-    (2, 0, 3, 5, 8, 12, 11, 14),
-)
-_TRIANGLE, _QUAD = ((0, 1, 3), (1, 2, 4), (2, 0, 5)), ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7))
+# VTK type -> faces, or edges of a flat cell: nodes at the corners, then on the sides.
+_EDGES = {22: ((0, 1, 3), (1, 2, 4), (2, 0, 5)), 23: ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7))}
+FACES = SOLID_FACES | _EDGES
+FACES |= {5: tuple(map(corners_of, _EDGES[22])), 9: tuple(map(corners_of, _EDGES[23]))}
 # Number of nodes of a face or an edge -> share of each: corners, then sides.
 SHARES = {
     2: (1 / 2, 1 / 2),
@@ -45,24 +32,6 @@ SHARES = {
 }
 EDGE = (1 / 6, 1 / 6, 4 / 6)
 SPREAD = 1e-9  # smallest inertia of the points of a group relative to the largest
-
-
-def _corners(faces: tuple[tuple[int, ...], ...]) -> tuple[tuple[int, ...], ...]:
-    return tuple(face[: (len(face) + 1) // 2] for face in faces)
-
-
-FACES: dict[int, tuple[tuple[int, ...], ...]] = {
-    10: _corners(_TET),
-    24: _TET,
-    12: _corners(_HEX),
-    25: _HEX,
-    13: _corners(_WEDGE),
-    26: _WEDGE,
-    5: _corners(_TRIANGLE),
-    22: _TRIANGLE,
-    9: _corners(_QUAD),
-    23: _QUAD,
-}
 
 
 def area_weights(nodes: Array, cells: Cells, rows: IntArray, where: str) -> Array:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
 from ..math.disk_cache import file_sha256
-from ..math.rotations import rotation_matrices
 from ..package.common.cells import TRIANGLE
 from ..package.common.container import new_file, set_text
 from ..package.common.files import temporary_sibling
@@ -21,6 +20,7 @@ from ..results import BodyGeometry, RunResult, read_result
 from ..results.file import frames, write_grid
 from ..results.schema import BodyView
 from ..results.summary import plain
+from ..results.surfaces import node_positions
 from .scene import frame_rows, one_sign, site_energy, site_exposure
 from .style import COLOURS
 
@@ -42,6 +42,14 @@ def viewed_bodies(result: RunResult, file: Path) -> list[tuple[BodyGeometry, Bod
             "run the case again"
         )
     return found
+
+
+def drawn_points(body: BodyGeometry, view: BodyView) -> tuple[Array, Array]:
+    """Rest positions (p, 3) of the points of a surface [m], and their motion per unit mode."""
+    node, offset = view.surface.node, view.surface.offset_B
+    shapes = view.shapes_B[:, node]
+    moved = shapes[..., :3] + np.cross(shapes[..., 3:], offset)
+    return body.nodes_B[node] + offset, moved
 
 
 # motion.glb: the mechanism in motion for Blender, slides and other programs (glTF 2.0, binary).
@@ -123,10 +131,8 @@ def _mesh(
     q = np.asarray(result.q[rows, first + 7 : first + 7 + m])
     low, high = (q.min(axis=0), q.max(axis=0)) if m else (np.zeros(0), np.zeros(0))
     range_ = np.where(high > low, high - low, 1.0)
-    node, offset = view.surface.node, view.surface.offset_B
-    shapes = view.shapes_B[:, node]
-    moved = shapes[:, :, :3] + np.cross(shapes[:, :, 3:], offset[None])
-    base = body.nodes_B[node] + offset + np.einsum("m,mpa->pa", low, moved)
+    rest, moved = drawn_points(body, view)
+    base = rest + np.einsum("m,mpa->pa", low, moved)
     weights = (q - low) / range_
     targets = range_[:, None, None] * moved
     return base.astype(np.float32), targets.astype(np.float32), weights.astype(np.float32)
@@ -232,8 +238,9 @@ def write_vtk(path: Path, result_file: Path) -> Path:
         set_text(file, "result_sha256", file_sha256(result_file))
         grid = file.create_group("VTKHDF")
         points, cells = _write_grid(grid, bodies, np.asarray(result.t[rows]))
+        drawn = [(view, *drawn_points(body, view)) for body, view in bodies]
         for k, row in enumerate(rows.tolist()):
-            found = _frame(bodies, np.asarray(result.q[row]))
+            found = _frame(drawn, np.asarray(result.q[row]))
             for name, values in found.items():
                 count = cells if name.startswith("CellData") else points
                 grid[name][k * count : (k + 1) * count] = values
@@ -279,23 +286,22 @@ def _room(
     set_text(dataset, "description", text)
 
 
-def _frame(bodies: list[tuple[BodyGeometry, BodyView]], state: Array) -> dict[str, Array]:
-    """Return all arrays of one time by their names; `state` is a row of the result's q."""
+def _frame(drawn: list[tuple[BodyView, Array, Array]], state: Array) -> dict[str, Array]:
+    """Return all arrays of one time by their names; `state` is a row of the result's q.
+
+    drawn : view of each body, with its `drawn_points`
+    """
     names = (
         "Points",
         *(f"PointData/{n}" for n in POINT_DATA),
         *(f"CellData/{n}" for n in CELL_DATA),
     )
     parts: list[tuple[Array, ...]] = []
-    for body, view in bodies:
-        first, surface = view.first_position, view.surface
-        frame = state[first : first + 7]
-        q = state[first + 7 : first + 7 + len(view.shapes_B)]
-        moved = np.einsum("m,mna->na", q, view.shapes_B)
-        u = moved[surface.node, :3] + np.cross(moved[surface.node, 3:], surface.offset_B)
-        local = body.nodes_B[surface.node] + surface.offset_B + u
-        turn = rotation_matrices((frame[3:] / np.linalg.norm(frame[3:]))[None])[0]
-        parts.append((frame[:3] + local @ turn.T, u, *_of_cells(view, q)))
+    for view, rest, shapes in drawn:
+        first = view.first_position
+        q = state[first + 7 : first + 7 + len(shapes)]
+        (places,) = node_positions(state[None], first, rest, shapes)
+        parts.append((places, np.einsum("m,mpa->pa", q, shapes), *_of_cells(view, q)))
     return {
         name: np.concatenate(each)
         for name, each in zip(names, zip(*parts, strict=True), strict=True)

@@ -19,7 +19,7 @@ from .design.page import design_sections, study_files
 from .fidelity import fidelity_section, ladder_file, with_ladder
 from .figures import draw_balance, draw_comparison, draw_exposure, draw_motion, draw_spectrum
 from .inline import NUMBERS as HISTORIES
-from .inline import Blob, histories, json_for_script, policy, script, style
+from .inline import Blob, document, histories, json_for_script, script
 from .scene import NUMBERS, scene
 from .sections import READING, banner, doubts, inputs_section, outcomes, section, signals_section
 from .story import Comparison, Story, comparisons, read_story
@@ -106,22 +106,15 @@ def page(
         READING,
         "</main>",
     ]
-    head = (
-        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
-        f'<meta http-equiv="Content-Security-Policy" content="{policy()}">'
-        "<meta name='viewport' content='width=device-width, initial-scale=1'>"
-        f"<title>{escape(title)}</title><style>{style()}</style></head>\n<body>"
-    )
-    end = f"<script>{script()}</script></body></html>\n"
 
     def whole(moving: str) -> str:
         arrays = json_for_script(index | {"arrays": blob.index})
-        return (
-            head
-            + "\n".join([*before, moving, *after])
+        return document(
+            title,
+            "\n".join([*before, moving, *after])
             + f"<script type='application/json' id='index'>{arrays}</script>"
             + f"<script type='text/plain' id='arrays'>{blob.text()}</script>"
-            + end
+            + f"<script>{script()}</script>",
         )
 
     still = len(whole(view([story.title for story in stories])).encode("utf-8"))

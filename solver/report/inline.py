@@ -6,6 +6,7 @@ import json
 import zlib
 from collections.abc import Callable
 from functools import cache
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -182,6 +183,17 @@ def policy() -> str:
     return (
         f"default-src 'none'; script-src {source(script())}; style-src {source(style())}; "
         "base-uri 'none'; form-action 'none'"
+    )
+
+
+def document(title: str, body: str) -> str:
+    """Return a whole page, without other files or network."""
+    return (
+        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+        f'<meta http-equiv="Content-Security-Policy" content="{policy()}">'
+        "<meta name='viewport' content='width=device-width, initial-scale=1'>"
+        f"<title>{escape(title)}</title><style>{style()}</style></head>\n"
+        f"<body>{body}</body></html>\n"
     )
 
 

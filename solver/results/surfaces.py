@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..math.arrays import Array, IntArray
 from ..math.rotations import rotation_matrices, shortest_rotations
 from ..math.rows import ComputedRows, computed
+from ..package.common.cells import SOLID_FACES, corners_of
 from .outline import Outline
 from .schema import BodyGeometry, Surface
 
@@ -252,15 +253,9 @@ def halved(quads: IntArray) -> IntArray:
 # Surfaces of bodies for pictures: extruded beams, faces of meshes, bars between nodes.
 
 LINES = (3, 4, 21)  # VTK cell types: line, polyline, quadratic edge
-# Faces, by corners, of VTK cell types; higher orders start with the same corners.
-_TETRA = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-_HEXA = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-_WEDGE = ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0))
-_PYRAMID = ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4))
-_THREE, _FOUR = ((0, 1, 2),), ((0, 1, 2, 3),)
-FACES = {5: _THREE, 22: _THREE, 9: _FOUR, 23: _FOUR, 28: _FOUR, 10: _TETRA, 24: _TETRA}
-FACES |= {12: _HEXA, 25: _HEXA, 29: _HEXA, 13: _WEDGE, 26: _WEDGE, 14: _PYRAMID, 27: _PYRAMID}
-SOLID = (10, 24, 12, 25, 29, 13, 26, 14, 27)
+# Faces, by corners, of VTK cell types.
+FACES = {kind: tuple(map(corners_of, faces)) for kind, faces in SOLID_FACES.items()}
+FACES |= {kind: ((0, 1, 2),) for kind in (5, 22)} | {kind: ((0, 1, 2, 3),) for kind in (9, 23, 28)}
 
 
 FLAT = 12  # sides of a section whose edges along the beam are drawn
@@ -382,7 +377,7 @@ def faces(
             if some:
                 corners = np.concatenate([c for c, _ in some])
                 sites = np.concatenate([s for _, s in some])
-                if kind in SOLID:
+                if kind in SOLID_FACES:
                     _, first, number = np.unique(
                         np.sort(corners, axis=1), axis=0, return_index=True, return_counts=True
                     )

@@ -18,7 +18,6 @@ the highest bound is evaluated first, then every point whose bound is above what
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,16 +31,6 @@ FAN = 16  # directions in the plane of the two largest resultants
 FINE = 8  # of parts into which times between two of them are sorted
 BATCH = 128  # pairs of point and block evaluated together
 ROUND_OFF = 1e-12  # relative tolerance of a bound that equals the exposure
-
-
-@dataclass(frozen=True)
-class Peak:
-    """The highest exposure of a history, with point and time; without any exposure, the first
-    point."""
-
-    exposure: float
-    point: int
-    instant: int
 
 
 class Peaks:
@@ -91,15 +80,6 @@ class PeakSearch:
         unit = np.moveaxis(stress_M, 2, 1)  # (p, resultant, stress)
         both = np.concatenate([unit, -unit], axis=1)
         self.bounds: Array = criterion.bound(both, strength)  # (p, 12)
-
-    def peak(self, F: Array, floor: float = 0.0) -> Peak:
-        """Find the peak of resultants F (6, t).
-
-        Peaks below `floor` are not needed: the search then ends early, and its result
-        is not above the floor.
-        """
-        found = self.peaks(F, np.zeros(len(self.bounds), dtype=np.int64), np.array([floor]), floor)
-        return Peak(float(found.exposure[0]), int(found.point[0]), int(found.instant[0]))
 
     def peaks(self, F: Array, group: IntArray, floors: Array, top: float) -> Peaks:
         """Find the peak of every group of points under resultants F (6, t); see Peaks.

@@ -1,4 +1,4 @@
-"""Nodes of beams along their length, and tables of triangles and quadrilaterals.
+"""Nodes of beams along their length, faces of cells, tables of triangles and quadrilaterals.
 
 In a table of four columns a triangle has `NONE` as its fourth node.
 """
@@ -131,3 +131,39 @@ def corner_areas(points_G: Array, cells: IntArray) -> tuple[IntArray, Array]:
     preceding = np.roll(jacobian, 1, axis=1)
     shares[four] = (4.0 * jacobian + 2.0 * (following + preceding) + opposite) / 9.0
     return cells[there], shares[there]
+
+
+# Faces of VTK's cells, outward: corners, then the nodes on their sides.
+_TETRA = ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9))
+_HEXA = (
+    (0, 3, 2, 1, 11, 10, 9, 8),
+    (4, 5, 6, 7, 12, 13, 14, 15),
+    (0, 1, 5, 4, 8, 17, 12, 16),
+    (1, 2, 6, 5, 9, 18, 13, 17),
+    (2, 3, 7, 6, 10, 19, 14, 18),
+    (3, 0, 4, 7, 11, 16, 15, 19),
+)
+_WEDGE = (
+    (0, 1, 2, 6, 7, 8),
+    (3, 5, 4, 11, 10, 9),
+    (0, 3, 4, 1, 12, 9, 13, 6),
+    (1, 4, 5, 2, 13, 10, 14, 7),
+    (2, 5, 3, 0, 14, 11, 12, 8),
+)
+_PYRAMID = (
+    (0, 3, 2, 1, 8, 7, 6, 5),
+    (0, 1, 4, 5, 10, 9),
+    (1, 2, 4, 6, 11, 10),
+    (2, 3, 4, 7, 12, 11),
+    (3, 0, 4, 8, 9, 12),
+)
+SOLID_FACES = {24: _TETRA, 25: _HEXA, 29: _HEXA, 26: _WEDGE, 27: _PYRAMID}
+LINEAR = {24: 10, 25: 12, 26: 13, 27: 14}  # the same cells without nodes on their sides
+
+
+def corners_of(face: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the corners of a face with nodes on its sides."""
+    return face[: (len(face) + 1) // 2]
+
+
+SOLID_FACES |= {LINEAR[k]: tuple(map(corners_of, SOLID_FACES[k])) for k in LINEAR}

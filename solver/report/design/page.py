@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...package.common.files import write_text
-from ..inline import policy, style
+from ..inline import document
 from ..sections import Row, section, table
 from ..style import COLOURS, GREY, INK
 from ..table import number
@@ -36,15 +36,8 @@ def design_sections(case_dir: Path) -> list[str]:
 def write_page(folder: Path, found: dict[str, Any]) -> Path:
     """Write the page of a study into its folder; return its path."""
     title = f"{found['case']}: {found['title']}"
-    text = (
-        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
-        f'<meta http-equiv="Content-Security-Policy" content="{policy()}">'
-        "<meta name='viewport' content='width=device-width, initial-scale=1'>"
-        f"<title>{escape(title)}</title><style>{style()}</style></head>\n<body>"
-        f"<header><h1>{escape(title)}</h1></header><main>{study_section(found)}</main>"
-        "</body></html>\n"
-    )
-    write_text(folder / PAGE, text)
+    body = f"<header><h1>{escape(title)}</h1></header><main>{study_section(found)}</main>"
+    write_text(folder / PAGE, document(title, body))
     return folder / PAGE
 
 
