@@ -14,7 +14,7 @@ import numpy as np
 from samples.exchange_decks import MASS, write_mystran, write_shell, write_solid
 from samples.exchange_routes import ccx, import_file, mystran, run_program
 
-from plymotion.preprocess.exchange.import_file import package_of, read_table
+from plymotion.preprocess.exchange.import_file import imported, read_table
 from plymotion.solver.__main__ import main as plymotion
 from plymotion.solver.package import read_package, write_package
 
@@ -62,7 +62,7 @@ def main() -> int:
             ),
         }
         for body, file in files.items():
-            package = package_of(read_table(file), folder, str(file))
+            package = imported(read_table(file), folder, str(file))
             write_package(FOLDER / f"{body}.vtkhdf", package)
         write_shell(folder / "shell.inp", (20, 2), 12)
         run_program(ccx(), ["shell"], folder, folder / "shell.dat")

@@ -22,7 +22,7 @@ from samples.exchange_routes import import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_layups
 from plymotion.preprocess.exchange.free_body import Cells, Layups, centre_strains, recovered
-from plymotion.preprocess.exchange.import_file import package_of, read_table
+from plymotion.preprocess.exchange.import_file import imported, read_table
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
@@ -49,7 +49,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def package(file: Path) -> ModalPackage:
-    return package_of(read_table(file), file.parent, str(file))
+    return imported(read_table(file), file.parent, str(file))
 
 
 def cells_of(package: ModalPackage) -> CellResultants:
@@ -146,7 +146,7 @@ def test_strength_of_an_imported_shell_in_a_mechanism(file: Path, tmp_path: Path
     strong = f"{line},+M\n+M,,,,1500.E6,1200.E6,50.E6,250.E6,70.E6"
     (tmp_path / "arm.dat").write_text(text.replace(line, strong))
     arm = tmp_path / "arm.toml"
-    package = package_of(read_table(arm), tmp_path, str(arm))
+    package = imported(read_table(arm), tmp_path, str(arm))
     write_package(tmp_path / "arm.vtkhdf", package)
     (tmp_path / "case.toml").write_text(CASE)
     write_case(load_case(tmp_path / "case.toml"), tmp_path / "build")

@@ -9,7 +9,7 @@ from samples.exchange_decks import MASS, write_mystran, write_solid
 from samples.exchange_routes import ccx, import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_op4
-from plymotion.preprocess.exchange.import_file import package_of as built
+from plymotion.preprocess.exchange.import_file import imported as built
 from plymotion.preprocess.exchange.import_file import read_table
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, validate, write_package
