@@ -129,6 +129,8 @@ class Load(Table):
 class Probe(Table):
     """`[probes.NAME]`: values to show for each load case."""
 
+    one_of = ("at", "near")
+
     at: str | None = optional("physical point, curve or surface (mean value), or a link")
     near: Vector | None = optional(
         "instead: the nearest node, or for resultants the nearest cell", "m"
@@ -138,12 +140,6 @@ class Probe(Table):
         Field(min_length=1),
         BeforeValidator(_as_list, json_schema_input_type=list[Asked] | Asked),
     ] = entry("displacements, rotations, or resultants in laminate axes")
-
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        if (self.at is None) == (self.near is None):
-            raise ValueError("expected either `at` or `near`")
-        return self
 
 
 class Frequencies(Table):
@@ -194,6 +190,8 @@ Offset = Literal["mid", "top", "bottom"] | float
 class Mesh(Table):
     """`[mesh]`: a surface mesh of three-node triangles and four-node quadrilaterals."""
 
+    one_of = ("file", "shape")
+
     file: str | None = optional(
         "path, relative to this file: gmsh's .msh, a .geo script, a .py with build(gmsh, "
         "parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
@@ -217,12 +215,6 @@ class Mesh(Table):
         "triangle: a mesh with others is an error; absent: the cells of the mesh"
     )
     refine: int = entry(REFINE, default=0, ge=0, le=MOST_REFINED)
-
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        if (self.file is None) == (self.shape is None):
-            raise ValueError("expected either `file` or `shape`")
-        return self
 
 
 class ShellPly(Ply):
@@ -352,6 +344,8 @@ class Stiffener(Table):
     shell, x2 = x3 x x1.
     """
 
+    one_of = ("section", "stiffness")
+
     at: str = entry("physical curve")
     section: str | None = optional("path of a section description, relative to this file")
     stiffness: Matrix | None = optional(
@@ -371,8 +365,6 @@ class Stiffener(Table):
 
     @model_validator(mode="after")
     def _one_section(self) -> Self:
-        if (self.section is None) == (self.stiffness is None):
-            raise ValueError("expected either `section` or `stiffness`")
         if (self.stiffness is None) != (self.mass is None):
             raise ValueError("expected `mass` with `stiffness`, and only there")
         return self

@@ -48,14 +48,10 @@ class AxisAlong(Table):
     1 is the tangent at the nearest point of the curve.
     """
 
+    one_of = ("points", "at")
+
     points: list[Vector] | None = optional("corners of the curve", "m", min_length=2)
     at: str | None = optional("physical curve of a script or mesh")
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        if (self.points is None) == (self.at is None):
-            raise ValueError("expected one of points, at")
-        return self
 
 
 class SolidRegion(Table):
@@ -97,6 +93,8 @@ class Plane(Table):
 class SolidInterface(Oriented):
     """`[interfaces.NAME]` of a solid: outer faces, by one of `bore`, `plane` and `at`."""
 
+    one_of = ("bore", "plane", "at")
+
     bore: Bore | None = optional("faces on a cylinder")
     plane: Plane | None = optional("faces in a plane")
     at: str | None = optional("physical surface of a script or mesh")
@@ -105,15 +103,6 @@ class SolidInterface(Oriented):
         " and its loads are distributed over them by area",
         default="rigid",
     )
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        given = [key for key in ("bore", "plane", "at") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise ValueError(
-                f"expected one of bore, plane, at; found {' and '.join(given) or 'none'}"
-            )
-        return self
 
 
 class SolidLoad(Table):

@@ -256,14 +256,10 @@ def _ply(material: str, angle_deg: float, thickness: float | None) -> PlyTable:
 class Content(Table):
     """Of what a region is made."""
 
+    one_of = ("laminate", "material")
+
     laminate: Name | None = optional("name of a laminate")
     material: Name | None = optional("name of a material: one thick ply")
-
-    @model_validator(mode="after")
-    def _one_content(self) -> Self:
-        if (self.laminate is None) == (self.material is None):
-            raise ValueError("expected either `laminate` or `material`")
-        return self
 
 
 def unknown_materials(key: str, names: Iterable[str], known: Iterable[str]) -> list[str]:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from functools import cache
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
 from pydantic import (
@@ -81,12 +81,23 @@ class Table(BaseModel):
     # that are, if their table acts along one.
     more_lengths: ClassVar[tuple[str, ...]] = ()
     lengths_or_angles: ClassVar[tuple[str, ...]] = ()
+    one_of: ClassVar[tuple[str, ...]] = ()  # keys of which exactly one is given
 
     @model_validator(mode="before")
     @classmethod
     def _lengths_in_metres(cls, data: Any, info: ValidationInfo) -> Any:
         unit = unit_of(info)
         return data if unit == "m" else with_metres(data, unit, _lengths(cls))
+
+    @model_validator(mode="after")
+    def _one_is_given(self) -> Self:
+        given = [key for key in self.one_of if getattr(self, key) is not None]
+        if self.one_of and len(given) != 1:
+            if len(self.one_of) == 2:
+                raise ValueError("expected either `{}` or `{}`".format(*self.one_of))
+            found = " and ".join(given) or "none"
+            raise ValueError(f"expected one of {', '.join(self.one_of)}; found {found}")
+        return self
 
 
 def unit(field: FieldInfo) -> str:

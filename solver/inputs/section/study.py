@@ -97,6 +97,8 @@ Variants = list[tuple[str, dict[str, Any]]]  # end of the name, dotted keys with
 class Sweep(Table):
     """`[[sweep]]`: a key of the descriptions and its values."""
 
+    one_of = ("values", "csv")
+
     key: str = entry("dotted key, as in a description", min_length=1)
     values: list[Any] | None = optional("its values", min_length=1)
     csv: str | None = optional("file with a value in each row")
@@ -104,8 +106,6 @@ class Sweep(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> "Sweep":
-        if (self.values is None) == (self.csv is None):
-            raise ValueError("expected either `values` or `csv`")
         if self.names is not None and (self.csv or len(self.names) != len(self.values or ())):
             raise ValueError("expected as many `names` as `values`")
         return self

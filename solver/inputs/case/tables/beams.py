@@ -205,6 +205,8 @@ class BeamLine(Table):
     An arc has the given `length` and begins along body x. A spline and nodes have a length.
     """
 
+    one_of = ("arc_deg", "points", "nodes")
+
     arc_deg: float | None = optional("angle of an arc: the tangent turns by it about `axis`", "deg")
     axis: Vector = entry("axis of an arc in the body frame, normal to x", "-", [0.0, 0.0, 1.0])
     points: list[Vector] | None = optional(
@@ -224,10 +226,6 @@ class BeamLine(Table):
 
     @model_validator(mode="after")
     def _one_of_three(self) -> "BeamLine":
-        given = [k for k in ("arc_deg", "points", "nodes") if getattr(self, k) is not None]
-        if len(given) != 1:
-            found = " and ".join(given) or "none of them"
-            raise ValueError(f"expected one of arc_deg, points and nodes, found {found}")
         if (self.nodes is None) != (self.x2_axes is None):
             raise ValueError("expected nodes and x2_axes together")
         return self

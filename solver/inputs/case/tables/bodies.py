@@ -175,6 +175,8 @@ class DescribedSection(Table):
     Keys of a description: docs/section-description.md.
     """
 
+    one_of = ("file", "description")
+
     file: FilePath | None = optional("path of a section description, relative to the case file")
     description: dict[str, Any] | None = optional(
         "instead: the description itself, without format and title; it may use the materials of "
@@ -189,12 +191,6 @@ class DescribedSection(Table):
         if unit == "m" or not isinstance(inner, dict):
             return data
         return {**data, "description": {UNITS: unit, **inner}}
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> "DescribedSection":
-        if (self.file is None) == (self.description is None):
-            raise ValueError("expected either `file` or `description`")
-        return self
 
 
 if TYPE_CHECKING:

@@ -168,19 +168,17 @@ class Limit(Quantity):
 class Rule(Table):
     """One entry of `rules` of a study, besides "symmetric" and "balanced"."""
 
+    one_of = ("share", "equal_plies", "step")
+
     share: float | None = optional("least share of plies at 0, 45, -45, 90 deg each", gt=0, le=0.25)
     equal_plies: int | None = optional("most plies of one angle in sequence", ge=1)
     step: float | None = optional("largest angle between neighbouring plies", "deg", gt=0, le=90)
 
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        if sum(v is not None for v in (self.share, self.equal_plies, self.step)) != 1:
-            raise ValueError("expected one of share, equal_plies, step")
-        return self
-
 
 class Study(Table):
     """`[design.studies.NAME]`: the search for the best design of a run (docs/design.md)."""
+
+    one_of = ("minimise", "maximise")
 
     title: str = entry("words for reports", default="")
     run: Name = entry("name of the run")
@@ -208,8 +206,6 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _one_objective(self) -> Self:
-        if (self.minimise is None) == (self.maximise is None):
-            raise ValueError("expected either `minimise` or `maximise`")
         wrong = "min" if self.minimise is not None else "max"
         only = self.minimise is not None and self.objective.subject in ("strength", "frequency")
         if self.objective.of == wrong or only:

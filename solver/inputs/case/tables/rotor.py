@@ -48,6 +48,8 @@ class Polar(Table):
 class Wind(Table):
     """`[rotor.wind]`: the wind, the same at all points of one height."""
 
+    one_of = ("speed", "file")
+
     speed: WindLaw | None = optional("at the reference height over time; or `file`", "m/s")
     file: FilePath | None = optional(
         "text file with the columns time [s], speed [m/s], direction [deg], separated by commas; "
@@ -74,8 +76,6 @@ class Wind(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        if (self.speed is None) == (self.file is None):
-            raise ValueError("expected either `speed` or `file`")
         if self.file is not None:
             times = np.array(self.times or [])
             if len(times) < 2 or (np.diff(times) <= 0.0).any() or times[0] > 0.0:
