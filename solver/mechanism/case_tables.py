@@ -9,7 +9,7 @@ import numpy as np
 from ..dynamics.elements.couplings.contract import ROWS
 from ..dynamics.elements.couplings.table import COUPLINGS
 from ..dynamics.elements.forces.table import ELEMENTS
-from ..dynamics.elements.joints.contract import Displacement, DrivenBy
+from ..dynamics.elements.joints.contract import Displacement
 from ..dynamics.elements.joints.table import COORDINATES, JOINTS
 from ..dynamics.model.model import (
     ANGLE,
@@ -133,7 +133,6 @@ def joint_tables(
         shift = places.shift(one, two)
         first = len(tables)
         tables.append(JointTable(name, kind, one, two, parameters=_numbers(name, joint, shift)))
-        driven_by = {key.name: key for key in JOINTS[kind].keys if isinstance(key, DrivenBy)}
         given = [
             (key, key.replace("_", " "), drive_law(drive, mechanism, f"joints.{name}.{key}"))
             for key, drive in drives(joint).items()
@@ -142,7 +141,7 @@ def joint_tables(
             held = joint_starts(joint).items()
             given += [(key, "start", laws.polynomial([share * at])) for key, at in held]
         for key, words, of_key in given:
-            driven = driven_by[key].drive
+            driven = JOINTS[kind].drives[key].drive
             of = driven.coordinate
             start = float(shift[of.axis]) if isinstance(of, Displacement) else 0.0
             label = f"{name} ({words})"

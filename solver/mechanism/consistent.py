@@ -21,7 +21,7 @@ from ..dynamics.evaluation.evaluation import started
 from ..dynamics.evaluation.laws import law_at
 from ..dynamics.evaluation.series import balance, driven_speeds
 from ..dynamics.model.coordinates import moved
-from ..dynamics.model.model import Model
+from ..dynamics.model.model import Model, modal_matrix
 from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding
@@ -312,8 +312,8 @@ def _ease(model: Model, *, elastic: bool) -> Array:
     """Return how easily each coordinate changes to close joints, (n_vel,)."""
     scale = np.full(model.n_vel, PREFERRED if elastic else 1.0)
     for i in range(model.n_body):
-        j, m, k = int(model.vel_start[i]) + 6, int(model.n_mode[i]), int(model.square_start[i])
-        stiffness = np.diagonal(model.K_qq[k : k + m * m].reshape(m, m))
+        j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
+        stiffness = np.diagonal(modal_matrix(model, model.K_qq, i))
         scale[j : j + m] = 1.0 / np.sqrt(np.maximum(stiffness, 1.0)) if elastic else 0.0
     return scale
 

@@ -18,7 +18,7 @@ from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.elimination import is_tree
 from ..dynamics.evaluation.series import balance
 from ..dynamics.model.coordinates import Spin
-from ..dynamics.model.model import Model
+from ..dynamics.model.model import Model, modal_matrix
 from ..errors import InputError, few
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, rotation_matrix
@@ -146,9 +146,7 @@ def _not_converged(body_names: list[str], energies: Array, *, joined: bool) -> I
 
 
 def _energy(model: Model, body: int, q: Array) -> float:
-    m, square = len(q), int(model.square_start[body])
-    K = model.K_qq[square : square + m * m].reshape(m, m)
-    return float(q @ K @ q)
+    return float(q @ modal_matrix(model, model.K_qq, body) @ q)
 
 
 _CONTRADICTION = 1e-9  # rate of a drive against the spin, relative

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.elements.forces.contract import OfTime
-from ..dynamics.elements.forces.table import ELEMENTS, LOADS
-from ..dynamics.elements.joints.contract import Displacement, DrivenBy
+from ..dynamics.elements.forces.table import unit_of_law
+from ..dynamics.elements.joints.contract import Displacement
 from ..dynamics.elements.joints.table import JOINTS
 from ..dynamics.evaluation.evaluation import started
 from ..dynamics.evaluation.laws import law_values
 from ..dynamics.model.model import Model
 from ..errors import InputError
-from ..inputs.case.expressions import drives, is_along, is_load, law
+from ..inputs.case.expressions import drives, is_along, law
 from ..integrators.choice import make_integrator, tolerances
 from ..integrators.generic.base import Integrator
 from ..integrators.generic.drive import Watch
@@ -173,10 +172,9 @@ def inputs_of(mechanism: "Mechanism", built: BuiltMechanism) -> list[Input]:
 
 def _drives(mechanism: "Mechanism", built: BuiltMechanism, values: Array) -> Iterator[Input]:
     for name, joint in mechanism.joints.items():
-        by = {key.name: key.drive for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)}
         its = built.joints[name]
         for row, key in zip(its.rows[1:], drives(joint), strict=True):
-            coordinate, offset = by[key].coordinate, 0.0
+            coordinate, offset = JOINTS[joint.kind].drives[key].drive.coordinate, 0.0
             if isinstance(coordinate, Displacement):
                 offset = float(its.shift[coordinate.axis])
             number = int(built.model.joint_law[row])
@@ -189,14 +187,7 @@ def _forces(mechanism: "Mechanism", built: BuiltMechanism, values: Array) -> Ite
         number = int(built.model.force_law[k])
         if is_along(force) or law(force) is None or number < 0:
             continue
-        meaning = LOADS[force.kind].meaning if is_load(force) else _actuator(force.kind)
-        unit = "N m" if "[N m]" in meaning else "N"
-        yield Input(f"forces.{name}", unit, number, 0.0, False, values[number])
-
-
-def _actuator(kind: str) -> str:
-    """Meaning of the law of an element, with its unit."""
-    return next(key.meaning for key in ELEMENTS[kind].keys if isinstance(key, OfTime))
+        yield Input(f"forces.{name}", unit_of_law(force.kind), number, 0.0, False, values[number])
 
 
 def shift_law(model: Model, number: int, by: float) -> None:
@@ -275,6 +266,7 @@ class Stepper:
 
     t: float  # [s]
     y: Array  # (n,) state
+    prepared: Prepared  # the mechanism and its start, of the inputs at t = 0
     _memory: dict[Any, Any]  # of signals
     _started: bool  # the prepared mechanism has been started from
     _integrator: Integrator | None  # from the first step on
@@ -293,11 +285,11 @@ class Stepper:
         self._retraces = retraces
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
-        own = self._prepared
+        own = self.prepared
         # By the laws of the case, whatever the inputs are at a start.
         self._atol = tolerances(own.model, own.y0, own.mechanism.solver)
         self._started = False
-        known = {found.name: found for found in inputs_of(spec.mechanism, self._prepared.built)}
+        known = {found.name: found for found in inputs_of(spec.mechanism, self.prepared.built)}
         for name in inputs or ():
             if name not in known:
                 raise InputError(f"{name}: no such input; expected some of {', '.join(known)}")
@@ -305,10 +297,10 @@ class Stepper:
             found for name, found in known.items() if inputs is None or name in inputs
         ]
         # One that looks at a whole run before it has values cannot be an output.
-        looking = [n for n, sensor in self._prepared.measured.items() if sensor.look is not None]
+        looking = [n for n, sensor in self.prepared.measured.items() if sensor.look is not None]
         self.left_out = tuple(looking)
         self.outputs = {
-            name: sensor for name, sensor in self._prepared.measured.items() if name not in looking
+            name: sensor for name, sensor in self.prepared.measured.items() if name not in looking
         }
 
     def start(
@@ -408,26 +400,19 @@ class Stepper:
         write_piece(model, given.law, before.t, piece)
         return model
 
-    @property
-    def prepared(self) -> Prepared:
-        """The mechanism and its start, of the inputs at t = 0."""
-        return self._prepared
-
     def kept(self) -> Kept:
         """Return all that the steps to come depend on."""
         integrator: Any = self._integrator
-        model, turns = self._prepared.model, self._prepared.turns
-        laws: tuple[Any, ...] = model.law_time, model.law_coefficient, model.quantities.law
         return Kept(
             self.t,
             self.y.copy(),
             None if integrator is None else integrator.mark(),
             integrator,
             [course.copy() for course in self._courses],
-            tuple(array.copy() for array in laws),
+            tuple(array.copy() for array in self._laws()),
             dict(self._memory),
-            turns.mark(),
-            self._prepared,
+            self.prepared.turns.mark(),
+            self.prepared,
             self,
         )
 
@@ -441,12 +426,10 @@ class Stepper:
         """
         if kept.owner is not self:
             raise InputError("state: expected one of this simulation")
-        if kept.prepared is not self._prepared:  # of before another start
+        if kept.prepared is not self.prepared:  # of before another start
             self._begin(kept.prepared)
-        prepared = self._prepared
-        model = prepared.model
-        laws = model.law_time, model.law_coefficient, model.quantities.law
-        for array, values in zip(laws, kept.laws, strict=True):
+        prepared = self.prepared
+        for array, values in zip(self._laws(), kept.laws, strict=True):
             array[...] = values
         self.t, self.y = kept.t, kept.y.copy()
         self._courses = [course.copy() for course in kept.courses]
@@ -456,16 +439,21 @@ class Stepper:
         if kept.integrator is not None:
             kept.integrator.go_back(kept.mark)
 
+    def _laws(self) -> tuple[Any, ...]:
+        """Return the arrays of the model that inputs are written into."""
+        model = self.prepared.model
+        return model.law_time, model.law_coefficient, model.quantities.law
+
     def place(self, y: Array, values: Array) -> None:
         """Go on from another state y (n,), with inputs (k,), as from a start at t = 0."""
         self._set_courses(values - np.array([given.start[0] for given in self.inputs]))
-        self.t, self.y = 0.0, started(self._prepared.model, 0.0, y)
+        self.t, self.y = 0.0, started(self.prepared.model, 0.0, y)
         self._integrator, self._memory = None, {}
-        self._prepared.turns.go_back(({}, [], []))
+        self.prepared.turns.go_back(({}, [], []))
 
     def warnings(self) -> list[str]:
         """Return what the monitors have found since the last call."""
-        prepared = self._prepared
+        prepared = self.prepared
         found = [*prepared.notes, *prepared.spin.findings, *prepared.passage.findings]
         found += prepared.buckling.findings if prepared.buckling is not None else []
         texts = [f"[{finding.code}] {finding.text}" for finding in found]
@@ -474,7 +462,7 @@ class Stepper:
         return fresh
 
     def _begin(self, prepared: Prepared) -> None:
-        self._prepared, self._watch = prepared, prepared.watch
+        self.prepared, self._watch = prepared, prepared.watch
         self._integrator = None
         self.t, self.y = 0.0, prepared.y0
         self._memory = {}
@@ -492,7 +480,7 @@ class Stepper:
         to_event: bool,
         stages: bool = False,
     ) -> bool:
-        prepared = self._prepared
+        prepared = self.prepared
         if self._integrator is None:
             if prepared.refused is not None:
                 raise InputError(prepared.refused.message)
@@ -531,7 +519,7 @@ class Stepper:
     def measured(self) -> Array:
         """Return the outputs at the present time, (n,)."""
         block = np.array([self.t]), self.y[None]
-        _, found = next(recorded(self.outputs, self._prepared.model, lambda: [block], self._memory))
+        _, found = next(recorded(self.outputs, self.prepared.model, lambda: [block], self._memory))
         return np.array([values[0] for _, values in found])
 
 

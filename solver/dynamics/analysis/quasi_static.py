@@ -8,7 +8,7 @@ from ..elements.constraints.treatment import scaled_jacobian
 from ..evaluation.accelerations import assemble
 from ..evaluation.elimination import is_tree
 from ..evaluation.series import along_solution
-from ..model.model import Model
+from ..model.model import Model, modal_matrix
 from .rank import free_motions, rank_of
 
 _HEAVY = 1e8  # modal mass over that of the model: bodies then move as if rigid
@@ -30,11 +30,8 @@ def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
     rates, _ = along_solution(heavy, np.array([t]), y[None, :])
     found: list[Array] = []
     for i in range(model.n_body):
-        m, square = int(model.n_mode[i]), int(model.square_start[i])
-        j = model.n_pos + int(model.vel_start[i]) + 6
-        block = slice(square, square + m * m)
-        loads = heavy.M_qq[block].reshape(m, m) @ rates[0, j : j + m]
-        found.append(np.asarray(np.linalg.solve(model.K_qq[block].reshape(m, m), loads)))
+        loads = modal_matrix(model, heavy.M_qq, i) @ rates[0, model.n_pos :][_modes(model, i)]
+        found.append(np.asarray(np.linalg.solve(modal_matrix(model, model.K_qq, i), loads)))
     return found
 
 
@@ -80,8 +77,7 @@ def vibrations(model: Model, Z: Array, M: Array) -> tuple[Array, Array, Array]:
     """
     K = np.zeros((model.n_vel, model.n_vel))
     for i in range(model.n_body):
-        m, square = int(model.n_mode[i]), int(model.square_start[i])
-        K[_modes(model, i), _modes(model, i)] = model.K_qq[square : square + m * m].reshape(m, m)
+        K[_modes(model, i), _modes(model, i)] = modal_matrix(model, model.K_qq, i)
     root = np.linalg.inv(np.linalg.cholesky(Z.T @ M @ Z))
     values, vectors = np.linalg.eigh(root @ (Z.T @ K @ Z) @ root.T)
     return K, values, Z @ root.T @ vectors

@@ -13,7 +13,7 @@ from ..elements.joints.table import position_rows
 from ..evaluation import series
 from ..evaluation.evaluation import evaluate, first_moments, stored_energies
 from ..evaluation.series import along_solution, driven_speeds, marker_places
-from ..model.model import GROUND, Model, spare_work
+from ..model.model import GROUND, Model, modal_matrix, spare_work
 from ..model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
 
 SAMPLES = 65  # times at which drives are looked at
@@ -50,8 +50,7 @@ def scales(model: Model, y0: Array, t_end: float) -> Scales:
 
 def shape_sizes(model: Model, i: int) -> Array:
     """Return the displacement of body i by a unit of each mode, (m,): root mean square by mass."""
-    m, two = int(model.n_mode[i]), int(model.square_start[i])
-    diagonal = model.M_qq[two : two + m * m].reshape(m, m).diagonal()
+    diagonal = modal_matrix(model, model.M_qq, i).diagonal()
     return np.asarray(np.sqrt(diagonal / model.mass[i]))
 
 

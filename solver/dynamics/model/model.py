@@ -357,6 +357,12 @@ def spare_work(model: Model) -> Work:
     return known[1]  # type: ignore[no-any-return]
 
 
+def modal_matrix(model: Model, flat: Array, i: int) -> Array:
+    """Return the part (m, m) of body i of M_qq, K_qq or D_qq, as a view."""
+    m, first = int(model.n_mode[i]), int(model.square_start[i])
+    return flat[first : first + m * m].reshape(m, m)
+
+
 @lean
 def place_added_rows(model: Model, J: Array) -> None:
     """Fill the columns of J (nb, n, r) that belong to added inertia."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...dynamics.elements.couplings.table import COUPLINGS
 from ...dynamics.elements.forces.contract import BOTH, ROTATION, Contact, Terms
 from ...dynamics.elements.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
-from ...dynamics.elements.joints.contract import ANGLE, DrivenBy, Z
+from ...dynamics.elements.joints.contract import ANGLE, Z
 from ...dynamics.elements.joints.table import JOINTS
 from ...errors import InputError, nearest, unknown
 from ...math.catalogue import Curve, Expression, Expressions, Number
@@ -271,17 +271,16 @@ def expression(text: str, scope: CaseScope, key: str) -> Node:
 
 def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]:
     """Return the drives of a joint by their keys."""
-    names = [key.name for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)]
-    found = {name: getattr(joint, name) for name in names}
+    found = {name: getattr(joint, name) for name in JOINTS[joint.kind].drives}
     return {name: drive for name, drive in found.items() if drive is not None}
 
 
 def joint_starts(joint: "JointTable") -> dict[str, float]:
     """Return given coordinates of a joint at the start by the keys of drives [rad or m]."""
     found = {}
-    for key in JOINTS[joint.kind].keys:
-        if isinstance(key, DrivenBy) and (value := getattr(joint, key.start, None)) is not None:
-            found[key.name] = math.radians(value) if key.start == "start_deg" else value
+    for name, key in JOINTS[joint.kind].drives.items():
+        if (value := getattr(joint, key.start, None)) is not None:
+            found[name] = math.radians(value) if key.start == "start_deg" else value
     return found
 
 

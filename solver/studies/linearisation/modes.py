@@ -9,7 +9,7 @@ from scipy.linalg import block_diag, eig, qr
 
 from ...dynamics.analysis.recovery import extent
 from ...dynamics.evaluation.accelerations import assemble
-from ...dynamics.model.model import Model
+from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array
 from ...math.rotations import frame_from_axis, rotation_matrix, skew
 from ...package import ModalPackage
@@ -217,8 +217,8 @@ def _strain(model: Model, x: Array) -> Array:
     """Twice the strain energy of each modal coordinate, (n_vel, k)."""
     out = np.zeros(x.shape)
     for i in range(model.n_body):
-        j, m, two = int(model.vel_start[i]) + 6, int(model.n_mode[i]), int(model.square_start[i])
-        stiffness = model.K_qq[two : two + m * m].reshape(m, m).diagonal()
+        j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
+        stiffness = modal_matrix(model, model.K_qq, i).diagonal()
         out[j : j + m] = stiffness[:, None] * np.abs(x[j : j + m]) ** 2
     return out
 

@@ -21,8 +21,7 @@ from scipy.linalg import qr
 
 from ...dynamics.analysis.rank import FreeMotions, Rank, free_motions
 from ...dynamics.analysis.recovery import extent
-from ...dynamics.elements.forces.contract import OfTime
-from ...dynamics.elements.forces.table import ELEMENTS, LOADS
+from ...dynamics.elements.forces.table import unit_of_law
 from ...dynamics.elements.joints.table import DRIVES, NAMES, position_rows
 from ...dynamics.evaluation.accelerations import assemble
 from ...dynamics.evaluation.laws import law_values
@@ -382,14 +381,5 @@ def sources_of(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Source, .
     for k, (name, force) in enumerate(mechanism.forces.items()):
         law = int(model.force_law[k])
         if law >= 0:
-            found.append(Source(name, law, _unit(force.kind), False))
+            found.append(Source(name, law, unit_of_law(force.kind), False))
     return tuple(found)
-
-
-def _unit(kind: str) -> str:
-    """Return the unit of the law of a force, which its meaning states in brackets."""
-    if kind in LOADS:
-        meaning = LOADS[kind].meaning
-    else:
-        meaning = next(key.meaning for key in ELEMENTS[kind].keys if isinstance(key, OfTime))
-    return meaning.partition("[")[2].partition("]")[0]

@@ -24,7 +24,7 @@ from ...dynamics.evaluation.accelerations import derivative, masses_and_jacobian
 from ...dynamics.evaluation.evaluation import Instants, beyond, sampled
 from ...dynamics.evaluation.series import along_solution, quantities
 from ...dynamics.evaluation.variations import along_directions, terms
-from ...dynamics.model.model import Model
+from ...dynamics.model.model import Model, modal_matrix
 from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
@@ -387,10 +387,10 @@ class _Partial:
         if changed <= {"K_qq", "D_qq"}:  # forces of the modes alone
             K, D = ((two[name] - one[name]) / (2.0 * self._h) for name in ("K_qq", "D_qq"))
             self._matrices = []
-            for i, m in enumerate(model.n_mode.tolist()):
-                own = slice(int(model.square_start[i]), int(model.square_start[i]) + m * m)
+            for i in range(model.n_body):
                 at = int(model.pos_start[i]) + 7, int(model.vel_start[i]) + 6
-                self._matrices.append((*at, K[own].reshape(m, m), D[own].reshape(m, m)))
+                own = modal_matrix(model, K, i), modal_matrix(model, D, i)
+                self._matrices.append((*at, *own))
 
     @property
     def is_internal(self) -> bool:

@@ -7,7 +7,7 @@ from ....math.catalogue import by_name, catalogue, dispatched
 from ....math.compiled import jit
 from . import __name__ as _package
 from . import __path__ as _path
-from .contract import CoordinateForce, Element, ForceElement, KernelForce, Load, Wrench
+from .contract import CoordinateForce, Element, ForceElement, KernelForce, Load, OfTime, Wrench
 
 
 def _place(element: ForceElement) -> tuple[bool, bool, bool, int, str]:
@@ -54,6 +54,15 @@ def element_wrench(kind: int, one: Array, two: Array, parameters: Array, law: fl
 @dispatched("kind", [(rows, ("one", "two", "parameters", "rows")) for rows in _ROWS])
 def element_rows(kind: int, one: Array, two: Array, parameters: Array, rows: Array) -> None:
     """Fill the rows (MOST_ROWS, N_ELEMENT_ROW) of one element for Newton's matrix."""
+
+
+def unit_of_law(kind: str) -> str:
+    """Return the unit of the law of a load or actuator, which its meaning states in brackets."""
+    if kind in LOADS:
+        meaning = LOADS[kind].meaning
+    else:
+        meaning = next(key.meaning for key in ELEMENTS[kind].keys if isinstance(key, OfTime))
+    return meaning.partition("[")[2].partition("]")[0]
 
 
 def rows_in_use(kind: str, parameters: Sequence[float]) -> list[int]:

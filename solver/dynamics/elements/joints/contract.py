@@ -178,3 +178,8 @@ class Joint(Constraint):
     def parameters(self) -> tuple[str, ...]:
         """Names of the kernel's numbers: keys in their order, then `derived`."""
         return (*(key.name for key in self.keys if isinstance(key, Number)), *self.derived)
+
+    @property
+    def drives(self) -> dict[str, DrivenBy]:
+        """Keys of its drives by name."""
+        return {key.name: key for key in self.keys if isinstance(key, DrivenBy)}

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ....dynamics.evaluation.accelerations import masses_and_jacobians, residuals
-from ....dynamics.model.model import Model, state_size
+from ....dynamics.model.model import Model, modal_matrix, state_size
 from ....math.arrays import Array, IntArray
 from ....math.compiled import lean
 from ..plan import Base
@@ -307,12 +307,10 @@ def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> R
     """Return the response to loads p (k, n_vel) of a linear model with rich bodies."""
     elastic = np.concatenate(elastic_columns(model)).astype(np.int64)
     m, at = len(elastic), 0
-    K, D = np.zeros((m, m)), np.zeros((m, m))
+    (K, D), matrices = np.zeros((2, m, m)), (model.K_qq, model.D_qq)
     for i in range(model.n_body):
-        n, two = int(model.n_mode[i]), int(model.square_start[i])
-        part = slice(at, at + n)
-        K[part, part] = model.K_qq[two : two + n * n].reshape(n, n)
-        D[part, part] = model.D_qq[two : two + n * n].reshape(n, n)
-        at += n
+        part = slice(at, at + int(model.n_mode[i]))
+        K[part, part], D[part, part] = (modal_matrix(model, each, i) for each in matrices)
+        at = part.stop
     y, _ = embedded(base, model)
     return Response(base, model, y, p[:, elastic], K, D, samples(base), deformed)
