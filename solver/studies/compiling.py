@@ -17,10 +17,10 @@ from ..dynamics.evaluation.accelerations import (
     derivative,
     energies,
     masses_and_jacobians,
-    residuals,
 )
 from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
 from ..dynamics.evaluation.laws import law_at
+from ..dynamics.evaluation.variations import residuals
 from ..dynamics.model.coordinates import move_rows, moved, position_rates
 from ..dynamics.model.model import Model, spare_work, state_size
 from ..inputs.case.record import solver_sha256

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from samples.fidelity_samples import pendulum, planned_run, true_signals
 
-from plymotion.solver.dynamics.evaluation.accelerations import residuals
+from plymotion.solver.dynamics.evaluation.variations import residuals
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.indicators.loaded import without_second_order

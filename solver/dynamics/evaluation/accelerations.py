@@ -260,46 +260,6 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
     return out
 
 
-def residuals(model: Model, t: Array, y: Array, accelerations: Array, multipliers: Array) -> Array:
-    """Return f - M a - Phi_q' lambda, (k, n_vel).
-
-    At times t (k,) and states y (k, n), with accelerations (k, n_vel) and multipliers (k, n_c).
-    """
-    found = np.zeros((len(t), model.n_vel))
-    t, y, a, s = (
-        np.ascontiguousarray(part, dtype=float) for part in (t, y, accelerations, multipliers)
-    )
-    _residuals(model, spare_work(model), t, y, a, s, found)
-    return found
-
-
-@lean
-def _residuals(
-    model: Model, work: Work, t: Array, y: Array, a: Array, multipliers: Array, found: Array
-) -> None:
-    plan = model.plan
-    for k in range(t.shape[0]):
-        evaluate(model, work, t[k], y[k])
-        for i in range(model.n_body):
-            j, n = model.vel_start[i], plan.size[i]
-            for c in range(n):
-                left = work.f[i, c]
-                for d in range(n):
-                    m = work.M[i, c, d] if d <= c else work.M[i, d, c]
-                    left -= m * a[k, j + d]
-                found[k, j + c] = left
-        for joint in range(model.joint_kind.shape[0]):
-            begin = model.joint_row[joint]
-            for side in range(2):
-                body = model.marker_body[model.joint_marker[joint, side]]
-                if body >= 0:
-                    j, first = model.vel_start[body], plan.side_row[joint, side]
-                    for p in range(model.joint_row[joint + 1] - begin):
-                        for c in range(plan.size[body]):
-                            push = work.J[body, c, first + p] * multipliers[k, begin + p]
-                            found[k, j + c] -= push
-
-
 def by_blocks(model: Model) -> bool:
     """Tell whether the bodies can be eliminated one by one, under the model's treatment.
 

@@ -29,8 +29,14 @@ def terms(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Arr
     a, multipliers : (k, n_vel), (k, n_c)
     """
     found = np.zeros((t.size, width(model)))
+    t, y, a, multipliers = (np.ascontiguousarray(part) for part in (t, y, a, multipliers))
     _terms(model, spare_work(model), t, y, a, multipliers, np.empty(y.shape[1]), found)
     return found
+
+
+def residuals(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Array:
+    """Return f - M a - Phi_q' lambda, (k, n_vel); arguments as of `terms`."""
+    return terms(model, t, y, a, multipliers)[:, : model.n_vel]
 
 
 def along_directions(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ....dynamics.evaluation.accelerations import residuals
+from ....dynamics.evaluation.variations import residuals
 from ....dynamics.model.model import Model
 from ....math.arrays import Array, IntArray
 from ....mechanism.build import build

@@ -5,7 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ....dynamics.evaluation.accelerations import masses_and_jacobians, residuals
+from ....dynamics.evaluation.accelerations import masses_and_jacobians
+from ....dynamics.evaluation.variations import residuals
 from ....dynamics.model.model import Model, modal_matrix, state_size
 from ....math.arrays import Array, IntArray
 from ....math.compiled import lean
