@@ -18,7 +18,7 @@ from ..solver.package import validate as findings_of
 from ..solver.package.shell.schema import ShellFile
 from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
-from ..solver.studies.cases import turn
+from ..solver.studies.cases import folder_lock
 from ..solver.studies.fmu import VERSIONS
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
@@ -416,7 +416,7 @@ def export(
     from ..solver.studies.fmu.write import write_fmu
 
     checked, run, folder = chosen(what, run, coarse=coarse)
-    with named(out), turn(folder):
+    with named(out), folder_lock(folder):
         file = prepared(checked, folder, f"runs/{run}.json", path_of(packages))
         write_fmu(file, Path(out), inputs, to)
     return Path(out)

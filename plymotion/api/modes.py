@@ -140,10 +140,10 @@ class Modes:
         return pandas().DataFrame(self.numbers["modes"])
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{hertz:.4g}" for hertz in self.frequencies[:5])
+        listed = ", ".join(f"{hertz:.4g}" for hertz in self.frequencies[:5])
         more = ", ..." if len(self.frequencies) > 5 else ""
         where = f"{self.numbers['case']}/{self.numbers['run']} about {self.numbers['state']}"
-        return f"<Modes {where}: {told}{more} Hz>"
+        return f"<Modes {where}: {listed}{more} Hz>"
 
     def _repr_html_(self) -> str:
         columns = self.frequencies, self.damping, self.names

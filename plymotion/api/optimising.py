@@ -10,7 +10,7 @@ import numpy as np
 
 from ..solver.errors import InputError, few, nearest
 from ..solver.math.arrays import Array
-from ..solver.studies.cases import turn
+from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.show import outcome_lines
 from ..solver.studies.design.study import RESULT
 from ..solver.studies.design.study import optimise as computed
@@ -163,6 +163,6 @@ def optimise(
         raise InputError(f"{case.name}: expected the name of a study{hint}")
     folder = folder_of(case, out, coarse=coarse)
     order = Order(plain(case.table), case._path, coarse, study, folder / "studies" / study)
-    with shown(steps=progress), named(out), turn(folder):
+    with shown(steps=progress), named(out), folder_lock(folder):
         computed(order, Here if jobs == 1 else partial(Local, jobs), fresh=fresh, show=progress)
         return Optimum(order.folder)

@@ -13,7 +13,7 @@ from ..solver.inputs.case.write import write_case
 from ..solver.package.common.files import write_text
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
-from ..solver.studies.cases import turn
+from ..solver.studies.cases import folder_lock
 from ..solver.studies.fidelity.answer import answer_text
 from ..solver.studies.fidelity.execution import (
     answered,
@@ -149,7 +149,7 @@ class Plan:
     def _written(self, case: Case, folder: Path, *, check: bool = False) -> Path:
         """Write a design and build what it needs; return its run file."""
         checked = case.check(sweeps=())
-        with named(self._out), turn(folder):
+        with named(self._out), folder_lock(folder):
             write_case(checked, folder, self._packages)
             file = folder / "runs" / f"{self._run}.json"
             if not check:  # packages of the check cost more than a run

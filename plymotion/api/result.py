@@ -16,7 +16,7 @@ from ..solver.math.compiled import tell_if_slow
 from ..solver.package.common.files import named_by_user
 from ..solver.results import RunResult, read_result, read_summary
 from ..solver.run.inputs import up_to_date
-from ..solver.studies.cases import turn
+from ..solver.studies.cases import folder_lock
 from ..solver.studies.runs import run_one
 from ..solver.studies.screen import shown
 from ..solver.workers.launch import keep_preprocessors
@@ -249,7 +249,7 @@ def run(
     plymotion.solver.errors.InputError: pendulum has no run 'bse'; did you mean 'base'?
     """
     checked, run, folder = chosen(case, run, out, coarse=coarse)
-    with shown(steps=progress), named(out), turn(folder):
+    with shown(steps=progress), named(out), folder_lock(folder):
         file, target = written(checked, folder, f"runs/{run}.json", packages), folder / run
         if force or not up_to_date(file, target):
             tell_if_slow()

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..solver.math.arrays import Array
 from ..solver.results import RunResult
-from ..solver.studies.cases import turn
+from ..solver.studies.cases import folder_lock
 from ..solver.studies.screen import shown
 from ..solver.studies.sensitivities.work import (
     compute_sensitivities,
@@ -136,7 +136,7 @@ gravity.3; known: 0, 1, 2
     """
     case = as_case(case)
     _, run, folder = chosen(case, run, coarse=coarse)
-    with shown(steps=progress), turn(folder):
+    with shown(steps=progress), folder_lock(folder):
         return Sensitivities(
             *compute_sensitivities(
                 plain(case.table),

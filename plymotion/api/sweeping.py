@@ -11,7 +11,7 @@ import numpy as np
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.math.arrays import Array
 from ..solver.package.common.files import write_text
-from ..solver.studies.cases import turn
+from ..solver.studies.cases import folder_lock
 from ..solver.studies.screen import shown
 from ..solver.studies.sweep.file import (
     CSV,
@@ -268,7 +268,7 @@ def sweep(
         hint = nearest(str(name), checked.top.sweeps)
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    with shown(steps=progress), named(out), turn(folder):
+    with shown(steps=progress), named(out), folder_lock(folder):
         file = written(checked, folder, f"sweeps/{name}.json", packages)
         _compute(file, jobs, fresh=fresh, progress=progress)
         return Sweep(file.with_suffix(""))

@@ -12,7 +12,7 @@ from ..errors import InputError, counted
 from ..inputs.case.record import case_file
 from ..math.disk_cache import state_of, state_since
 from ..package.common.files import RECORD as FILES
-from ..studies.cases import build_folder, chosen_runs, chosen_sweeps, turn
+from ..studies.cases import build_folder, chosen_runs, chosen_sweeps, folder_lock
 from ..studies.exit_codes import INCOMPLETE, INPUT, worst
 from ..studies.finished import (
     RECORD,
@@ -83,7 +83,7 @@ def run_case(options: argparse.Namespace) -> int:
     out: Path = options.out or build_folder(file, coarse=options.coarse)
     words = {name: getattr(options, name) for name in (*ASKED, *TRUSTED)}
     request = request_of(file, {**words, "packages": str(options.packages or "")})
-    with turn(out):
+    with folder_lock(out):
         before = None if options.force else finished_before(out, request)
         if before is not None:
             code, text = before

@@ -9,7 +9,7 @@ from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
 from ..report.design.page import PAGE
 from ..report.table import json_text
-from ..studies.cases import build_folder, turn
+from ..studies.cases import build_folder, folder_lock
 from ..studies.design.problem import FEASIBLE
 from ..studies.design.show import outcome_lines
 from ..studies.design.study import optimise
@@ -33,7 +33,7 @@ def run_optimise(options: argparse.Namespace) -> int:
         raise InputError(known or f"{file}: expected [design.studies.NAME] (docs/design.md)")
     folder: Path = options.out or build_folder(file, coarse=options.coarse)
     order = Order(table, file, options.coarse, name, folder / "studies" / name)
-    with turn(folder):
+    with folder_lock(folder):
         try:
             found = optimise(
                 order, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet

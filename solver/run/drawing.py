@@ -273,23 +273,23 @@ def _stations(package: ModalPackage, q: Array) -> Sites | None:
         known = strengths(r)
         of_ply = {k: known[p.material] for k, p in enumerate(r.plies) if p.material in known}
         parts.append(Points(unit_stress_M(r), r.ply, of_ply))
-    told = [[vars(p) for p in s.recovery.plies] if s.recovery else [] for s in package.sections]
+    plies = [[vars(p) for p in s.recovery.plies] if s.recovery else [] for s in package.sections]
     compliance = np.array([np.linalg.inv(s.K) for s in package.sections])
-    return _sites(place, recovery.resultants_E, recovery.section, compliance, parts, told, q)
+    return _sites(place, recovery.resultants_E, recovery.section, compliance, parts, plies, q)
 
 
 def _cells(package: ModalPackage, q: Array) -> Sites | None:
     cells, laminates = stressed_cells(package)
     if cells is None or not package.n_mode or not len(cells.cell):
         return None
-    parts, told, compliance = [], [], []
+    parts, plies, compliance = [], [], []
     for laminate in laminates:
         known = strengths(laminate)
         _, levels, _, r = laminate.stress_M.shape
         of_ply = {k: known[p.material] for k, p in enumerate(laminate.plies) if p.material in known}
         ply = np.repeat(np.arange(len(laminate.plies)), levels)
         parts.append(Points(laminate.stress_M.reshape(-1, 6, r), ply, of_ply))
-        told.append(
+        plies.append(
             [
                 {"region": laminate.name, "index": k, "material": p.material}
                 | {"angle_deg": p.angle_deg}
@@ -301,7 +301,7 @@ def _cells(package: ModalPackage, q: Array) -> Sites | None:
         compliance.append(C)
     place = cell_centres(package, cells)
     R, kind = cells.resultants_E, cells.laminate
-    sites = _sites(place, R, kind, np.array(compliance), parts, told, q)
+    sites = _sites(place, R, kind, np.array(compliance), parts, plies, q)
     return replace(sites, dimension=2 if package.face_stresses is None else 3)
 
 
@@ -311,7 +311,7 @@ def _sites(
     kind: IntArray,
     compliance: Array,
     parts: list[Points],
-    told: list[list[dict[str, Any]]],
+    of_parts: list[list[dict[str, Any]]],
     q: Array,
 ) -> Sites:
     """Put sites together with the points that govern at the times of q (t, m)."""
@@ -324,7 +324,7 @@ def _sites(
         point_ply.append(points.ply[rows] + len(plies))
         plies += [
             {**ply, "strength": vars(points.strengths[j]) if j in points.strengths else None}
-            for j, ply in enumerate(told[k])
+            for j, ply in enumerate(of_parts[k])
         ]
     return Sites(
         place_B=place_B,

@@ -23,7 +23,7 @@ from ..system.interrupts import held
 from .inputs import RunSpec, inputs_sha256, still
 from .outcome import collect, disk_note, nearest_folder
 from .preparation import Prepared, histories_of, integrated, prepare
-from .timing import FIRST_LINE_S, Stopwatch, Told
+from .timing import FIRST_LINE_S, StageProgress, Stopwatch
 
 LOGGER = logging.getLogger(__name__)
 
@@ -148,8 +148,8 @@ class Progress:
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
         self.t_end, self.label, self.steps, self._show = t_end, label, 0, show
-        self.findings: list[Finding] = []  # of monitors, told as they grow
-        self._told = 0
+        self.findings: list[Finding] = []  # of monitors, shown as they grow
+        self._shown = 0
         self.begin, self.next = time.perf_counter(), FIRST_LINE_S if show else np.inf
         self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
@@ -181,9 +181,9 @@ class Progress:
             return self.watch(steps)
         finally:
             self.seconds += time.process_time() - begin
-            for finding in self.findings[self._told :]:
+            for finding in self.findings[self._shown :]:
                 self.tell(finding.text)
-            self._told = len(self.findings)
+            self._shown = len(self.findings)
 
     def tell(self, text: str) -> None:
         """Show a line at once."""
@@ -266,8 +266,8 @@ def _collected(
     progress: bool,
     patience_s: float = float("inf"),
 ) -> tuple[RunResult, dict[str, Any]]:
-    told = Told(spec.run, "signals and reactions", show=progress, patience_s=patience_s)
-    result, summary = collect(spec, prepared.measured, finished, solve_s, folder, told)
+    stage = StageProgress(spec.run, "signals and reactions", show=progress, patience_s=patience_s)
+    result, summary = collect(spec, prepared.measured, finished, solve_s, folder, stage)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
     for text in unjudged_hints(finished) if progress else ():
@@ -330,8 +330,8 @@ def _written(
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
     every = spec.mechanism.solver.node_positions == "all"
-    told = Told(spec.run, "writing", show=progress, patience_s=patience_s)
-    write_result(out / "result.vtkhdf", result, all_positions=every, told=told)
+    stage = StageProgress(spec.run, "writing", show=progress, patience_s=patience_s)
+    write_result(out / "result.vtkhdf", result, all_positions=every, told=stage)
     clock.lap("write")
     seconds = summary["cost"]["seconds"]
     seconds["import"] = import_s

@@ -51,13 +51,13 @@ def collect(
     finished: FinishedRun,
     solve_s: float,
     folder: Path | None = None,
-    told: Callable[[float], None] = lambda _: None,
+    progress: Callable[[float], None] = lambda _: None,
 ) -> tuple[RunResult, dict[str, Any]]:
     """Recover everything of interest from a finished run, and judge it.
 
     What has a row for every output time is computed block by block. Of a run whose states are
     in a file (integrators/generic/drive.py), or with many signals, it is kept in a file as well,
-    in `folder`. `told` hears what part of the work is done.
+    in `folder`. `progress` gets the part of the work that is done.
     """
     model, solution = finished.model, finished.solution
     t, y = solution.t, solution.y
@@ -77,7 +77,7 @@ def collect(
                 turning[name].take(rows * sensors[name].scale)
             kept["signals", name].append(rows)
             done += len(block.t) / (len(t) * len(sensors))
-            told(0.5 * min(done, 1.0))
+            progress(0.5 * min(done, 1.0))
         for group, table in (("energies", history.energies), ("violations", history.violations)):
             for name, rows in table.items():
                 kept[group, name].append(rows)
@@ -117,7 +117,7 @@ def collect(
         "status": solution.status,
         "message": solution.message,
         "t_end": float(t[-1]),
-        "signals": _summaries(found_signals, t, told),
+        "signals": _summaries(found_signals, t, progress),
         "checks": {
             **judgement.numbers,
             "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
@@ -146,13 +146,13 @@ def collect(
 
 
 def _summaries(
-    signals: Sequence[Signal], t: Array, told: Callable[[float], None]
+    signals: Sequence[Signal], t: Array, progress: Callable[[float], None]
 ) -> dict[str, dict[str, Any]]:
-    """Return the summaries of signals by name; `told` hears of the second half of the work."""
+    """Return the summaries of signals by name; `progress` gets the second half of the work."""
     found = {}
     for number, signal in enumerate(signals, 1):
         found[signal.name] = signal_summary(signal, t)
-        told(0.5 + 0.5 * number / len(signals))
+        progress(0.5 + 0.5 * number / len(signals))
     return found
 
 

@@ -230,7 +230,7 @@ def integrated(
     ----------
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
-    on_stall : told at once of a run that has come to a stall
+    on_stall : called at once when a run has come to a stall
     folder : for states that are too many for memory; None: that of temporary files
     stages : of `radau`, whether the steps that `watch` sees have their stages
     """

@@ -13,7 +13,7 @@ from ..system.interrupts import asked
 LOGGER = logging.getLogger(__name__)
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
 PACE = 0.1  # part of the patience in which a stage shows its pace, by some blocks of rows
-FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
+FIRST_LINE_S = 2.0  # wall time after which a run without a terminal shows where it is
 
 
 def work_s() -> float:
@@ -24,8 +24,8 @@ def work_s() -> float:
     return time.process_time() - statistics.load_s
 
 
-class Told:
-    """Tells how far a stage is: a line on standard error after 2 s, then at doubled intervals.
+class StageProgress:
+    """Show how far a stage is: a line on standard error after 2 s, then at doubled intervals.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ POLL_S = 0.1
 
 
 @contextmanager
-def turn(folder: Path) -> Iterator[None]:
+def folder_lock(folder: Path) -> Iterator[None]:
     """Lock a folder, which is made if missing; the end of the process, however it ends, unlocks it.
 
     Without such locks (docs/platforms.md), commands are not serialised.
@@ -68,12 +68,12 @@ def turn(folder: Path) -> Iterator[None]:
     made = _make(folder)
     descriptor = os.open(folder, os.O_RDONLY) if POSIX else None  # Windows opens no folders
     try:
-        told = False
+        announced = False
         with suppress(OSError):  # a file system without locks
             while descriptor is not None and not locked(descriptor):
-                if not told:
+                if not announced:
                     LOGGER.info("%s: waiting for another command", folder)
-                told = True
+                announced = True
                 time.sleep(POLL_S)
         yield
     finally:

@@ -237,12 +237,12 @@ def _begin(stop: Any) -> None:
     _stop = stop
     end_with_parent()
 
-    told: list[int] = []
+    received: list[int] = []
 
     def interrupted(number: int, *_: Any) -> None:
         note(number)
-        told.append(number)
-        if _busy and len(told) == 1:
+        received.append(number)
+        if _busy and len(received) == 1:
             raise KeyboardInterrupt
 
     handle(interrupted)

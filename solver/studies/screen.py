@@ -1,4 +1,4 @@
-"""Messages of the library on standard error: what the logger "plymotion" is told."""
+"""Messages of the library on standard error: records of the logger "plymotion"."""
 
 import logging
 import sys

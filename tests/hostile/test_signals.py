@@ -19,7 +19,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import read_result
-from plymotion.solver.run.timing import PACE, Told
+from plymotion.solver.run.timing import PACE, StageProgress
 from plymotion.solver.studies.sweep.file import read_sweep
 from plymotion.solver.system.interrupts import heard, held
 
@@ -124,8 +124,8 @@ def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
 
 def test_a_stage_that_needs_longer_than_its_patience_ends():
     with heard(), held(5.0):
-        slow = Told("base", "writing", show=False, patience_s=5.0)
-        fast = Told("base", "writing", show=False, patience_s=5.0)
+        slow = StageProgress("base", "writing", show=False, patience_s=5.0)
+        fast = StageProgress("base", "writing", show=False, patience_s=5.0)
         for stage in (slow, fast):
             stage(0.01)
         os.kill(os.getpid(), signal.SIGTERM)

@@ -14,7 +14,7 @@ import plymotion as pm
 from plymotion.solver.__main__ import main as command
 from plymotion.solver.commands.case import report_case
 from plymotion.solver.inputs.case.tables.schema import CaseFile, Mechanism
-from plymotion.solver.studies.cases import turn
+from plymotion.solver.studies.cases import folder_lock
 
 SWING = (
     HEAD
@@ -316,7 +316,7 @@ def test_two_processes_take_turns_in_a_folder(swing, tmp_path):
         f"swept = pm.sweep({swing!r}, run='base', vary={{'gravity.2': [-1.0]}}, out='out')\n"
         "print(found.signals['tip_z'].min, swept.status)\n"
     )
-    with turn(tmp_path / "out"):
+    with folder_lock(tmp_path / "out"):
         process = subprocess.Popen(
             [sys.executable, "-c", code],
             stdout=subprocess.PIPE,

@@ -527,17 +527,16 @@ def sampled(
     q, work, after = model.quantities, spare_work(model), y.copy()
     first = model.n_pos + model.n_vel
     evaluate(model, work, t, y)
+
+    def value(p: int) -> float:
+        return evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)[0]
+
     for c, function in enumerate(functions):
         if which[q.called[c]]:
-            inputs = [
-                evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)[0]
-                for p in range(int(q.call_start[c]), int(q.call_start[c + 1]))
-            ]
+            inputs = [value(p) for p in range(*q.call_start[c : c + 2].tolist())]
             after[first + q.called[c]] = function(t, np.array(inputs))
     for j in np.flatnonzero(which & (q.update >= 0)):
-        p = int(q.update[j])
-        found = evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)
-        after[first + j] = found[0]
+        after[first + j] = value(int(q.update[j]))
     return after
 
 

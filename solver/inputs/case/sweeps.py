@@ -405,15 +405,15 @@ class _MemberProblems:
         """Add the findings of a member."""
         member = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
         for line in lines:
-            told = f"{line} (member {number}: {member})"
+            text = f"{line} (member {number}: {member})"
             key = re.split(" = |: ", line, maxsplit=1)[0]
             same = key + NUMBER.sub("", line.removeprefix(key))
-            self.found.setdefault(same, []).append(told)
+            self.found.setdefault(same, []).append(text)
 
     def lines(self) -> list[str]:
         """Return one line per finding, with the first member that has it."""
         return [
-            f"{self.where}: {told[0].removesuffix(')')}"
-            + (f"; and {len(told) - 1} more members)" if len(told) > 1 else ")")
-            for told in self.found.values()
+            f"{self.where}: {texts[0].removesuffix(')')}"
+            + (f"; and {len(texts) - 1} more members)" if len(texts) > 1 else ")")
+            for texts in self.found.values()
         ]

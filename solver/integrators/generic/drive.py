@@ -251,7 +251,7 @@ def integrate(
         are taken one by one for it
     watch : sees all accepted steps, many at a time; may return a StopRequest. The run ends with
         the step that it names; steps beyond are dropped
-    on_stall : told at once of a run that has come to a stall, and what was done about it
+    on_stall : called at once when a run has come to a stall, and what was done about it
     folder : where rows are kept that are too many for memory; None: that of temporary files
 
     Raises

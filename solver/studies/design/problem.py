@@ -4,7 +4,7 @@ x are the free parameters, each scaled to -1 to 1. If the objective is a largest
 plies, x has one more entry: a bound of all its local peaks, which is minimised.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -84,7 +84,6 @@ class Problem:
     best: Point | None = None
     history: list[Point] = field(default_factory=list)
     invalid: list[str] = field(default_factory=list)
-    told: Callable[[Point], None] = lambda _: None
 
     def __post_init__(self) -> None:
         self._good: tuple[Array, Array, Array | None] | None = None
@@ -176,7 +175,6 @@ class Problem:
         point = self.point(p, found)
         if not self.history or self.history[-1].p != point.p:
             self.history.append(point)
-            self.told(point)
         return rows
 
     def _rows(self, x: Array, values: list[Array], slopes: list[Array] | None) -> Array:

@@ -32,8 +32,8 @@ def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
         values = [found["start"]["shown"], best["shown"], verified.get("shown")]
         limits = ((">=", measure["least"]), ("<=", measure["most"]))
         limit = [f"{sign} {value:g}" for sign, value in limits if value is not None]
-        told = [f"{v[k]:.6g}" if v else "-" for v in values]
-        rows.append([f"{sense}{measure['words']}{unit}", *told, ", ".join(limit)])
+        texts = [f"{v[k]:.6g}" if v else "-" for v in values]
+        rows.append([f"{sense}{measure['words']}{unit}", *texts, ", ".join(limit)])
     rows.append([""] * 5)
     for k, (name, value) in enumerate(best["values"].items()):
         rows.append([name, f"{found['start']['p'][k]:.6g}", f"{value:.6g}", "", ""])

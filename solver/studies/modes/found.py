@@ -173,9 +173,9 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
     elif np.abs(space.auxiliary_rates).max(initial=0.0) > _AT_REST:
         names = [states.built.state_names[j] for j in space.auxiliary]
         moving = np.abs(space.auxiliary_rates) > _AT_REST
-        told = ", ".join(n for n, moves in zip(names, moving, strict=True) if moves)
+        some = ", ".join(n for n, moves in zip(names, moving, strict=True) if moves)
         notes.append(
-            f"the state is no equilibrium: {told} still changes. --at t=TIME takes a time after it "
+            f"the state is no equilibrium: {some} still changes. --at t=TIME takes a time after it "
             "has settled"
         )
     period = state.model.quantities.period

@@ -269,7 +269,7 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
     series = {n: d[()] for n, d in histories.items() if n != "t"}
     rows = []
     for k, key in enumerate(texts["key"]):
-        told = not np.isnan(t_end[k])
+        known = not np.isnan(t_end[k])
         rows.append(
             Row(
                 key=key,
@@ -280,11 +280,11 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
                 signals={
                     n: {"unit": units[n]} | {m: _value(v[k]) for m, v in table.items()}
                     for n, table in measured.items()
-                    if told
+                    if known
                 },
-                histories={n: v[k] for n, v in series.items() if told},
-                checks={n: float(v[k]) for n, v in numbers["checks"].items() if told},
-                cost={n: float(v[k]) for n, v in numbers["cost"].items() if told},
+                histories={n: v[k] for n, v in series.items() if known},
+                checks={n: float(v[k]) for n, v in numbers["checks"].items() if known},
+                cost={n: float(v[k]) for n, v in numbers["cost"].items() if known},
                 warnings=tuple(texts["warnings"][k].split()),
             )
         )

@@ -139,8 +139,8 @@ def check_modes(
     for where, place in asked:
         if place not in fractions:
             default = where.endswith("reference.at") and place == DEFAULT_PLACE
-            told = " (the default)" if default else ""
-            found.append(f'{where} = "{place}"{told}: no such interface{nearest(place, fractions)}')
+            note = " (the default)" if default else ""
+            found.append(f'{where} = "{place}"{note}: no such interface{nearest(place, fractions)}')
     found += [
         f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
         "it: a mean axis carries its first load"

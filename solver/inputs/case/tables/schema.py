@@ -147,8 +147,8 @@ class Sweep(Table):
                 raise ValueError(f"vary.{name}: expected `count` beside `from` and `to`")
         sizes = {name: len(variation.listed()) for name, variation in self.vary.items()}
         if self.design == "list" and len(set(sizes.values())) > 1:
-            told = ", ".join(f"{size} of {name}" for name, size in sizes.items())
-            raise ValueError(f'design "list": expected as many values of each, found {told}')
+            listed = ", ".join(f"{size} of {name}" for name, size in sizes.items())
+            raise ValueError(f'design "list": expected as many values of each, found {listed}')
         if self.design == "grid" and np.prod(list(map(float, sizes.values()))) > MOST:
             raise ValueError(f"expected at most {MOST} combinations")
         return self
