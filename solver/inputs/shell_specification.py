@@ -53,7 +53,7 @@ def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
     used = np.unique(cells[cells >= 0])
     row = np.full(len(points), -1)
     row[used] = np.arange(len(used))
-    arrays: dict[str, Any] = {
+    arrays: dict[str, object] = {
         "points": points[used],
         "cells": np.where(cells < 0, -1, row[np.maximum(cells, 0)]),
         "region": region,
@@ -187,7 +187,7 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
     return found
 
 
-def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
+def _mesh(table: Mesh, folder: Path) -> dict[str, object]:
     if table.file is None:
         file, key = library("shells") / f"{table.shape}.py", f'mesh.shape = "{table.shape}"'
     else:

@@ -181,7 +181,7 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
     }
 
 
-def _material(file: Path, text: str | None) -> dict[str, Any]:
+def _material(file: Path, text: str | None) -> dict[str, object]:
     isotropic = {n: m.table for n, m in LIBRARY.items() if m.table["kind"] == "isotropic"}
     if text in isotropic:
         return isotropic[text]
@@ -201,7 +201,7 @@ def _material(file: Path, text: str | None) -> dict[str, Any]:
     return {"kind": "isotropic", **dict(zip(("E", "nu", "rho"), values, strict=True))}
 
 
-def _mesh(description: SolidDescription, folder: Path) -> dict[str, Any]:
+def _mesh(description: SolidDescription, folder: Path) -> dict[str, object]:
     table = description.mesh
     file, key = mesh_source(table.file, folder)
     if file.suffix == ".msh" and not is_gmsh_mesh(file):

@@ -116,7 +116,7 @@ def _project(run: Integrator, work: None, t: float, y: Array, *memory: Array) ->
 
 
 # The same source for the equations of an integrator in place of a model.
-_of_run: dict[str, Any] = {"derivative_into": _derivative_into, "project": _project}
+_of_run: dict[str, object] = {"derivative_into": _derivative_into, "project": _project}
 _of_run["fill_stages"] = rebound(fill_stages, **_of_run)
 _attempt_step: Any = rebound(attempt_step, **_of_run)
 _fill_polynomial: Any = rebound(fill_polynomial, **_of_run)

@@ -96,7 +96,7 @@ class GeneralizedAlpha(StepLoop):
         self.hints += of_choice(formulation, spectral_radius)
 
     @classmethod
-    def for_treatment(cls, name: str) -> dict[str, Any]:
+    def for_treatment(cls, name: str) -> dict[str, object]:
         """Formulation."""
         return {"formulation": name}
 

@@ -501,7 +501,7 @@ class ClosingLoop(StepLoop):
         super().__init__(model, t0, y0, t_end, **options)
 
     @classmethod
-    def for_treatment(cls, name: str) -> dict[str, Any]:
+    def for_treatment(cls, name: str) -> dict[str, object]:
         """Whether steps go back onto the constraints."""
         return {"closed": name == "projection"}
 

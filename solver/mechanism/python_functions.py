@@ -55,7 +55,7 @@ def _codes(mechanism: "Mechanism") -> dict[str, Any]:
 
 
 def _loaded(key: str, code: Any) -> Called:
-    space: dict[str, Any] = {"__name__": "user_code"}
+    space: dict[str, object] = {"__name__": "user_code"}
     try:
         exec(compile(code.source, code.file, "exec"), space)
     except Exception as error:

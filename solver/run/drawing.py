@@ -311,7 +311,7 @@ def _sites(
     kind: IntArray,
     compliance: Array,
     parts: list[Points],
-    of_parts: list[list[dict[str, Any]]],
+    of_parts: list[list[dict[str, object]]],
     q: Array,
 ) -> Sites:
     """Put sites together with the points that govern at the times of q (t, m)."""

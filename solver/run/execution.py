@@ -202,7 +202,7 @@ def execute(
     progress: bool = True,
     folder: Path | None = None,
     allow_python: bool = False,
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, dict[str, object]]:
     """Integrate one run; return the result and the summary.
 
     Parameters
@@ -276,7 +276,7 @@ def _collected(
 
 
 # Result and summary of a run file with `[fidelity]`, from the run and the digest of its inputs.
-Planned = Callable[[RunSpec, str], tuple[RunResult, dict[str, Any]]]
+Planned = Callable[[RunSpec, str], tuple[RunResult, dict[str, object]]]
 
 
 def run_file(

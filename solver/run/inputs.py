@@ -103,7 +103,7 @@ def text_sha256(plan: str) -> str:
     return hashlib.sha256(json.dumps(table, sort_keys=True, default=str).encode()).hexdigest()
 
 
-def up_to_date(file: Path, out: Path) -> dict[str, Any] | None:
+def up_to_date(file: Path, out: Path) -> dict[str, object] | None:
     """Return the summary of a result that was not interrupted and has the inputs of a run file.
 
     The plan of a run with `[fidelity]`, which may be edited, is one of them.

@@ -147,7 +147,7 @@ def collect(
 
 def _summaries(
     signals: Sequence[Signal], t: Array, progress: Callable[[float], None]
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, dict[str, object]]:
     """Return the summaries of signals by name; `progress` gets the second half of the work."""
     found = {}
     for number, signal in enumerate(signals, 1):
@@ -188,7 +188,7 @@ def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, .
 # What a result was computed with: versions, packages and the command.
 
 
-def provenance(packages: Mapping[str, ModalPackage]) -> dict[str, Any]:
+def provenance(packages: Mapping[str, ModalPackage]) -> dict[str, object]:
     """Return versions, the digest of the inputs of each package, and the command if it started
     the run."""
     found: dict[str, Any] = {

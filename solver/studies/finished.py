@@ -16,7 +16,7 @@ RECORD = "finished.json"
 MOST = 32  # commands that are remembered for a folder
 
 
-def request_of(file: Path, words: dict[str, Any]) -> str:
+def request_of(file: Path, words: dict[str, object]) -> str:
     """Return a name for what a command was asked to do."""
     return json.dumps({"case": str(file.resolve()), **words}, sort_keys=True)
 

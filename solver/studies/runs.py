@@ -168,7 +168,7 @@ def _code(summary: dict[str, Any]) -> int:
     return INCOMPLETE if refused or _ending(summary) != DONE else 0
 
 
-def _ending(summary: dict[str, Any]) -> str:
+def _ending(summary: dict[str, object]) -> str:
     """Return how a run ended, in a word or two."""
     if not summary["completed"]:
         return str(summary["status"])

@@ -57,7 +57,7 @@ def _kind(group: str, table: Tables) -> Any:
 
 
 @cache
-def _keys(group: str) -> dict[Any, dict[str, Any]]:
+def _keys(group: str) -> dict[Any, dict[str, object]]:
     """Return the keys of every kind of a group with their types; empty for a group without."""
     field = Mechanism.model_fields.get(group)
     arguments = () if field is None else get_args(field.annotation)
@@ -167,7 +167,7 @@ def checked_case(
     findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
     quick = {k: v for k, v in top.coarse.items() if k not in _APART} if coarse else {}
 
-    def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
+    def merged_with(key: str, variants: list[str]) -> dict[str, object]:
         merged = deepcopy(base)
         for variant in variants:
             findings.add(unknown(f"{file}: {key}.variants", variant, "variant", top.variants))

@@ -111,13 +111,13 @@ def package_entries(table: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 class Record(SimpleNamespace):
     """A table as attributes, like a model of the schema; it must not be changed."""
 
-    def model_dump(self) -> dict[str, Any]:
+    def model_dump(self) -> dict[str, object]:
         """Return plain data, as the model of the same name in pydantic does."""
-        plain: dict[str, Any] = _plain(self)
+        plain: dict[str, object] = _plain(self)
         return plain
 
 
-def seal(mechanism: "Mechanism") -> dict[str, Any]:
+def seal(mechanism: "Mechanism") -> dict[str, object]:
     """Return what tells that a mechanism is checked: digest, and which tables have free keys."""
     named = sorted(_named(mechanism, ""))
     return {"named": named, "sha256": _digest(mechanism.model_dump(), named)}

@@ -179,7 +179,7 @@ def sweep_content(
     sweep: CheckedSweep,
     packages: list[Packages],
     others: dict[str, list[Packages]],
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the content of the file.
 
     A member is the mechanism with `changes` (dotted keys) and its own `packages`, given by their

@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -139,7 +139,7 @@ Material = Annotated[
 ]
 
 
-def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:
+def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, object]:
     """Return what bodies depend on of a material as plain data in SI, without absent keys."""
     return material.model_dump(exclude_none=True, exclude={"fatigue"})
 

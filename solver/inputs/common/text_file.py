@@ -17,7 +17,7 @@ DESCRIPTION = "description for `plymotion section` or `plymotion shell`"
 KEYS = {"runs": CASE, "joints": CASE, "regions": DESCRIPTION}
 
 
-def read_toml(file: Path, what: str) -> dict[str, Any]:
+def read_toml(file: Path, what: str) -> dict[str, object]:
     """Read a TOML file; `what` it is meant to be ("case file") goes into the message.
 
     Raises

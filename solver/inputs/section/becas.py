@@ -68,7 +68,7 @@ class CellSection:
     places: dict[str, str] = field(default_factory=dict)
 
 
-def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
+def cell_section_spec(section: CellSection, folder: Path) -> dict[str, object]:
     """Return the specification of a section; its arrays are written to a folder.
 
     The warping has the functions of the nodes of the file's cells, so that the result can be

@@ -258,7 +258,7 @@ def _curves(regions: Regions, curves: Any, file: str) -> list[str]:
 BUILD = Path("build/sections")  # default folder of arrays
 
 
-def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
+def load_section(file: Path, folder: Path = BUILD) -> dict[str, object]:
     """Return the specification of a described section.
 
     Parameters
@@ -289,7 +289,7 @@ def source_files(table: Mapping[str, Any], file: Path) -> list[Path]:
     return [file, *(path for path in beside if path.is_file())]
 
 
-def section_spec(table: Mapping[str, Any], file: Path, folder: Path = BUILD) -> dict[str, Any]:
+def section_spec(table: Mapping[str, Any], file: Path, folder: Path = BUILD) -> dict[str, object]:
     """Return the specification of a description already read; see `load_section`.
 
     Parameters
@@ -332,7 +332,7 @@ def section_spec(table: Mapping[str, Any], file: Path, folder: Path = BUILD) -> 
     }
 
 
-def _along(description: SectionDescription) -> dict[str, Any]:
+def _along(description: SectionDescription) -> dict[str, object]:
     """Return the keys that are not about the plane of the section."""
     keys: dict[str, Any] = {}
     if description.allow:

@@ -91,7 +91,7 @@ def _known(place: Any) -> list[Any]:
 # csv = "angles.csv"                        # rows of numbers, or "name, 1, 2" and "soft, 45, -45"
 
 FileName = Annotated[str, Field(pattern=r"^[\w.+-]+$")]  # it becomes part of a folder's name
-Variants = list[tuple[str, dict[str, Any]]]  # end of the name, dotted keys with their values
+Variants = list[tuple[str, dict[str, object]]]  # end of the name, dotted keys with their values
 
 
 class Sweep(Table):
@@ -205,7 +205,7 @@ Leaves = dict[tuple[str | int, ...], Any]  # values of nested tables and lists b
 
 def design_of(
     table: dict[str, Any], file: Path, folder: Path, asked: Parameters
-) -> dict[str, list[dict[str, Any]]]:
+) -> dict[str, list[dict[str, object]]]:
     """Return the targets of parameters in the specification: key and change per unit.
 
     A thickness of a description moves thicknesses of plies and sizes of the mesh at once.
@@ -289,7 +289,7 @@ def described_spec(
     name: str,
     folder: Path,
     derivatives: Parameters | None = None,
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the specification of a description with changes.
 
     Parameters

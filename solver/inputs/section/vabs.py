@@ -24,7 +24,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -391,7 +390,7 @@ def is_of_another_code(file: Path) -> bool:
     return is_becas(file) or (file.suffix.lower() in VABS and file.is_file())
 
 
-def spec_of_another_code(file: Path, folder: Path) -> dict[str, Any]:
+def spec_of_another_code(file: Path, folder: Path) -> dict[str, object]:
     """Return the specification of a section of another code; arrays are written to a folder.
 
     Raises

@@ -427,7 +427,7 @@ class Integrator(ABC):
             return advice.fastest_motion(self.derivative, self.t, self.y, weight)
 
     @classmethod
-    def for_treatment(cls, name: str) -> dict[str, Any]:
+    def for_treatment(cls, name: str) -> dict[str, object]:
         """Return the options that follow from the treatment of constraints of a case."""
         return {}
 

@@ -58,7 +58,7 @@ def with_targets(names: Sequence[str], specs: Sequence[Specs], steps: Array) -> 
     return found
 
 
-def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, Any]]:
+def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, object]]:
     """Yield the paths of numbers that differ, with their derivatives."""
     low, high = dict(_leaves(minus, ())), dict(_leaves(plus, ()))
     if low.keys() != high.keys():

@@ -67,7 +67,7 @@ def _text(p: Array) -> str:
     return ",".join(map(repr, map(float, p)))  # exact
 
 
-def _sealed(entry: dict[str, Any]) -> str:
+def _sealed(entry: dict[str, object]) -> str:
     text = json.dumps(entry)
     return f"{hashlib.sha256(text.encode()).hexdigest()[:16]} {text}"
 

@@ -1,7 +1,6 @@
 """The plan of a run with `[fidelity]`: made once for a study, and made anew at its best design."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -69,7 +68,7 @@ def with_plan(trials: Trials) -> Order:
     return replace(order, plan=plan)
 
 
-def plan_again(trials: Trials, p: Array) -> dict[str, Any]:
+def plan_again(trials: Trials, p: Array) -> dict[str, object]:
     """Return whether the frozen plan reaches its accuracy at a design, and the plan made there."""
     from ..fidelity.execution import checked_member, shared_plan
 

@@ -6,7 +6,7 @@ plies, x has one more entry: a bound of all its local peaks, which is minimised.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -246,4 +246,4 @@ class Options:
     iterations: int
     tolerance: float
     seed: int
-    more: dict[str, Any] = field(default_factory=dict)
+    more: dict[str, object] = field(default_factory=dict)

@@ -124,7 +124,7 @@ def _best(found: Sequence[Start]) -> Start | None:
     return best
 
 
-def _verified(trials: Trials, p: Array, shown: list[float]) -> dict[str, Any]:
+def _verified(trials: Trials, p: Array, shown: list[float]) -> dict[str, object]:
     """Return what a richer model says of the best design, and the relative differences."""
     found = trials.richer().values(p)
     return {
@@ -146,7 +146,7 @@ def _sensitivities(memory: Memory, p: list[float]) -> list[list[float]]:
 
 def _content(
     trials: Trials, key: str, found: Sequence[Start], best: Start, memory: Memory
-) -> dict[str, Any]:
+) -> dict[str, object]:
     study, table = trials.study, trials.study.table
     assert best.best is not None
     names = list(study.parameters)
@@ -199,7 +199,7 @@ def _content(
     }
 
 
-def _layup(layup: Any) -> dict[str, Any]:
+def _layup(layup: Any) -> dict[str, object]:
     return {
         "angles_deg": layup.angles.tolist(),
         "thicknesses": layup.thicknesses.tolist(),

@@ -220,7 +220,7 @@ def _joined(plan: Plan, single: Plan, kind: str, body: str) -> Plan:
     if kind == TOLERANCE:
         return replace(plan, rtol=single.rtol)
     new = single.bodies[body]
-    fields: dict[str, dict[str, Any]] = {
+    fields: dict[str, dict[str, object]] = {
         "vibrations": {"vibrations": new.vibrations, "mesh": new.mesh},
         HIGHEST: {"vibrations": new.vibrations, "mesh": new.mesh},
         "statics": {"static": new.static},

@@ -49,7 +49,7 @@ def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
 # modes.json: the modes as plain data.
 
 
-def modes_content(states: States, found: Found) -> dict[str, Any]:
+def modes_content(states: States, found: Found) -> dict[str, object]:
     """Return the content of modes.json."""
     state, rank = found.state, found.space.rank
     spin = None
@@ -80,7 +80,7 @@ def modes_content(states: States, found: Found) -> dict[str, Any]:
     }
 
 
-def _entries(found: Found, body_names: list[str]) -> list[dict[str, Any]]:
+def _entries(found: Found, body_names: list[str]) -> list[dict[str, object]]:
     """Return the modes as plain data."""
     out = []
     for k, value in enumerate(found.modes.eigenvalues):

@@ -108,7 +108,7 @@ def with_sensitivities(
     *,
     progress: bool = False,
     folder: Path | None = None,
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, dict[str, object]]:
     """Integrate a run with the derivatives of its motion; return result and summary.
 
     Parameters
@@ -152,7 +152,7 @@ def with_sensitivities(
         raise InputError(f"{spec.run}: sensitivities need a run that finishes: {solution.message}")
     result, summary = collect(spec, prepared.measured, finished, clock.seconds["integrate"], folder)
     y, found_ = np.asarray(solution.y[:]), list[Derivative]()
-    held: dict[str, Any] = {}
+    held: dict[str, object] = {}
     recording = Recording(model, solution.t, y, {HELD: held})
     for name, asked in spec.mechanism.signals.items():
         if asked.kind in ("strength_ratio", "exposure") and name in prepared.measured:
@@ -282,7 +282,7 @@ def _of_signals(
     S: Array,
     h: float,
     pair: tuple[Variant, Variant],
-    held: dict[str, Any],
+    held: dict[str, object],
 ) -> dict[str, Array]:
     """Return the derivatives (k,) of signals by a parameter, with its direct effect on them."""
     values = list[dict[str, Array]]()

@@ -61,13 +61,13 @@ def with_parameters(
     if twice:
         raise InputError(f"--of {few(twice)}: given twice")
     mechanism = case.runs[run].model_dump()
-    sweeps = dict[str, dict[str, Any]]()
+    sweeps = dict[str, dict[str, object]]()
     for k, key in enumerate(keys):
         if key.startswith("solver."):
             raise InputError(f"--of {key}: expected a number of the mechanism, not of its solution")
         value = _value(mechanism, key)
         h = RELATIVE * (abs(value) or 1.0)
-        vary: dict[str, Any] = {"values": [value - h, value + h]}
+        vary: dict[str, object] = {"values": [value - h, value + h]}
         with suppress(Misplaced):  # which is said below
             if unit_at(case.runs[run], key, file.parent) == "m":
                 vary["unit"] = "m"
@@ -98,7 +98,7 @@ def with_parameters(
     return case, list(zip(keys, values, found, strict=True))
 
 
-def _value(mechanism: dict[str, Any], key: str) -> float:
+def _value(mechanism: dict[str, object], key: str) -> float:
     """Return the number at a key; 0 where there is none, which is said later."""
     here: Any = mechanism
     for part in split_key(key):

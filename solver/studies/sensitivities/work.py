@@ -27,7 +27,7 @@ def compute_sensitivities(
     packages: Path | None = None,
     coarse: bool = False,
     progress: bool = False,
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, dict[str, object]]:
     """Return result and summary of a run of a case, with its derivatives by the numbers at `keys`.
 
     Parameters
@@ -51,7 +51,7 @@ def compute_sensitivities(
     return with_sensitivities(spec, found, progress=progress)
 
 
-def write_sensitivities(folder: Path, result: RunResult, summary: dict[str, Any]) -> list[str]:
+def write_sensitivities(folder: Path, result: RunResult, summary: dict[str, object]) -> list[str]:
     """Write result.vtkhdf and summary.json into a folder; return their names."""
     refuse_foreign(folder / SUMMARY)
     folder.mkdir(parents=True, exist_ok=True)

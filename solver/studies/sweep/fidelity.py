@@ -95,7 +95,7 @@ def _member(
     return spec, {**spec.packages, **packages.named(check)}
 
 
-def _entry(answer: Answer) -> dict[str, Any]:
+def _entry(answer: Answer) -> dict[str, object]:
     return {
         "verdict": answer.verdict,
         "reason": answer.reason,

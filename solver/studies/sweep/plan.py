@@ -74,7 +74,7 @@ class Plan(Table):
     signals: list[str]
     histories: list[str]
     table: dict[str, Any] = Field(alias="mechanism")  # that all members change
-    other_runs: dict[str, dict[str, Any]]  # mechanisms of other runs, likewise
+    other_runs: dict[str, dict[str, object]]  # mechanisms of other runs, likewise
     members: list[Member]
     packages: list[_Package]
     fidelity: _Fidelity | None = None
@@ -116,10 +116,10 @@ class Plan(Table):
         where = f"{self.file}: member {self.members[number].number}, run {run}"
         return in_segments(resolved(self._others_of(number)[run], where))
 
-    def _table_of(self, number: int) -> dict[str, Any]:
+    def _table_of(self, number: int) -> dict[str, object]:
         return put(self.table, self.members[number].changes)
 
-    def _others_of(self, number: int) -> dict[str, dict[str, Any]]:
+    def _others_of(self, number: int) -> dict[str, dict[str, object]]:
         others = self.members[number].other_runs
         return {run: put(self.other_runs[run], variant.changes) for run, variant in others.items()}
 

@@ -207,7 +207,7 @@ def section_spec(
     return spec, []
 
 
-def given_section(station: BeamStation) -> dict[str, Any]:
+def given_section(station: BeamStation) -> dict[str, object]:
     """Return the specification of a station with matrices of its own."""
     return {
         "name": f"at {station.at:.4f}",
@@ -242,7 +242,7 @@ def check_section(key: str, station: BeamStation, mechanism: Mechanism) -> list[
 
 def _described(
     key: str, name: str, section: DescribedSection, mechanism: Mechanism, folder: Path
-) -> tuple[dict[str, Any], list[Path]]:
+) -> tuple[dict[str, object], list[Path]]:
     file = folder / INLINE
     try:
         table, file = section_table(name, section, mechanism, folder)
@@ -322,9 +322,9 @@ def _length(body: BeamBody) -> float:
 
 def _stations(
     key: str, body: BeamBody, mechanism: Mechanism, folder: Path
-) -> tuple[list[tuple[float, dict[str, Any]]], list[Path], list[str]]:
+) -> tuple[list[tuple[float, dict[str, object]]], list[Path], list[str]]:
     """Return places and sections, files that they are made from, and what is wrong."""
-    stations: list[tuple[float, dict[str, Any]]] = []
+    stations: list[tuple[float, dict[str, object]]] = []
     sources: list[Path] = []
     found: list[str] = []
     for station in with_sections(body):
@@ -332,7 +332,7 @@ def _stations(
             stations.append((station.at, given_section(station)))
             continue
         wrong = check_section(key, station, mechanism)
-        section, files = dict[str, Any](), list[Path]()
+        section, files = dict[str, object](), list[Path]()
         if station.material is not None or not wrong:
             with collected(wrong):
                 section, files = section_spec(station, mechanism, folder)

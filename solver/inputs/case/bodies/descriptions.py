@@ -37,7 +37,7 @@ INLINE = "description"
 
 def section_table(
     name: str, section: "DescribedSection", mechanism: "Mechanism", folder: Path
-) -> tuple[dict[str, Any], Path]:
+) -> tuple[dict[str, object], Path]:
     """Return the description of a section, and its file; of one in the case, a name beside it.
 
     Raises
@@ -57,7 +57,7 @@ def section_table(
     return changed(table, section.changes, file), file
 
 
-def shell_table(body: "ShellBody", folder: Path) -> tuple[dict[str, Any], Path]:
+def shell_table(body: "ShellBody", folder: Path) -> tuple[dict[str, object], Path]:
     """Return the description of a shell, and its file.
 
     Raises
@@ -94,7 +94,7 @@ OF_SHELLS = ("links", "supports", "loads", "probes", "frequencies")
 OF_SOLIDS = ("supports", "loads", "interfaces")
 
 
-def reduction(body: BeamBody | ShellBody | SolidBody) -> dict[str, Any]:
+def reduction(body: BeamBody | ShellBody | SolidBody) -> dict[str, object]:
     """Return how a body is reduced, as in its specification."""
     second = {"second_order": True} if getattr(body, "second_order", False) else {}
     return {

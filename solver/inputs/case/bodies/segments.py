@@ -19,7 +19,7 @@ from .beams import division, fractions, is_plain, line_of, rounded, with_section
 NEAR = 1e-9  # fractions closer than this are one place
 
 # All six static shapes of the ends in a chord frame, which carries the other loads.
-SHAPES: list[dict[str, Any]] = [
+SHAPES: list[dict[str, object]] = [
     {"kind": "attachment", "at": "start", "directions": ["ry", "rz"]},
     {"kind": "attachment", "at": "end", "directions": ["x", "rx", "ry", "rz"]},
     {"kind": "static-axial"},
@@ -40,7 +40,7 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
         return mechanism
     table = mechanism.model_dump()
     bodies: dict[str, Any] = {}
-    joints: dict[str, Any] = {}
+    joints: dict[str, object] = {}
     for name, body in table["bodies"].items():
         if name not in divided:
             bodies[name] = body
@@ -148,7 +148,7 @@ class _Divided:
             found[segment_name(self.name, k)] = own
         return found
 
-    def joints(self) -> dict[str, Any]:
+    def joints(self) -> dict[str, object]:
         """Return the joints between neighbouring segments."""
         pairs = [
             [f"{segment_name(self.name, k)}.end", f"{segment_name(self.name, k + 1)}.start"]
@@ -168,7 +168,7 @@ class _Divided:
         own = shape["length"] or lengths_along(np.array(shape["line"]["nodes"]))[-1]
         return segment_name(self.name, k), float(share * own)
 
-    def frame(self, at: str, seen_from: str | None) -> dict[str, Any]:
+    def frame(self, at: str, seen_from: str | None) -> dict[str, object]:
         """Return the frame in which deflections of the interface `at` are measured."""
         carriers = [seen_from] if seen_from else self.body.reference.places
         named = [carrier.rpartition(".")[2] for carrier in carriers]
@@ -208,7 +208,7 @@ class _Divided:
         shape["table"] = None
         return {**shape, "elements": len(local) - 1}, points[0], A_BS
 
-    def _stations(self, k: int) -> list[dict[str, Any]]:
+    def _stations(self, k: int) -> list[dict[str, object]]:
         """Return the stations of the body as fractions of a segment."""
         if not self.body.stations:
             return []

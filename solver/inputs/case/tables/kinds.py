@@ -74,7 +74,7 @@ def field_of(key: Key) -> tuple[Any, Any]:
     """Return type and field of a key, as `create_model` takes them."""
     default = getattr(key, "default", None)
     unit = getattr(key, "unit", "")
-    bounds: dict[str, Any] = {}
+    bounds: dict[str, object] = {}
     required = isinstance(key, Expressions | Code) or getattr(key, "required", False)
     if isinstance(key, Number):
         kind: Any = int if key.integer else float

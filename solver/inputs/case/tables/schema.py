@@ -417,7 +417,7 @@ def split_key(key: str) -> list[str]:
     return [*owner.split("."), *(["changes", inner] if colon else [])]
 
 
-def put(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+def put(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, object]:
     """Return plain data with other values at dotted keys; numbers are places of lists.
 
     What does not change is shared with `table`.

@@ -19,7 +19,7 @@ def genetic(problem: Problem, options: Options) -> Ending:
     bounds = problem.bounds[:n]
 
     class Elements(ElementwiseProblem):  # type: ignore[misc]
-        def _evaluate(self, x: Any, out: dict[str, Any], *_: Any, **__: Any) -> None:
+        def _evaluate(self, x: Any, out: dict[str, object], *_: Any, **__: Any) -> None:
             # The bound of peaks is what the design gives: the largest of them.
             full = np.r_[x, 0.0] if problem.bounded else x
             cons = problem.cons(full)
