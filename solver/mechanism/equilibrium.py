@@ -9,7 +9,7 @@ them, the work along the step is used.
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -270,13 +270,6 @@ _LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
 _TURNS = (1.0, 2.5)  # [rad] angles at which loads are compared
 
 
-class Steady(NamedTuple):
-    """A relative equilibrium."""
-
-    model: Model  # whose drives turn with it and whose loads keep their size
-    y: Array  # (n,)
-
-
 def relative_equilibrium(
     model: Model,
     start: Start,
@@ -284,7 +277,7 @@ def relative_equilibrium(
     joint_names: list[str],
     body_names: list[str],
     t: float = 0.0,
-) -> Steady:
+) -> "Turning":
     """Return the relative equilibrium near the given positions; loads are those at time t.
 
     Raises
@@ -294,7 +287,7 @@ def relative_equilibrium(
         with it; no equilibrium found.
     """
     positions = closed(model, start.positions, t)
-    _Turning(model, positions, spin, t).require(joint_names)
+    Turning(model, positions, spin, t).require(joint_names)
     found, trouble = _newton(model, positions, spin, t)
     if found is None:
         found, trouble = _from_rest(model, start, spin, body_names, t)
@@ -304,22 +297,28 @@ def relative_equilibrium(
             f"{pushed(model, trouble, body_names)}. Expected loads that joints, springs, "
             "elasticity and the spin can balance"
         )
-    here = _Turning(model, found, spin, t)
+    here = Turning(model, found, spin, t)
     here.require(joint_names)
     _require_constant(model, found, spin, t, body_names)
-    return Steady(here.model, here.y)
+    return here
 
 
-def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> Steady:
+def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> "Turning":
     """Return a mechanism in relative equilibrium y (n,) after it has turned by an angle [rad]."""
     positions = turned(model, y[: model.n_pos], spin, angle)
-    there = _Turning(model, positions, spin, t, angle)
-    return Steady(there.model, there.y)
+    return Turning(model, positions, spin, t, angle)
 
 
-class _Turning:
+class Turning:
     """A mechanism in given positions that turns at a spin.
 
+    Attributes
+    ----------
+    model : its drives turn with it and its loads keep their size
+    y : its state (n,)
+
+    Parameters
+    ----------
     ready : the model has the drives of the spin already
     """
 
@@ -350,7 +349,7 @@ class _Turning:
 
         def force(positions: Array) -> Array:
             # Rates of drives are of no effect here: multipliers are held.
-            near = _Turning(self.model, positions, self.spin, self.t, ready=True)
+            near = Turning(self.model, positions, self.spin, self.t, ready=True)
             there, found = near.evaluated()
             return np.asarray(found - there.Phi_q.T @ multipliers)
 
@@ -422,7 +421,7 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
     """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
     largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
     for _ in range(_ITERATIONS):
-        here = _Turning(model, positions, spin, t)
+        here = Turning(model, positions, spin, t)
         g, free, unbalanced, _ = here.balanced()
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
@@ -445,7 +444,7 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
             except InputError:
                 step = 0.5 * step
                 continue
-            after = _Turning(model, there, spin, t)
+            after = Turning(model, there, spin, t)
             if np.linalg.norm(after.balanced()[2]) < size:
                 break
             step = 0.5 * step
@@ -503,9 +502,9 @@ def _require_constant(
     """Raise InputError if the loads change when the mechanism has turned."""
     if spin.rate == 0.0:
         return
-    torque = _Turning(model, positions, spin, t).balanced()[-1]
+    torque = Turning(model, positions, spin, t).balanced()[-1]
     for angle in _TURNS:
-        there = _Turning(model, turned(model, positions, spin, angle), spin, t, angle)
+        there = Turning(model, turned(model, positions, spin, angle), spin, t, angle)
         g, free, unbalanced, _ = there.balanced(torque)
         push = free.Z @ unbalanced
         loads = float(np.max(np.abs(g) / model.inertia_scale))

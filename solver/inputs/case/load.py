@@ -1,7 +1,7 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cache
@@ -21,7 +21,7 @@ from .expressions import drives, law
 from .messages import Findings
 from .record import case_name
 from .sweeps import CheckedSweep, MergedOf, check_sweep, unit_at
-from .tables.schema import CaseFile, Mechanism, mechanism_of
+from .tables.schema import CaseFile, Mechanism, Sweep, mechanism_of
 
 Tables = dict[str, Any]
 
@@ -95,6 +95,7 @@ class Case:
     top : what is beside the mechanism
     runs : mechanism by run
     bodies : specifications of the flexible bodies by run and name
+    varied : a further sweep of its runs, checked; messages name it by the first argument
     sweeps : those that were asked for, with all their members
     studies : of the design
     """
@@ -104,6 +105,7 @@ class Case:
     top: CaseFile
     runs: dict[str, Mechanism]
     bodies: dict[str, dict[str, BodySpec]]
+    varied: Callable[[str, Sweep], CheckedSweep]
     sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
     studies: dict[str, CheckedStudy] = field(default_factory=dict)
 
@@ -202,14 +204,17 @@ def checked_case(
         """Return the tables of runs with variants that `key` adds."""
         return lambda run: merged_with(key or f"runs.{run}", [*top.runs[run].variants, *variants])
 
+    def varied(key: str, sweep: Sweep) -> CheckedSweep:
+        of_sweep = merged_of(key, sweep.variants)
+        return check_sweep(f"{file}: {key}", sweep, specs, of_sweep)
+
     checked_sweeps: dict[str, CheckedSweep] = {}
     for name, sweep in top.sweeps.items():
         key = f"sweeps.{name}"
         findings.add(unknown(f"{file}: {key}.run", sweep.run, "run", top.runs))
         if sweep.run in runs and (sweeps is None or name in sweeps):
             with findings.of_sweep(key):
-                of_sweep = merged_of(key, sweep.variants)
-                checked_sweeps[name] = check_sweep(f"{file}: {key}", sweep, specs, of_sweep)
+                checked_sweeps[name] = varied(key, sweep)
     studies: dict[str, CheckedStudy] = {}
     for name, study in (top.design.studies if top.design else {}).items():
         key = f"design.studies.{name}"
@@ -219,7 +224,7 @@ def checked_case(
                 studies[name] = check_study(f"{file}: {key}", name, top.design, specs, merged_of())
     if findings:
         raise InputError("\n".join(findings.lines()))
-    return Case(case_name(file), file, top, runs, bodies, checked_sweeps, studies)
+    return Case(case_name(file), file, top, runs, bodies, varied, checked_sweeps, studies)
 
 
 def _in_two_units(mechanism: Mechanism, texts: Mapping[str, str], unit: str) -> Iterator[str]:

@@ -124,7 +124,7 @@ def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: 
     worth = rich.energies(shapes)
     eta, K = rich.eta, rich.package.stiffness
     mine = [j for j, mode in enumerate(indicators.modes) if mode.body == name]
-    labels = {label: i for i, label in _static_rows(rich)}
+    labels = {label: i for i, label in enumerate(rich.package.mode_labels)}
     own = [labels[indicators.modes[j].label] for j in mine]
     usable = int(np.sum(worth > 1e-6 * max(float(worth.max(initial=0.0)), 1e-300)))
     unit = shapes[:, :usable] / worth[:usable]
@@ -138,10 +138,6 @@ def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: 
         if float(indicators.loss(lost).max(initial=0.0)) <= allowed:
             return count
     return usable
-
-
-def _static_rows(rich: Rich) -> list[tuple[int, str]]:
-    return list(enumerate(rich.package.mode_labels))
 
 
 FORMAT = 1

@@ -50,25 +50,25 @@ class Trial:
         return collect(self.spec, self.prepared.measured, self.finished, self.cpu)
 
 
-def tried(
+def attempted(
     spec: RunSpec,
     plan: Plan,
     model: Mapping[str, Rich],
     check: Mapping[str, Rich],
     names: list[str],
-    quiet: npt.NDArray[np.bool_] | None = None,
-) -> Trial:
-    """Run a plan; `quiet` (o,) are the signals that are rounding by the indicators.
+    quiet: npt.NDArray[np.bool_],
+) -> Trial | None:
+    """Run a plan; None if its model cannot be assembled.
 
-    Raises
-    ------
-    InputError
-        The model of the plan cannot be assembled.
+    `quiet` (o,) are the signals that are rounding by the indicators.
     """
     begin = work_s()
-    own = planned(spec, plan, model, check)
-    prepared = prepare(own.mechanism, own.packages)
-    finished = complete(prepared)
+    try:
+        own = planned(spec, plan, model, check)
+        prepared = prepare(own.mechanism, own.packages)
+        finished = complete(prepared)
+    except InputError:
+        return None
     solution = finished.solution
     recording = Recording(finished.model, solution.t, solution.y)
     compared = relatives(names, own.mechanism, prepared.built, solution.y[0])
@@ -77,21 +77,6 @@ def tried(
     cpu = work_s() - begin
     whole = solution.status == "finished"
     return Trial(plan, own, prepared, finished, signals, sizes, whole, cpu)
-
-
-def attempted(
-    spec: RunSpec,
-    plan: Plan,
-    model: Mapping[str, Rich],
-    check: Mapping[str, Rich],
-    names: list[str],
-    quiet: npt.NDArray[np.bool_] | None = None,
-) -> Trial | None:
-    """Run a plan, as `tried`; None if its model cannot be assembled."""
-    try:
-        return tried(spec, plan, model, check, names, quiet)
-    except InputError:
-        return None
 
 
 def distance(metric: str, one: Trial, two: Trial) -> Array:

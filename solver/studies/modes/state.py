@@ -17,7 +17,6 @@ from ...mechanism.build import build
 from ...mechanism.built import BuiltMechanism, Start
 from ...mechanism.consistent import consistent_state
 from ...mechanism.equilibrium import (
-    Steady,
     given_spin,
     hub_axis,
     relative_equilibrium,
@@ -153,7 +152,7 @@ class States:
             model, y = resting_state(built.model, start, built.body_names)
             return State(model, 0.0, y, spin, "rest")
         names = built.joint_names, built.body_names
-        found: Steady = relative_equilibrium(built.model, start, spin, *names)
+        found = relative_equilibrium(built.model, start, spin, *names)
         return State(found.model, 0.0, found.y, spin, f"spin {spin.rate:g} rad/s", given_spin=True)
 
     def _span(self) -> str:

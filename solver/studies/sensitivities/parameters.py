@@ -10,10 +10,10 @@ import numpy as np
 
 from ...dynamics.elements.constraints.treatment import treated
 from ...dynamics.model.model import Model
-from ...errors import InputError, few, nearest
+from ...errors import InputError, few, nearest, refuse
 from ...inputs.case.load import Case, checked_case
 from ...inputs.case.sweeps import CheckedSweep, Misplaced, unit_at
-from ...inputs.case.tables.schema import split_key
+from ...inputs.case.tables.schema import Sweep, split_key
 from ...integrators.breakpoints import breaks
 from ...integrators.table import treatment_of
 from ...math.arrays import Array
@@ -27,7 +27,6 @@ from .kinematics import displacements
 
 # Over the number: central differences of arrays that are polynomials of it.
 RELATIVE = 1e-5
-SWEEP = "sensitivity-{}"
 
 
 @dataclass(frozen=True)
@@ -61,8 +60,8 @@ def with_parameters(
     if twice:
         raise InputError(f"--of {few(twice)}: given twice")
     mechanism = case.runs[run].model_dump()
-    sweeps = dict[str, dict[str, object]]()
-    for k, key in enumerate(keys):
+    found, wrong = list[tuple[str, float, CheckedSweep]](), list[str]()
+    for key in keys:
         if key.startswith("solver."):
             raise InputError(f"--of {key}: expected a number of the mechanism, not of its solution")
         value = _value(mechanism, key)
@@ -71,31 +70,26 @@ def with_parameters(
         with suppress(Misplaced):  # which is said below
             if unit_at(case.runs[run], key, file.parent) == "m":
                 vary["unit"] = "m"
-        sweeps[SWEEP.format(k)] = {"run": run, "vary": {key: vary}}
-    try:
-        added = {**table, "sweeps": sweeps}
-        varied = checked_case(added, file, coarse=coarse, sweeps=list(sweeps))
-    except InputError as error:
-        text = str(error)
-        for k, key in enumerate(keys):
-            text = text.replace(f"sweeps.{SWEEP.format(k)}.vary: {key}", f"--of {key}")
-            text = text.replace(f"sweeps.{SWEEP.format(k)}", f"--of {key}")
-        raise InputError(text) from None
-    found = [varied.sweeps[name] for name in sweeps]
-    for key, sweep in zip(keys, found, strict=True):
+        try:
+            sweep = Sweep.model_validate({"run": run, "vary": {key: vary}})
+            members = case.varied(f"--of {key}", sweep)
+        except InputError as error:
+            wrong += [line.replace(f".vary: {key}", "") for line in str(error).splitlines()]
+            continue
         changed = {
             name
-            for members in sweep.own.bodies
-            for name, spec in members.items()
-            if spec.inputs_sha256 != sweep.base_bodies[name].inputs_sha256
+            for bodies in members.own.bodies
+            for name, spec in bodies.items()
+            if spec.inputs_sha256 != members.base_bodies[name].inputs_sha256
         }
         if changed:
-            raise InputError(
+            wrong.append(
                 f"--of {key}: changes the package of {few(sorted(changed))}; expected a number of "
                 "the mechanism, or a parameter whose derivatives the package has (/design)"
             )
-    values = [_value(mechanism, key) for key in keys]
-    return case, list(zip(keys, values, found, strict=True))
+        found.append((key, value, members))
+    refuse(wrong)
+    return case, found
 
 
 def _value(mechanism: dict[str, object], key: str) -> float:

@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from pydantic import BaseModel
 
@@ -19,6 +19,7 @@ from ...solid_specification import solid_table
 from ..tables.beams import BeamBody
 from ..tables.bodies import (
     AttachmentChoice,
+    DescribedSection,
     ModeChoice,
     Modes,
     ShellBody,
@@ -26,17 +27,13 @@ from ..tables.bodies import (
     SpinningChoice,
     check_places,
 )
-
-if TYPE_CHECKING:
-    from ..tables.bodies import DescribedSection, ShellBody
-    from ..tables.schema import Mechanism
-
+from ..tables.schema import Mechanism
 
 INLINE = "description"
 
 
 def section_table(
-    name: str, section: "DescribedSection", mechanism: "Mechanism", folder: Path
+    name: str, section: DescribedSection, mechanism: Mechanism, folder: Path
 ) -> tuple[dict[str, object], Path]:
     """Return the description of a section, and its file; of one in the case, a name beside it.
 
@@ -57,7 +54,7 @@ def section_table(
     return changed(table, section.changes, file), file
 
 
-def shell_table(body: "ShellBody", folder: Path) -> tuple[dict[str, object], Path]:
+def shell_table(body: ShellBody, folder: Path) -> tuple[dict[str, object], Path]:
     """Return the description of a shell, and its file.
 
     Raises
@@ -69,7 +66,7 @@ def shell_table(body: "ShellBody", folder: Path) -> tuple[dict[str, object], Pat
     return changed(read_toml(file, "shell description"), body.changes, file), file
 
 
-def described(way: list[str], mechanism: "Mechanism", folder: Path) -> BaseModel | None:
+def described(way: list[str], mechanism: Mechanism, folder: Path) -> BaseModel | None:
     """Return the model of the description that the table at `way` has, None without one.
 
     Raises
