@@ -18,7 +18,6 @@ import json
 import os
 import random
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -130,7 +129,6 @@ def write_if_changed(file: Path, text: str) -> None:
 
 DRAWN = 3  # members at which the plan is checked
 Packages = dict[str, dict[str, str]]  # file and hash of the inputs by body
-Files = Callable[[dict[str, BodySpec]], Packages]
 
 
 def drawn_members(sweep: CheckedSweep) -> list[int]:
@@ -141,94 +139,6 @@ def drawn_members(sweep: CheckedSweep) -> list[int]:
     seed = hashlib.sha256(text.encode()).hexdigest()
     count = len(sweep.points)
     return sorted(random.Random(seed).sample(range(count), min(DRAWN, count)))
-
-
-def with_fidelity(sweep: CheckedSweep, content: dict[str, Any], files: Files) -> dict[str, Any]:
-    """Return the content of a sweep file with the key `fidelity`, if the run has [fidelity].
-
-    `files` gives packages by their specifications. `base` and `base_check` are numbers of those of
-    the run without changes, `drawn` has those of the check at some members.
-    """
-    if sweep.base.fidelity is None:
-        return content
-    packages = list(content["packages"])
-
-    def numbers(specs: dict[str, BodySpec]) -> dict[str, int]:
-        found = {}
-        for body, entry in files(specs).items():
-            if entry not in packages:
-                packages.append(entry)
-            found[body] = packages.index(entry)
-        return found
-
-    model, check = model_and_check(sweep.base_bodies)
-    table = {
-        "base": numbers(model),
-        "base_check": numbers(check),
-        "drawn": [
-            {"member": k, "check": numbers(model_and_check(sweep.own.bodies[k])[1])}
-            for k in drawn_members(sweep)
-        ],
-    }
-    return {**content, "fidelity": table, "packages": packages}
-
-
-def sweep_content(
-    case: str,
-    name: str,
-    sweep: CheckedSweep,
-    packages: list[Packages],
-    others: dict[str, list[Packages]],
-) -> dict[str, object]:
-    """Return the content of the file.
-
-    A member is the mechanism with `changes` (dotted keys) and its own `packages`, given by their
-    numbers in the list of all; `values` are those of the parameters. `other_runs` are those that
-    combined signals read, with the same changes.
-
-    Parameters
-    ----------
-    packages : of every member: file and hash of the inputs by body
-    others : the same of other runs
-    """
-    numbers: dict[tuple[tuple[str, str], ...], int] = {}
-
-    def listed(members: Members, tables: list[Packages]) -> list[dict[str, Any]]:
-        return [
-            {
-                "changes": changes,
-                "packages": {
-                    body: numbers.setdefault(tuple(sorted(entry.items())), len(numbers))
-                    for body, entry in table.items()
-                },
-            }
-            for changes, table in zip(members.changes, tables, strict=True)
-        ]
-
-    said = sweep.table
-    own = listed(sweep.own, packages)
-    elsewhere = {run: listed(sweep.others[run], tables) for run, tables in others.items()}
-    return {
-        "case": case,
-        "sweep": name,
-        "title": said.title or name,
-        "run": said.run,
-        "design": said.design,
-        "parameters": [{"name": p.name, "keys": p.keys, "unit": p.unit} for p in sweep.parameters],
-        "signals": said.signals or list(sweep.own.base.signals),
-        "histories": said.histories,
-        "mechanism": sweep.own.base.model_dump(),
-        "other_runs": {run: sweep.others[run].base.model_dump() for run in others},
-        "members": [
-            {
-                "values": values.tolist(),
-                **member,
-                "other_runs": {run: members[k] for run, members in elsewhere.items()},
-            }
-            for k, (values, member) in enumerate(zip(sweep.points, own, strict=True))
-        ],
-        "packages": [dict(entry) for entry in numbers],
-    }
 
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
@@ -327,19 +237,64 @@ class _BodyFiles:
         return table
 
 
-def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, Any]:
-    """Return the content of sweeps/<name>.json."""
+def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, object]:
+    """Return the content of sweeps/<name>.json.
 
-    def packages(run: Members) -> list[Packages]:
-        models = (model_and_check(bodies)[0] for bodies in run.bodies)
-        return [files.packages(run.base, model, "sweeps/bodies") for model in models]
+    A member is the mechanism with `changes` (dotted keys) and its own `packages`, given by their
+    numbers in the list of all; `values` are those of the parameters. `other_runs` are those that
+    combined signals read, with the same changes. Of a run with [fidelity], `base` and `base_check`
+    are packages without changes, `drawn` has those of the check at some members.
+    """
+    numbers: dict[tuple[tuple[str, str], ...], int] = {}
 
-    tables = packages(sweep.own)
-    others = {run: packages(members) for run, members in sweep.others.items()}
-    content = sweep_content(case.name, name, sweep, tables, others)
-    return with_fidelity(
-        sweep, content, lambda specs: files.packages(sweep.base, specs, "sweeps/bodies")
-    )
+    def numbered(run: Members, specs: dict[str, BodySpec]) -> dict[str, int]:
+        return {
+            body: numbers.setdefault(tuple(sorted(entry.items())), len(numbers))
+            for body, entry in files.packages(run.base, specs, "sweeps/bodies").items()
+        }
+
+    def listed(run: Members) -> list[dict[str, object]]:
+        return [
+            {"changes": changes, "packages": numbered(run, model_and_check(bodies)[0])}
+            for changes, bodies in zip(run.changes, run.bodies, strict=True)
+        ]
+
+    said, base = sweep.table, sweep.base
+    own = listed(sweep.own)
+    elsewhere = {run: listed(members) for run, members in sweep.others.items()}
+    fidelity = {}
+    if base.fidelity is not None:
+        model, check = model_and_check(sweep.base_bodies)
+        fidelity["fidelity"] = {
+            "base": numbered(sweep.own, model),
+            "base_check": numbered(sweep.own, check),
+            "drawn": [
+                {"member": k, "check": numbered(sweep.own, model_and_check(sweep.own.bodies[k])[1])}
+                for k in drawn_members(sweep)
+            ],
+        }
+    return {
+        "case": case.name,
+        "sweep": name,
+        "title": said.title or name,
+        "run": said.run,
+        "design": said.design,
+        "parameters": [{"name": p.name, "keys": p.keys, "unit": p.unit} for p in sweep.parameters],
+        "signals": said.signals or list(base.signals),
+        "histories": said.histories,
+        "mechanism": base.model_dump(),
+        "other_runs": {run: other.base.model_dump() for run, other in sweep.others.items()},
+        "members": [
+            {
+                "values": values.tolist(),
+                **member,
+                "other_runs": {run: members[k] for run, members in elsewhere.items()},
+            }
+            for k, (values, member) in enumerate(zip(sweep.points, own, strict=True))
+        ],
+        "packages": [dict(entry) for entry in numbers],
+        **fidelity,
+    }
 
 
 def dump(data: Any) -> str:
