@@ -67,7 +67,7 @@ def _called_for(run: FinishedRun) -> list[Array]:
     """Return the change of the shape of each body that its loads at the start call for."""
     model, t, y = run.model, float(run.solution.t[0]), run.solution.y[0]
     if run.independent and model.n_vel <= MOST:
-        rigid = undeformed(model, y, t)
+        rigid = undeformed(model, y)
         free = motions_without_strain(model, t, rigid)
         # Of a loop that is over-constrained but for its deformation, rigid bodies would be locked.
         if free > motions_without_strain(model, t, y):

@@ -249,11 +249,10 @@ def consistent_state(
     model: Model,
     start: Start,
     joint_names: list[str],
-    t: float = 0.0,
     *,
     deforming: bool = False,
 ) -> Array:
-    """Return the state y (n,) at time t that satisfies position and velocity constraints.
+    """Return the state y (n,) at the start that satisfies position and velocity constraints.
 
     `deforming`: bodies may deform, and have modal rates, where frames alone do not close the
     joints; otherwise only to close the small gaps of tilted hinges.
@@ -266,27 +265,26 @@ def consistent_state(
     """
     y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     if model.n_constraint:
-        y = _assembled(model, y, joint_names, t, deforming=deforming)
-    v = _velocities(model, start, y, joint_names, t, deforming=deforming)
+        y = _assembled(model, y, joint_names, deforming=deforming)
+    v = _velocities(model, start, y, joint_names, deforming=deforming)
     y[model.n_pos : model.n_pos + model.n_vel] = v
-    return started(model, t, y)
+    return started(model, 0.0, y)
 
 
 def assembled(model: Model, start: Start, joint_names: list[str]) -> Array:
     """Return positions (n_pos,) that close the joints. Raises InputError if there are none."""
     y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
-    return _assembled(model, y, joint_names, 0.0, deforming=False)[: model.n_pos]
+    return _assembled(model, y, joint_names, deforming=False)[: model.n_pos]
 
 
-def closed_by_frames(model: Model, y: Array, rows: NDArray[np.bool_], t: float = 0.0) -> Array:
+def closed_by_frames(model: Model, y: Array, rows: NDArray[np.bool_]) -> Array:
     """Return y (n,) after the least change of frames that closes some rows (n_c,) of the joints."""
-    return _closed(model, y, t, rows=rows)
+    return _closed(model, y, rows=rows)
 
 
 def _closed(
     model: Model,
     y: Array,
-    t: float,
     *,
     elastic: bool = False,
     rows: "NDArray[np.bool_] | slice" = ALL,
@@ -298,9 +296,9 @@ def _closed(
     """
     scale, y = _ease(model, elastic=elastic), y.copy()
     for _ in range(_MAX_ITERATIONS):
-        if _open(model, y, t)[rows].max(initial=0.0) < _POSITION_TOLERANCE:
+        if _open(model, y)[rows].max(initial=0.0) < _POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
-        equations = assemble(model, t, y)
+        equations = assemble(model, 0.0, y)
         J, gap = equations.Phi_q[rows], equations.Phi[rows]
         step = scale * np.linalg.lstsq(J * scale, -gap, rcond=1e-10)[0]
         step *= min(1.0, _MAX_STEP / max(np.max(np.abs(step)), 1e-300))
@@ -318,34 +316,34 @@ def _ease(model: Model, *, elastic: bool) -> Array:
     return scale
 
 
-def undeformed(model: Model, y: Array, t: float) -> Array:
+def undeformed(model: Model, y: Array) -> Array:
     """Return state y (n,) with bodies without deformation, joints closed."""
     y = y.copy()
     for i in range(model.n_body):
         a = int(model.pos_start[i]) + 7
         y[a : a + int(model.n_mode[i])] = 0.0
-    return _closed(model, y, t)
+    return _closed(model, y)
 
 
-def frames_close(model: Model, y: Array, t: float = 0.0) -> bool:
+def frames_close(model: Model, y: Array) -> bool:
     """Tell whether the joints can be closed in state y (n,) without further deformation."""
     if not model.n_constraint:
         return True
-    return bool(_open(model, _closed(model, y, t), t).max() <= 1e3 * _POSITION_TOLERANCE)
+    return bool(_open(model, _closed(model, y)).max() <= 1e3 * _POSITION_TOLERANCE)
 
 
-def _open(model: Model, y: Array, t: float) -> Array:
+def _open(model: Model, y: Array) -> Array:
     """Return |Phi|, (n_c,), in state y."""
-    return np.abs(balance(model, np.array([t]), y[None]).Phi[0])
+    return np.abs(balance(model, np.zeros(1), y[None]).Phi[0])
 
 
-def _assembled(model: Model, y: Array, names: list[str], t: float, *, deforming: bool) -> Array:
+def _assembled(model: Model, y: Array, names: list[str], *, deforming: bool) -> Array:
     """Close the joints; the error names those that stay open."""
-    y = _closed(model, y, t)
-    gap, sprung = _open(model, y, t), np.inf if deforming else SPRUNG
+    y = _closed(model, y)
+    gap, sprung = _open(model, y), np.inf if deforming else SPRUNG
     if 1e3 * _POSITION_TOLERANCE < gap.max() < sprung * min(1.0, extent(model, y)):
-        y = _closed(model, y, t, elastic=True)
-        gap = _open(model, y, t)
+        y = _closed(model, y, elastic=True)
+        gap = _open(model, y)
     if gap.max() > 1e3 * _POSITION_TOLERANCE:
         apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
@@ -353,7 +351,7 @@ def _assembled(model: Model, y: Array, names: list[str], t: float, *, deforming:
             f"{apart}. {DEFORMED if deforming else GIVEN}"
         )
     for k, name in enumerate(names):
-        if _at_another_root(model, y, k, t):
+        if _at_another_root(model, y, k):
             raise InputError(
                 f"the drive of {name} assembles half a turn away from its value at the start; "
                 "give initial positions closer to it"
@@ -361,40 +359,38 @@ def _assembled(model: Model, y: Array, names: list[str], t: float, *, deforming:
     return y
 
 
-def _at_another_root(model: Model, y: Array, joint: int, t: float) -> bool:
+def _at_another_root(model: Model, y: Array, joint: int) -> bool:
     """Tell whether the rows of a drive hold, but not its coordinate."""
     drive = DRIVES.get(NAMES[model.joint_kind[joint]])
     if drive is None or drive.side is None:
         return False
     one, two = (marker_motion(model, int(k), y) for k in model.joint_marker[joint])
-    f, _, _ = law_at(model, model.joint_law[joint], t)
+    f, _, _ = law_at(model, model.joint_law[joint], 0.0)
     return drive.side(one.A, two.A, f) < 0.0
 
 
-def redundancy(
-    model: Model, y: Array, names: list[str], t: float = 0.0, t_end: float | None = None
-) -> Redundancy:
+def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> Redundancy:
     """Count the redundant constraint equations at a consistent state y.
 
     The rank is computed at the start and at a position close to it. In a singular starting position
-    the rank is lower than in general. Drives are looked at until `t_end`; None: at t.
+    the rank is lower than in general. Drives are looked at until `t_end`.
 
     Raises
     ------
     InputError
         Joints and drives contradict each other, or lock the mechanism; names them.
     """
-    if model.n_constraint == 0 or clearly_independent(model, y, t):
+    if model.n_constraint == 0 or clearly_independent(model, y):
         return Redundancy(0, [], False)
-    require_movable(model, y, names, np.linspace(t, t if t_end is None else t_end, SAMPLES))
-    equations = assemble(model, t, y)
+    require_movable(model, y, names, np.linspace(0.0, t_end, SAMPLES))
+    equations = assemble(model, 0.0, y)
     here = _Rank(equations, model.inertia_scale, RANK_TOLERANCE)
     general = here
     if here.value < model.n_constraint and here.value < model.n_vel:
-        near = _nearby(model, y, here, t)
+        near = _nearby(model, y, here)
         if near is not None:
             # larger tolerance: this state satisfies the joints less accurately than the start
-            found = _Rank(assemble(model, t, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
+            found = _Rank(assemble(model, 0.0, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
             general = found if found.value > here.value else here
     count = model.n_constraint - general.value
     if count == 0:
@@ -444,19 +440,19 @@ def _involved(model: Model, rank: _Rank, names: list[str]) -> list[str]:
     return [name for k, name in enumerate(names) if weight[rows_of(model, k)].max() > 1e-6]
 
 
-def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
+def _nearby(model: Model, y: Array, rank: _Rank) -> Array | None:
     """Return a state a hundredth of a radian from y that satisfies the joints, or None."""
     mix = np.cos(np.arange(1.0, rank.null.shape[0] + 1.0))  # an arbitrary direction
     step = (mix @ rank.null) / np.sqrt(model.inertia_scale)
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
-    near = _closed(model, near, t)
-    closed = _open(model, near, t).max() < 1e3 * _POSITION_TOLERANCE
+    near = _closed(model, near)
+    closed = _open(model, near).max() < 1e3 * _POSITION_TOLERANCE
     return near if closed else None
 
 
 def _velocities(
-    model: Model, start: Start, y: Array, names: list[str], t: float, *, deforming: bool
+    model: Model, start: Start, y: Array, names: list[str], *, deforming: bool
 ) -> Array:
     """Keep the given velocities; the others follow from the joints with minimum kinetic energy.
 
@@ -467,14 +463,14 @@ def _velocities(
     n_free, n_c = int(free.sum()), model.n_constraint
     if n_c == 0 and n_free == 0:
         return v
-    if n_c == 0 or clearly_independent(model, y, t):  # the time is linear in the bodies
+    if n_c == 0 or clearly_independent(model, y):  # the time is linear in the bodies
         given = np.flatnonzero(~free)
-        found = least_energy(model, t, y, given, v[given])
+        found = least_energy(model, 0.0, y, given, v[given])
         moving = np.concatenate([y[: model.n_pos], found, [0.0]])
-        violation = np.abs(balance(model, np.array([t]), moving[None]).Phi_d).max(initial=0.0)
+        violation = np.abs(balance(model, np.zeros(1), moving[None]).Phi_d).max(initial=0.0)
         if violation < _POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
             return found
-    equations = assemble(model, t, y)
+    equations = assemble(model, 0.0, y)
     v[free] = _least_energy(equations, model, v, free)
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
@@ -483,7 +479,7 @@ def _velocities(
         v = v - ease * np.linalg.lstsq(equations.Phi_q * ease, residual, rcond=1e-10)[0]
         residual = equations.Phi_q @ v + equations.Phi_t
     if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
-        require_movable(model, y, names, np.array([t]))
+        require_movable(model, y, names, np.zeros(1))
         off = described_gaps(model, residual, names, ("m/s", "rad/s"))
         raise InputError(
             f"initial velocities contradict the joints and drives: {off}; "

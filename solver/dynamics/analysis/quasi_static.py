@@ -89,7 +89,7 @@ def _modes(model: Model, i: int) -> slice:
     return slice(first, first + int(model.n_mode[i]))
 
 
-def is_moving(model: Model, y: Array, *, at_most: float = 1e-9) -> bool:
-    """Tell whether a body moves in state y (n,): speed above `at_most` [m/s, rad/s, 1/s]."""
+def is_moving(model: Model, y: Array) -> bool:
+    """Tell whether a body moves in state y (n,): speed above 1e-9 [m/s, rad/s, 1/s]."""
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
-    return bool(np.max(np.abs(velocities), initial=0.0) > at_most)
+    return bool(np.max(np.abs(velocities), initial=0.0) > 1e-9)

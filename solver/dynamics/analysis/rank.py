@@ -489,8 +489,8 @@ def _factorise(rows: Independence, memory: Spectrum, shift: float) -> int:
 _INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
 
 
-def degrees_of_freedom(model: Model, y: Array, t: float = 0.0, *, independent: bool = False) -> int:
-    """Return the number of independent velocities in state y (n,) with joints but without drives.
+def degrees_of_freedom(model: Model, y: Array, *, independent: bool = False) -> int:
+    """Return the number of independent velocities at the start y (n,), with joints but no drives.
 
     Modes are counted; drives do not reduce the number. In a singular position the number is
     larger than elsewhere. `independent`: no row depends on others in this state, as is known.
@@ -503,9 +503,9 @@ def degrees_of_freedom(model: Model, y: Array, t: float = 0.0, *, independent: b
     ]
     if not rows:
         return model.n_vel
-    if independent or clearly_independent(model, y, t):
+    if independent or clearly_independent(model, y):
         return model.n_vel - len(rows)
-    Phi_q = assemble(model, t, y).Phi_q
+    Phi_q = assemble(model, 0.0, y).Phi_q
     s = np.linalg.svd(scaled_jacobian(Phi_q[rows], model.inertia_scale), compute_uv=False)
     return int(model.n_vel - np.sum(s > RANK_TOLERANCE * s[0]))
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -107,14 +106,12 @@ def with_sensitivities(
     parameters: Sequence[Parameter],
     *,
     progress: bool = False,
-    folder: Path | None = None,
 ) -> tuple[RunResult, dict[str, object]]:
     """Integrate a run with the derivatives of its motion; return result and summary.
 
     Parameters
     ----------
     progress : show it
-    folder : for files without a name, of results that are too many for memory
 
     Raises
     ------
@@ -141,7 +138,7 @@ def with_sensitivities(
     follower = _Follower(prepared, tangent, times, y0)
     shown = Progress(follower, solver.t_end, spec.run, progress)
     try:
-        finished = integrated(prepared, shown, folder=folder, stages=True)
+        finished = integrated(prepared, shown, stages=True)
     finally:
         shown.close()
     clock.lap("integrate")
@@ -150,7 +147,7 @@ def with_sensitivities(
         raise KeyboardInterrupt
     if solution.status != "finished":
         raise InputError(f"{spec.run}: sensitivities need a run that finishes: {solution.message}")
-    result, summary = collect(spec, prepared.measured, finished, clock.seconds["integrate"], folder)
+    result, summary = collect(spec, prepared.measured, finished, clock.seconds["integrate"])
     y, found_ = np.asarray(solution.y[:]), list[Derivative]()
     held: dict[str, object] = {}
     recording = Recording(model, solution.t, y, {HELD: held})

@@ -65,11 +65,13 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     kept = {*plan.signals, *plan.histories}
     member = plan.members[number]
     others = {
-        run: RunSpec(plan.case, run, plan.other_mechanism(number, run), packages.of(variant))
+        run: RunSpec(
+            plan.case, run, plan.other_mechanism(number, run), packages.named(variant.packages)
+        )
         for run, variant in member.other_runs.items()
     }
     read = with_parts(kept, mechanism.signals)
-    own = RunSpec(plan.case, plan.run, mechanism, packages.of(member))
+    own = RunSpec(plan.case, plan.run, mechanism, packages.named(member.packages))
     if plan.fidelity is not None:
         own = _planned(own, plan, packages.named(plan.fidelity.base))
     prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))

@@ -248,10 +248,6 @@ class Packages:
         self.plan = plan
         self._known: dict[int, ModalPackage | PackageError] = {}
 
-    def of(self, variant: Variant) -> dict[str, ModalPackage]:
-        """Return the packages of a member, or of another run of it. Raises PackageError."""
-        return self.named(variant.packages)
-
     def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
         """Return packages by body, given by their numbers in the plan. Raises PackageError."""
         found = {}

@@ -4,7 +4,6 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from .file import FAILED, FINISHED, PENDING, STOPPED, Row, SweepResult
 
 # What became of the members of a sweep, on the screen.
 
-TOLD = 10  # kinds of messages of members that did not finish
+MOST = 10  # kinds of messages of members that did not finish
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
@@ -40,15 +39,15 @@ def outcome_lines(
         *(f"  {line}" for line in planned),
     ]
     groups = _alike(result.rows)
-    for members in groups[:TOLD]:
+    for members in groups[:MOST]:
         row = result.rows[members[0]]
         values = zip(result.parameter_names, result.values[members[0]], strict=True)
         where = ", ".join(f"{name} = {value:g}" for name, value in values)
         code = f" [{row.code}]" if row.code else ""
         many = f"{len(members)} members, first " if len(members) > 1 else ""
         lines.append(f"  {row.status}{code} {many}{where}: {row.message}")
-    if len(groups) > TOLD:
-        lines.append(f"  ... and {sum(map(len, groups[TOLD:]))} more members")
+    if len(groups) > MOST:
+        lines.append(f"  ... and {sum(map(len, groups[MOST:]))} more members")
     doubts = Counter(code for row in result.rows for code in row.warnings)
     for code, count in sorted(doubts.items()):
         level = CODES[code].level if code in CODES else "warning"
@@ -190,10 +189,6 @@ def _early(result: SweepResult) -> NDArray[np.bool_]:
     return np.array([row.status in (STOPPED, FAILED) for row in result.rows], dtype=bool)
 
 
-def _text(result: SweepResult, parameter: int) -> tuple[str, str]:
-    return result.parameter_names[parameter], result.parameter_units[parameter]
-
-
-def _label(result: SweepResult, parameter: int) -> Any:
-    name, unit = _text(result, parameter)
+def _label(result: SweepResult, parameter: int) -> str:
+    name, unit = result.parameter_names[parameter], result.parameter_units[parameter]
     return f"{name}{unit_text(unit)}"
