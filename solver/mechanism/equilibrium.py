@@ -57,21 +57,21 @@ def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Mo
     return still, started(still, 0.0, resting(model, found.positions, np.zeros(model.n_vel)))
 
 
-def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.0) -> Start:
-    """Return the start with positions of static equilibrium at time t; velocities do not change.
+def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
+    """Return the start with positions of static equilibrium; velocities do not change.
 
-    Gravity, springs, bushings and loads have their values at t; drives keep their positions
-    at t.
+    Gravity, springs, bushings and loads have their values at the start, t = 0; drives keep
+    their positions then.
 
     Raises
     ------
     InputError
         No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
     """
-    positions = closed(model, start.positions, t)
+    positions = closed(model, start.positions)
     largest = 0.0
     for _ in range(_MAX_ITERATIONS):
-        here = _Balance(model, positions, t)
+        here = _Balance(model, positions)
         largest = max(largest, float(np.max(np.abs(here.equations.f) / model.inertia_scale)))
         K = here.stiffness(positions)
         stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
@@ -79,14 +79,14 @@ def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.
             if stiffness.size == 0 or stiffness[0] > -_NEUTRAL:
                 return replace(start, positions=positions)
             step = here.Z @ directions[:, 0]
-            positions = closed(model, moved(model, positions, _sized(step, _NUDGE)), t)
+            positions = closed(model, moved(model, positions, _sized(step, _NUDGE)))
             continue
         if stiffness[0] > _NEUTRAL:
             step = here.Z @ np.linalg.solve(K, here.unbalanced)
         else:
             along = directions.T @ here.unbalanced
             step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), _NEUTRAL)))
-        positions = _downhill(model, here, positions, limited(step), t)
+        positions = _downhill(model, here, positions, limited(step))
     raise InputError(
         f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
         f"{pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
@@ -97,9 +97,9 @@ def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.
 class _Balance:
     """Unbalanced forces at rest in a position, and the free directions."""
 
-    def __init__(self, model: Model, positions: Array, t: float) -> None:
-        self.model, self.t = model, t
-        self.equations = _at_rest(model, positions, t)
+    def __init__(self, model: Model, positions: Array) -> None:
+        self.model = model
+        self.equations = _at_rest(model, positions)
         free = free_motions(self.equations, model.inertia_scale)
         self.Z = free.Z
         # least squares in the metric of the inertia
@@ -109,7 +109,7 @@ class _Balance:
 
     def force(self, positions: Array) -> Array:
         """Return f - Phi_q' lambda (n_vel,) in another position, at these multipliers."""
-        equations = _at_rest(self.model, positions, self.t)
+        equations = _at_rest(self.model, positions)
         return np.asarray(equations.f - equations.Phi_q.T @ self.multipliers)
 
     def stiffness(self, positions: Array) -> Array:
@@ -135,14 +135,15 @@ def resting(model: Model, positions: Array, velocities: Array) -> Array:
     return np.concatenate([positions, velocities, model.quantities.start, [0.0]])
 
 
-def _at_rest(model: Model, positions: Array, t: float) -> Equations:
-    return assemble(model, t, started(model, t, resting(model, positions, np.zeros(model.n_vel))))
+def _at_rest(model: Model, positions: Array) -> Equations:
+    still = resting(model, positions, np.zeros(model.n_vel))
+    return assemble(model, 0.0, started(model, 0.0, still))
 
 
-def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:
+def _downhill(model: Model, here: _Balance, positions: Array, step: Array) -> Array:
     """Return the position after a step, shortened until the unbalanced forces do work along it."""
     for _ in range(30):
-        there = closed(model, moved(model, positions, step), t)
+        there = closed(model, moved(model, positions, step))
         before = here.equations.f @ step
         after = here.force(there) @ step
         if before + after >= 0.0:
@@ -151,10 +152,10 @@ def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: fl
     return there
 
 
-def closed(model: Model, positions: Array, t: float) -> Array:
+def closed(model: Model, positions: Array) -> Array:
     """Return positions with the joints closed by the least change, elastic motion included."""
     for _ in range(50):
-        equations = _at_rest(model, positions, t)
+        equations = _at_rest(model, positions)
         if np.max(np.abs(equations.Phi), initial=0.0) < _CLOSED:
             return positions
         step = -free_motions(equations, model.inertia_scale).P @ equations.Phi
@@ -276,9 +277,8 @@ def relative_equilibrium(
     spin: Spin,
     joint_names: list[str],
     body_names: list[str],
-    t: float = 0.0,
 ) -> "Turning":
-    """Return the relative equilibrium near the given positions; loads are those at time t.
+    """Return the relative equilibrium near the given positions; loads are those at t = 0.
 
     Raises
     ------
@@ -286,20 +286,20 @@ def relative_equilibrium(
         Joints that do not let the mechanism turn; loads that are not constant in axes that turn
         with it; no equilibrium found.
     """
-    positions = closed(model, start.positions, t)
-    Turning(model, positions, spin, t).require(joint_names)
-    found, trouble = _newton(model, positions, spin, t)
+    positions = closed(model, start.positions)
+    Turning(model, positions, spin).require(joint_names)
+    found, trouble = _newton(model, positions, spin)
     if found is None:
-        found, trouble = _from_rest(model, start, spin, body_names, t)
+        found, trouble = _from_rest(model, start, spin, body_names)
     if found is None:
         raise InputError(
             f"no relative equilibrium at a spin of {spin.rate:g} rad/s: "
             f"{pushed(model, trouble, body_names)}. Expected loads that joints, springs, "
             "elasticity and the spin can balance"
         )
-    here = Turning(model, found, spin, t)
+    here = Turning(model, found, spin)
     here.require(joint_names)
-    _require_constant(model, found, spin, t, body_names)
+    _require_constant(model, found, spin, body_names)
     return here
 
 
@@ -327,7 +327,7 @@ class Turning:
         model: Model,
         positions: Array,
         spin: Spin,
-        t: float,
+        t: float = 0.0,
         angle: float = 0.0,
         *,
         ready: bool = False,
@@ -417,11 +417,11 @@ def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: floa
     return with_laws(model, t, values)
 
 
-def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array | None, Array]:
+def _newton(model: Model, positions: Array, spin: Spin) -> tuple[Array | None, Array]:
     """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
     largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
     for _ in range(_ITERATIONS):
-        here = Turning(model, positions, spin, t)
+        here = Turning(model, positions, spin)
         g, free, unbalanced, _ = here.balanced()
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
@@ -440,11 +440,11 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
         step = limited(free.Z @ _solved(K, unbalanced))
         for _ in range(12):
             try:
-                there = closed(model, moved(model, positions, step), t)
+                there = closed(model, moved(model, positions, step))
             except InputError:
                 step = 0.5 * step
                 continue
-            after = Turning(model, there, spin, t)
+            after = Turning(model, there, spin)
             if np.linalg.norm(after.balanced()[2]) < size:
                 break
             step = 0.5 * step
@@ -476,17 +476,17 @@ def _solved(K: Array, b: Array) -> Array:
 
 
 def _from_rest(
-    model: Model, start: Start, spin: Spin, body_names: list[str], t: float
+    model: Model, start: Start, spin: Spin, body_names: list[str]
 ) -> tuple[Array | None, Array]:
     """Follow the equilibrium from rest as the spin grows."""
     try:
-        positions = equilibrium(model, start, body_names, t).positions
+        positions = equilibrium(model, start, body_names).positions
     except InputError:  # held up by the spin alone
-        positions = closed(model, start.positions, t)
+        positions = closed(model, start.positions)
     share, step, push = 0.0, 0.125, np.zeros(model.n_vel)
     while share < 1.0:
         target = min(1.0, share + step)
-        found, push = _newton(model, positions, spin._replace(rate=target * spin.rate), t)
+        found, push = _newton(model, positions, spin._replace(rate=target * spin.rate))
         if found is None:
             step *= 0.5
             if step < _LEAST_STEP:
@@ -496,15 +496,13 @@ def _from_rest(
     return positions, push
 
 
-def _require_constant(
-    model: Model, positions: Array, spin: Spin, t: float, body_names: list[str]
-) -> None:
+def _require_constant(model: Model, positions: Array, spin: Spin, body_names: list[str]) -> None:
     """Raise InputError if the loads change when the mechanism has turned."""
     if spin.rate == 0.0:
         return
-    torque = Turning(model, positions, spin, t).balanced()[-1]
+    torque = Turning(model, positions, spin).balanced()[-1]
     for angle in _TURNS:
-        there = Turning(model, turned(model, positions, spin, angle), spin, t, angle)
+        there = Turning(model, turned(model, positions, spin, angle), spin, angle=angle)
         g, free, unbalanced, _ = there.balanced(torque)
         push = free.Z @ unbalanced
         loads = float(np.max(np.abs(g) / model.inertia_scale))
