@@ -56,7 +56,7 @@ def attempted(
     model: Mapping[str, Rich],
     check: Mapping[str, Rich],
     names: list[str],
-    quiet: npt.NDArray[np.bool_],
+    quiet: npt.NDArray[np.bool_] | None = None,
 ) -> Trial | None:
     """Run a plan; None if its model cannot be assembled.
 
