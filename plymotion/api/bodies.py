@@ -388,7 +388,7 @@ def export(
     Parameters
     ----------
     what : a modal package; with `to="fmu"` or `"fmu3"` a case, or its file
-    to : exudyn, uff, med, dmig, mbdyn, sid, or fmu (FMI 2.0), fmu3 (FMI 3.0)
+    to : exudyn, mujoco, uff, med, dmig, mbdyn, sid, or fmu (FMI 2.0), fmu3 (FMI 3.0)
     out : the new file, which is returned
     run, inputs, packages, coarse : of an FMU: the run, names of the drives and forces that are its
         inputs (None: all); others as for `plymotion.run`

@@ -282,10 +282,10 @@ def written_formats() -> list[str]:
 def add_export(parser: Any) -> None:
     """Write a modal package in the format of another code.
 
-    Write a modal package in the format of another code: exudyn (a script that adds the body), uff
-    (modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
-    joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation: fmu
-    (FMI 2.0), fmu3 (FMI 3.0).
+    Write a modal package in the format of another code: exudyn (a script that adds the body),
+    mujoco (a chain of virtual joints), uff (modes and masses), med (mesh and shapes), dmig (NASTRAN
+    bulk data), mbdyn (.fem of the modal joint), sid (standard input data). Or write a run of a case
+    as an FMU for co-simulation: fmu (FMI 2.0), fmu3 (FMI 3.0).
 
     ---
     """

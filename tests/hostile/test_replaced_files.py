@@ -292,6 +292,7 @@ COMMANDS = {
     "section": "section square.toml --check --out OUT",
     "blade": "blade small.yaml --at 0.5 --check --out OUT",
     "export": "export arm.vtkhdf --to uff -o OUT/arm.uff",
+    "mujoco": "export arm.vtkhdf --to mujoco -o OUT/arm.xml",
     "exudyn": "export arm.vtkhdf --to exudyn -o OUT/arm.py",
     "med": "export arm.vtkhdf --to med -o OUT/arm.med",
     "new": "new robot-arm OUT",

@@ -1,0 +1,233 @@
+"""Modal package to MuJoCo: a chain of rigid segments on virtual joints with springs (MJCF).
+
+The body is cut across the line from the interface that carries its frame to the farthest one. At
+each cut there are three hinges: torsion about the line, bending about two axes across it. Their
+stiffnesses are those with which the moments of the body's modes turn the chain as the modes do,
+then scaled such that its lowest frequencies are those of the body, clamped at its frame.
+"""
+
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from scipy.linalg import eigh, eigvalsh
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from ....solver.errors import InputError, printable
+from ....solver.math.arrays import Array, IntArray
+from ....solver.package import ModalPackage
+from ....solver.package.body.schema import Interface
+from ....solver.package.common.files import write_text
+
+SUFFIX = ".xml"
+FEWEST, MOST, UNEVEN = 6, 40, 24  # cuts: least, most between nodes of a beam; of other meshes
+SAME = 1e-6  # of the length: nodes of one cross-section
+MATCHED, ENOUGH = 3, 0.01  # frequencies, and their largest relative error
+SOFT = 1e-3  # of the median stiffness, for cuts that no mode bends
+STIFF = 1e-4  # of the largest angles: an axis about which no mode turns the cuts has no hinges
+FLAT = 1e-7  # of the moments of inertia: MuJoCo refuses those of a disc by their last digit
+STEPS = 12.0  # of the time step in a period of the fastest motion
+
+
+class Chain(NamedTuple):
+    """Segments and cuts; the first segment stands on the frame."""
+
+    of_node: IntArray  # (n,) segment
+    points: Array  # (N, 3) cuts [m]
+    axes: Array  # (3, 3) rows: along the line, and two across it
+    mass: Array  # (N + 1,) of segments [kg]
+    centre: Array  # (N + 1, 3) [m]
+    inertia: Array  # (N + 1, 3, 3) about the centre [kg m2]
+
+
+def write(package: ModalPackage, out: Path, source: Path) -> str:
+    """Write the chain; returns its frequencies beside those of the body.
+
+    Raises
+    ------
+    InputError
+        A frame that is not clamped; a body that is no chain: too few nodes along it, or
+        frequencies that no stiffnesses of hinges have.
+    """
+    chain = chain_of(package)
+    aim = np.sqrt(eigvalsh(package.stiffness, package.mass))[:MATCHED]
+    k, M = stiffnesses(package, chain, aim)
+    held = k.ravel() > 0.0
+    w = np.sqrt(eigvalsh(np.diag(k.ravel()[held]), M[np.ix_(held, held)]))
+    error = float(np.abs(w[: aim.size] / aim - 1.0).max())
+    hertz, theirs = (", ".join(f"{f / (2.0 * np.pi):.5g}" for f in each) for each in (w[:3], aim))
+    if not error < ENOUGH:
+        raise InputError(
+            f"{source}: a chain of virtual joints has {hertz} Hz, the body {theirs} Hz: it does "
+            "not move as a chain; expected a slender body, clamped at one end"
+        )
+    ratio = package.damping[0, 0] / (2.0 * package.frequencies[0] * package.mass[0, 0])
+    text = mjcf(package, chain, k, 2.0 * float(ratio) / aim[0], 2.0 * np.pi / w[-1] / STEPS)
+    write_text(out, text)
+    return f"{np.count_nonzero(held)} hinges: {hertz} Hz; the body, clamped: {theirs} Hz"
+
+
+def chain_of(package: ModalPackage) -> Chain:
+    """Cut the body. Raises InputError for one that cannot be cut."""
+    if package.reference_condition != "clamped":
+        raise InputError(
+            f"reference_condition = {package.reference_condition!r}: expected a body whose frame "
+            "is clamped at an interface, the end at which the chain stands"
+        )
+    places = np.array([i.position_B for i in package.interfaces])
+    still = [float(np.abs(np.vstack([i.phi_B, i.psi_B])).max()) for i in package.interfaces]
+    root = places[int(np.argmin(still))]
+    far = np.vstack([places, package.nodes_B]) if len(places) < 2 else places
+    line = far[int(np.argmax(np.linalg.norm(far - root, axis=1)))] - root
+    length = float(np.linalg.norm(line))
+    e = line / length
+    across = np.eye(3)[int(np.argmin(np.abs(e)))]
+    y = np.cross(e, across) / np.linalg.norm(np.cross(e, across))
+    axes = np.array([e, y, np.cross(e, y)])
+    s = (package.nodes_B - root) @ e
+    stations = np.sort(s)
+    stations = stations[np.append(True, np.diff(stations) > SAME * length)]
+    if stations.size - 1 < FEWEST:
+        raise InputError(
+            f"{stations.size} nodes along the body; expected {FEWEST + 1} at least, for a chain"
+        )
+    if stations.size - 1 <= MOST:
+        cuts = 0.5 * (stations[:-1] + stations[1:])
+    else:
+        cuts = stations[0] + np.ptp(stations) * (np.arange(UNEVEN) + 0.5) / UNEVEN
+    of_node = np.searchsorted(cuts, s)
+    count = cuts.size + 1
+    mass = np.bincount(of_node, package.node_mass, count).astype(float)
+    centre = np.zeros((count, 3))
+    np.add.at(centre, of_node, package.node_mass[:, None] * package.nodes_B)
+    centre /= mass[:, None]
+    inertia = np.zeros((count, 3, 3))
+    arm = _skew(package.nodes_B - centre[of_node])
+    own = package.node_mass[:, None, None] * np.einsum("nab,ncb->nac", arm, arm)
+    np.add.at(inertia, of_node, own + package.node_inertia_B)
+    beside = (centre - root) @ axes[1:].T  # of the line of centres
+    at = np.column_stack([np.interp(cuts, (centre - root) @ e, beside[:, k]) for k in (0, 1)])
+    return Chain(of_node, root + cuts[:, None] * e + at @ axes[1:], axes, mass, centre, inertia)
+
+
+def jacobians(chain: Chain) -> Array:
+    """Return motions of the segments' centres by the angles, (N + 1, 6, 3 N)."""
+    count = len(chain.points)
+    J = np.zeros((count + 1, 6, count, 3))
+    for i, point in enumerate(chain.points):
+        J[i + 1 :, 3:, i] = chain.axes.T
+        arm = (chain.centre[i + 1 :] - point)[:, None]
+        J[i + 1 :, :3, i] = np.cross(chain.axes, arm).swapaxes(1, 2)
+    return J.reshape(count + 1, 6, 3 * count)
+
+
+def _skew(a: Array) -> Array:
+    """Return the matrices of cross products with vectors (n, 3)."""
+    return np.asarray(np.cross(a[:, None], np.eye(3)).swapaxes(1, 2))
+
+
+def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array, Array]:
+    """Return the stiffness of each hinge (N, 3) [N m / rad], 0 for none; the mass matrix of all."""
+    J = jacobians(chain)
+    M = np.einsum("sai,s,saj->ij", J[:, :3], chain.mass, J[:, :3])
+    M += np.einsum("sai,sab,sbj->ij", J[:, 3:], chain.inertia, J[:, 3:])
+    squares, q = eigh(package.stiffness, package.mass)
+    # Angles that move the nodes as a mode does, by least squares with the masses.
+    root = np.sqrt(package.node_mass)[:, None, None]
+    arm = package.nodes_B - chain.centre[chain.of_node]
+    moves = J[chain.of_node, :3] - np.einsum("nab,nbj->naj", _skew(arm), J[chain.of_node, 3:])
+    rows = [(root * moves).reshape(-1, M.shape[0])]
+    shapes = [root * package.shapes_B[:, :, :3].transpose(1, 2, 0)]
+    if package.shapes_B.shape[2] == 6:
+        turn = np.linalg.cholesky(package.node_inertia_B + 1e-30 * np.eye(3)).swapaxes(1, 2)
+        rows.append((turn @ J[chain.of_node, 3:]).reshape(-1, M.shape[0]))
+        shapes.append(turn @ package.shapes_B[:, :, 3:].transpose(1, 2, 0))
+    wanted = np.vstack([shape.reshape(-1, q.shape[0]) for shape in shapes]) @ q
+    angles = np.linalg.lstsq(np.vstack(rows), wanted, rcond=1e-12)[0]
+    size = np.abs(angles.reshape(-1, 3, squares.size)).max(axis=(0, 2))
+    turned = np.tile(size > STIFF * size.max(), len(chain.points))
+    angles[~turned] = 0.0
+    # k a = the moment of the inertia forces of each mode: weighed by the angles themselves.
+    moments = squares * (M @ angles)
+    k = np.einsum("ij,ij->i", angles, moments) / np.maximum((angles**2).sum(axis=1), 1e-300)
+    by_axis = k.reshape(-1, 3)
+    for axis in np.flatnonzero(turned[:3]):
+        one = by_axis[:, axis]
+        median = float(np.median(one[one > 0.0])) if (one > 0.0).any() else float(np.abs(k).max())
+        one[:] = np.where(one > SOFT * median, one, median)
+    inner, x = M[np.ix_(turned, turned)], np.linspace(-1.0, 1.0, len(by_axis))[:, None]
+
+    def scaled(p: Array) -> Array:
+        return np.asarray(by_axis * np.exp(p[:3] + x * p[3:6] + x * x * p[6:]))
+
+    def gap(p: Array) -> Array:
+        K = np.diag(scaled(p).ravel()[turned])
+        found = np.sqrt(eigvalsh(K, inner, subset_by_index=[0, aim.size - 1]))
+        return np.append(np.log(found / aim), 1e-4 * p)
+
+    return scaled(least_squares(gap, np.zeros(9)).x), M
+
+
+def mjcf(package: ModalPackage, chain: Chain, k: Array, damping: float, step: float) -> str:
+    """Return the text of the model: the chain on the world, sites at the interfaces.
+
+    damping : of a hinge over its stiffness [s]
+    step : time step [s]
+    """
+    name = printable(package.body)
+    root = ET.Element("mujoco", model=name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    ET.SubElement(root, "option", timestep=f"{step:.3g}", integrator="implicit")
+    parent, origin = ET.SubElement(root, "worldbody"), np.zeros(3)
+    ends = [*chain.points, chain.centre[-1]]
+    for s, mass in enumerate(chain.mass):
+        point = chain.points[s - 1] if s else np.zeros(3)
+        own = {"name": f"{name}.{s}" if s else name, "pos": _words(point - origin)}
+        parent, origin = ET.SubElement(parent, "body", own), point
+        J = chain.inertia[s] + FLAT * np.trace(chain.inertia[s]) * np.eye(3)
+        full = J[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+        ET.SubElement(
+            parent,
+            "inertial",
+            pos=_words(chain.centre[s] - origin),
+            mass=f"{mass:.12g}",
+            fullinertia=_words(full),
+        )
+        for axis in range(3) if s else ():
+            stiffness = k[s - 1, axis]
+            if not stiffness > 0.0:
+                continue
+            ET.SubElement(
+                parent,
+                "joint",
+                name=f"{name}.{s}.{'xyz'[axis]}",
+                axis=_words(chain.axes[axis]),
+                stiffness=f"{stiffness:.12g}",
+                damping=f"{damping * stiffness:.6g}",
+            )
+        size = f"{0.01 * np.linalg.norm(ends[-1] - ends[0]):.3g}"
+        line = _words(np.concatenate([point - origin, ends[s] - origin]))
+        shown = {"type": "capsule", "fromto": line, "size": size}
+        ET.SubElement(parent, "geom", shown, mass="0", contype="0", conaffinity="0")
+        for interface in package.interfaces:
+            if _segment(chain, interface) == s:
+                _site(parent, interface, origin)
+    ET.indent(root)
+    return str(ET.tostring(root, encoding="unicode")) + "\n"
+
+
+def _segment(chain: Chain, interface: Interface) -> int:
+    e = chain.axes[0]
+    return int(np.searchsorted(chain.points @ e, interface.position_B @ e))
+
+
+def _site(parent: ET.Element, interface: Interface, origin: Array) -> None:
+    x, y, z, w = Rotation.from_matrix(interface.A_BI).as_quat()
+    place, turn = _words(interface.position_B - origin), _words(np.array([w, x, y, z]))
+    ET.SubElement(parent, "site", name=printable(interface.name), pos=place, quat=turn)
+
+
+def _words(values: Array) -> str:
+    return " ".join(f"{value:.12g}" for value in values)

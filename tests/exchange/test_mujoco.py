@@ -1,0 +1,112 @@
+"""Package to MuJoCo: the chain of virtual joints, its frequencies and a vibration there."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from samples.exchange_routes import PROGRAMS
+from scipy.linalg import eigh
+
+from plymotion.preprocess.exchange.formats.mujoco import write
+from plymotion.solver.__main__ import main
+from plymotion.solver.package import read_package
+
+SHANK = "hopper/shank.jump.vtkhdf"
+
+
+@pytest.fixture(scope="module")
+def mujoco() -> Iterator[Any]:
+    """MuJoCo from the folder of the tests' programs."""
+    if not (PROGRAMS / "python" / "mujoco").is_dir():
+        pytest.skip("mujoco is not installed: make test-exchange downloads it")
+    sys.path.insert(0, str(PROGRAMS / "python"))
+    try:
+        import mujoco
+
+        yield mujoco
+    finally:
+        sys.path.remove(str(PROGRAMS / "python"))
+
+
+def exported(repository: Path, name: str, folder: Path) -> Path:
+    """The model of a shipped package."""
+    file = repository / "tests/packages" / name
+    write(read_package(file), folder / "model.xml", file)
+    return folder / "model.xml"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "robot-import/forearm.tubes.vtkhdf",
+        "actuated-beam/beam.layup-1.vtkhdf",  # bending and torsion are coupled
+        "rotor-blade/blade.stiffened.vtkhdf",  # tapered, pretwisted
+        "double-pendulum-shell/arm.shell.vtkhdf",  # nodes of a shell
+        SHANK,
+    ],
+)
+def test_lowest_frequencies_and_the_body_at_rest(
+    mujoco: Any, repository: Path, tmp_path: Path, name: str
+) -> None:
+    """MuJoCo's own mass matrix and springs: 1 %; mass, mass centre and places of the body."""
+    model = mujoco.MjModel.from_xml_path(str(exported(repository, name, tmp_path)))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    M = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, M)
+    w = np.sqrt(eigh(np.diag(model.jnt_stiffness.ravel()), M, eigvals_only=True))[:3]
+    package = read_package(repository / "tests/packages" / name)
+    own = np.sqrt(eigh(package.stiffness, package.mass, eigvals_only=True))[:3]
+    assert w == pytest.approx(own, rel=0.01)
+    total = package.node_mass.sum()
+    assert model.body_mass.sum() == pytest.approx(total, rel=1e-9)
+    assert total == pytest.approx(package.invariants.mass, rel=1e-3)
+    centre = package.node_mass @ package.nodes_B / total
+    size = np.ptp(package.nodes_B)
+    assert data.subtree_com[0] == pytest.approx(centre, abs=1e-9 * size)
+    for interface in package.interfaces:
+        site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, interface.name)
+        assert data.site_xpos[site] == pytest.approx(interface.position_B, abs=1e-9 * size)
+        assert data.site_xmat[site] == pytest.approx(interface.A_BI.ravel(), abs=1e-9)
+
+
+def test_a_vibration_in_mujoco(mujoco: Any, repository: Path, tmp_path: Path) -> None:
+    """Let go in its first mode, the shank swings at the frequency of the body, and loses energy."""
+    model = mujoco.MjModel.from_xml_path(str(exported(repository, SHANK, tmp_path)))
+    data = mujoco.MjData(model)
+    package = read_package(repository / "tests/packages" / SHANK)
+    model.opt.gravity[:] = 0.0
+    mujoco.mj_forward(model, data)
+    M = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, M)
+    _, shapes = eigh(np.diag(model.jnt_stiffness.ravel()), M)
+    data.qpos[:] = 1e-3 * shapes[:, 0] / np.abs(shapes[:, 0]).max()
+    own, swing, t = float(package.frequencies[0]), [], []
+    step = 10 * model.opt.timestep  # of the file
+    for _ in range(int(3.1 * 2.0 * np.pi / own / step)):
+        mujoco.mj_step(model, data, 10)
+        t.append(data.time)
+        swing.append(float(shapes[:, 0] @ M @ data.qpos))
+    x = np.array(swing)
+    k = np.flatnonzero((x[1:] < 0.0) & (x[:-1] >= 0.0))
+    crossings = np.array(t)[k] + step * x[k] / (x[k] - x[k + 1])
+    period = float(np.diff(crossings).mean())
+    assert len(crossings) == 3
+    assert 2.0 * np.pi / period == pytest.approx(own, rel=0.01)
+    ratio = package.damping[0, 0] / (2.0 * own * package.mass[0, 0])
+    decay = np.log(x[0] / x[k[-1] + int(0.75 * period / step) :].max()) / (3.0 * 2.0 * np.pi)
+    assert decay == pytest.approx(ratio, rel=0.1)
+
+
+def test_what_is_no_chain_is_refused(
+    repository: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = repository / "tests/packages/slider-crank/rod.steel.vtkhdf"
+    assert main(["export", str(file), "--to", "mujoco", "-o", str(tmp_path / "a.xml")]) == 2
+    assert "reference_condition = 'chord': expected a body whose frame is clamped" in (
+        capfd.readouterr().err
+    )
+    assert not list(tmp_path.iterdir())
