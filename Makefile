@@ -366,8 +366,8 @@ $(ROBOTS)/installed: Makefile | $(EMPTY)
 	@touch $@
 
 .PHONY: robots
-robots: $(ROBOTS)/installed | $(COMPILED) ## Robots from URDF files compared with Pinocchio: build/benchmarks/robots.json, docs/robots.md
-	$(BENCH) benchmarks/robots.py --python $(ROBOTS)/bin/python --out build/benchmarks/robots.json
+robots: $(ROBOTS)/installed $(EXCHANGE)/installed | $(COMPILED) ## Robots from URDF files against Pinocchio, as FMUs, in MuJoCo, in contact: build/benchmarks/robots.json, docs/robots.md
+	$(subst $(PEERS),$(PEERS):$(EXCHANGE)/python,$(BENCH)) benchmarks/robots.py --python $(ROBOTS)/bin/python --out build/benchmarks/robots.json
 
 .PHONY: design
 design: $(FENICSX) | $(COMPILED) ## Best designs and their derivatives against closed forms and rebuilt packages: build/benchmarks/design.json

@@ -4,7 +4,8 @@
 
 For each file, with its root fixed and free: the largest difference of mass matrix, bias and gravity
 forces over random states, relative to their largest entry. A file that the import refuses has its
-message. PYTHON is one with the wheels `pin` and `example-robot-data`.
+message. PYTHON is one with the wheels `pin` and `example-robot-data`. Before these, steps of 1 ms
+and what robots_exchange.py has.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from robots_exchange import READY, TORQUES, contact, driven_arm, fmi, mujoco
 
 import plymotion as pm
 from plymotion.solver.dynamics.analysis.joint_coordinates import JointCoordinates
@@ -29,7 +31,6 @@ HERE = Path(__file__).parent
 ALLOWED = ("inertia", "units")  # files of others are taken as they are
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"  # in the site packages of the wheels
 FIXED = (2.5e-4, 5e-4, 1e-3)  # fixed steps [s]
-TORQUES = np.array([20.0, 20.0, 10.0, 0.2, 0.2, 0.02])  # of the joints, from the base on [N m]
 WHERE = "import sysconfig; print(sysconfig.get_path('purelib'))"
 
 
@@ -85,7 +86,7 @@ def compared(file: Path, base: str, peer: str, count: int, folder: str) -> dict[
     return {"coordinates": n, **worst}
 
 
-def stepping(case_file: Path, folder: str, chunks: int = 6, count: int = 50) -> object:
+def stepping(folder: str, chunks: int = 6, count: int = 50) -> object:
     """Return the CPU time of a step of 1 ms of the arm with two flexible links [s].
 
     Motors in the six joints are inputs, which jump at every step. By accuracy, or with fixed steps;
@@ -95,16 +96,9 @@ def stepping(case_file: Path, folder: str, chunks: int = 6, count: int = 50) -> 
     result: dict[str, dict[str, float]] = {}
     exact = np.zeros(6)
     for rtol, fixed in ((1e-7, None), (1e-5, None), (1e-3, None), *((1e-5, h) for h in FIXED)):
-        case = pm.load(case_file)
-        for name, joint in case.table["joints"].items():
-            del joint["drive"]
-            places, axis = joint["between"], joint["axis"]
-            case.rotary_spring(f"{name}_motor", *places, axis=axis, actuator={"constant": 0.0})
-        case.table["signals"], case.table["figures"] = {}, {}
-        case.table["variants"]["tubes"]["signals"] = {}
-        case.table["solver"] |= {"rtol": rtol, "start": "positions"}
-        ready = HERE.parent / "tests/packages/robot-import"
-        sim = pm.simulate(case, "tubes", out=folder, packages=ready, fixed_step=fixed)
+        case = driven_arm(rtol=rtol)
+        case.table["signals"] = {}
+        sim = pm.simulate(case, "tubes", out=folder, packages=READY, fixed_step=fixed)
         found: list[float] = []
         for _ in range(chunks):
             begin = time.process_time()
@@ -132,7 +126,12 @@ def main() -> None:
     root = Path(package.stdout.strip()) / ROBOTS
     result: dict[str, object] = {}
     with tempfile.TemporaryDirectory() as folder:
-        result["steps of 1 ms"] = stepping(HERE.parent / "cases/robot-import/case.toml", folder)
+        result["steps of 1 ms"] = stepping(folder)
+        for key, found_by in (("FMI", fmi), ("MuJoCo", mujoco), ("contact", contact)):
+            try:
+                result[key] = found_by(Path(folder))
+            except ModuleNotFoundError as error:  # of programs that could not be installed
+                result[key] = {"left out": str(error)}
         print(result, flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for file in sorted(root.rglob("*.urdf")):

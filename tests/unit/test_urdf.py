@@ -9,7 +9,10 @@ import pytest
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
+from plymotion.solver.errors import InputError
+from plymotion.solver.extras.robot.case import robot_case
 from plymotion.solver.extras.robot.pictures import fewer
+from plymotion.solver.extras.robot.urdf import read_urdf
 from plymotion.solver.results.surfaces import stl_triangles
 
 ROBOTS = Path(__file__).parents[1] / "samples/robots"
@@ -102,7 +105,7 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         (
             'type="prismatic"',
             'type="prismatik"',
-            r':48: <joint slide>: type = "prismatik"; expected',
+            r':48: <joint slide>: type = "prismatik"; .* fixed; did you mean .prismatic.\?$',
         ),
         (
             'name="slide" type',
@@ -182,6 +185,12 @@ def test_names_that_clash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert main(["import", str(file), "--out", str(tmp_path / "case")]) == 2
     text = capsys.readouterr().err
     assert re.search(r'<link a\.b>: the same name in the case, "a_b", as link "a b"', text), text
+    words = ARM.replace("upper arm", "Über手").replace('"slider"', '"Uber足"')
+    file.write_text(words, encoding="utf-8")
+    made = robot_case(read_urdf(file))
+    assert {"Uberu624b", "Uberu8db3"} <= set(made.tables["bodies"])
+    with pytest.raises(InputError, match="joints = 'hodl': expected one of hold, motor, free"):
+        robot_case(read_urdf(file), joints="hodl")  # type: ignore[arg-type]
 
 
 def test_entities_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

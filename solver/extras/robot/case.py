@@ -5,9 +5,10 @@ joints are parts of the body that they are fixed to.
 """
 
 import re
+import unicodedata
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about
 
 Tables = dict[str, Any]
 Moved = Literal["hold", "motor", "free"]
+Base = Literal["fixed", "free"]
 GROUND = "ground"
 SINGLE = (Type.REVOLUTE, Type.CONTINUOUS, Type.PRISMATIC)
 TRIANGLE = 1e-5  # relative, of principal moments: that of the check of a case
@@ -72,7 +74,7 @@ def robot_case(
     robot: Robot,
     *,
     joints: Moved = "hold",
-    base: Literal["fixed", "free"] = "fixed",
+    base: Base = "fixed",
     keep_fixed: bool = False,
     allow: Collection[str] = (),
 ) -> RobotCase:
@@ -90,6 +92,9 @@ def robot_case(
     InputError
         One line per mistake: file and line, element, value, expectation.
     """
+    for key, value, known in (("joints", joints, Moved), ("base", base, Base)):
+        if value not in get_args(known):
+            raise InputError(f"{key} = {value!r}: expected one of {', '.join(get_args(known))}")
     heads, bodies = _bodies(robot, base == "free", keep_fixed)
     found = [line for body in bodies.values() for line in _mistakes(robot, body, bodies, allow)]
     names = _names(robot, bodies, found)
@@ -192,7 +197,10 @@ def _doubts(robot: Robot, body: Body, mass: float, largest: float) -> list[str]:
 
 def _word(name: str, prefix: str) -> str:
     """Return a name of a case for one of a URDF."""
-    word = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:90]
+    # Accents leave their letters; a letter of another script becomes its number in Unicode.
+    plain = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+    plain = "".join(c if c.isascii() else f"u{ord(c):x}" for c in plain)
+    word = re.sub(r"[^A-Za-z0-9_-]", "_", plain)[:90]
     return word if word[:1].isalpha() and word != GROUND else f"{prefix}_{word}"
 
 

@@ -15,7 +15,7 @@ from xml.parsers import expat
 
 import numpy as np
 
-from ...errors import InputError, nearest, printable, refuse
+from ...errors import InputError, did_you_mean, nearest, printable, refuse
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
 
@@ -356,7 +356,8 @@ class _Reader:
     def _joint(self, name: str, element: Element) -> UrdfJoint:
         where, kind = f"joint {name}", element.attributes.get("type", "")
         if kind not in tuple(Type):
-            words = f"expected one of {', '.join(Type)}{nearest(kind, tuple(Type))}"
+            types = [str(each) for each in Type]
+            words = f"expected one of {', '.join(types)}{did_you_mean(kind, types)}"
             self._of(element, f': type = "{printable(kind)}"; {words}')
         ends = []
         for tag in ("parent", "child"):
