@@ -212,8 +212,10 @@ class HiddenForces:
         last, count = self._last.get(watched.program, (-np.inf, 0))
         if t[0] > last:  # not taken again
             values = quantities(self._model, t, y)
-            count = 0 if first_break(watched, t, values, 0, 0.0)[2] > 0.0 else count
-            self._last[watched.program] = float(t[0]), count
+            behind = first_break(watched, t, values, 0, 0.0)[2] > 0.0
+            self._last[watched.program] = float(t[0]), 0 if behind else count
+            if not behind:
+                self._chatters(watched, float(t[0]))
 
 
 def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Watched | None:

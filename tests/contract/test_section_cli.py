@@ -296,7 +296,8 @@ def until(true: Callable[[], object], seconds: float = 60.0) -> None:
 def test_stopped_batch_goes_on_where_it_was(
     folder: Path, mark: str, number: signal.Signals, run: Run
 ) -> None:
-    values = [[3 * i] for i in range(MANY)]
+    many = 3 * MANY  # on a busy machine a short batch could end before the signal
+    values = [[i] for i in range(many)]
     (folder / "study.toml").write_text(STUDY.format(values=values))
     batch = ("--batch", "study.toml", "--out", "out", "--no-estimate")
     made = (folder / "out").glob
@@ -313,14 +314,14 @@ def test_stopped_batch_goes_on_where_it_was(
         _, errors = process.communicate(timeout=60)
     if number == signal.SIGINT:
         assert process.returncode == 130
-        assert f"of {MANY} sections are complete and kept" in errors
+        assert f"of {many} sections are complete and kept" in errors
         # An MPI may start a daemon for a program without mpirun, which ends a moment after it.
         until(lambda: not processes(mark), 5.0)
         assert not list(made("*/.*")), "an unfinished file is left"
     else:
         until(lambda: not processes(mark), 20.0)
     kept = {path: path.stat().st_mtime_ns for path in made("*/bar-*.vtkhdf")}
-    assert 2 < len(kept) < MANY
+    assert 2 < len(kept) < many
     for path in kept:
         read_section(path)
 
@@ -328,7 +329,7 @@ def test_stopped_batch_goes_on_where_it_was(
     assert again.returncode == 0, again.stderr
     status = [row["status"] for row in json.loads(again.stdout).values()]
     assert status.count("unchanged") == len(kept)
-    assert status.count("built") == MANY - len(kept)
+    assert status.count("built") == many - len(kept)
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
 
 

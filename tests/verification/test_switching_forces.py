@@ -121,3 +121,13 @@ def test_a_stop_and_a_sphere_of_constant_damping(tmp_path, n, k, e, integrator):
         _, found, summary = run(tmp_path, text, 2.0, 0.5, solver)
         assert abs(found["v"][-1]) == pytest.approx(e * u, rel=share * RTOL)
         assert not summary["warnings"]
+
+
+@pytest.mark.provokes("law-chatters")
+@pytest.mark.parametrize(("integrator", "later"), [("radau", 1e-5), ("rk5", 0.02)])
+def test_dry_friction_that_holds_at_rest_is_named(tmp_path, integrator, later):
+    """-C sign(v): the mass stops at v / C and stays; every step goes over the jump and back."""
+    x, _, summary = solved(tmp_path, "-2.0 * sign(v)", 1.0, 0.5 + later, integrator)
+    assert x == pytest.approx(0.25, rel=20 * RTOL)
+    (told,) = [w for w in summary["warnings"] if w["code"] == "law-chatters"]
+    assert told["t"] == pytest.approx(0.5, abs=later)
