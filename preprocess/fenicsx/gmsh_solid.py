@@ -1,5 +1,6 @@
 """Solids by gmsh: CAD files (OpenCASCADE), scripts and meshes become cells of degree 2."""
 
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,7 +19,8 @@ from .stack import MeshError, gmsh
 
 STEP, IGES = CAD_WITH_UNIT[:2], CAD_WITH_UNIT[2:]
 GAP = 1e-5  # between faces of an IGES file that are one surface [m]
-ONE_SOLID = "; several solids in one file need STEP"
+SAME = 1e-6  # relative difference of volumes that are one
+DELAUNAY = 5  # gmsh's number of this algorithm for surfaces
 MOST_UNKNOWNS = 1_500_000  # of a solid: the matrices of more take tens of gigabytes
 PER_TURN = 10  # cells around a full circle
 TETRAHEDRON = np.sqrt(2.0) / 12.0  # volume of a regular one with edges 1
@@ -27,6 +29,10 @@ PER_CELL, PER_FACE = 1.4, 1.0  # nodes of degree 2 for one tetrahedron, for one 
 CELLS = {4: 1, 11: 2, 5: 1, 12: 2}  # gmsh's kinds: degree of tetrahedra, of hexahedra
 QUADRATIC = {11: ("tetrahedron", 10), 12: ("hexahedron", 27)}
 FACES = {2: 3, 9: 3, 3: 4, 10: 4, 16: 4}  # corners of gmsh's kinds of faces
+
+
+class NotMeshedError(MeshError):
+    """gmsh gives up at a volume."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +79,23 @@ def solid_from_file(
     MeshError : a file that is none of these, no closed volume, too many unknowns, faces that
         intersect, cells turned inside out.
     """
+    try:
+        return _solid(path, size, metres, parameters, smallest)
+    except NotMeshedError:  # at the tip of a cone, triangles of gmsh's first choice may overlap
+        return _solid(path, size, metres, parameters, smallest, DELAUNAY)
+
+
+def _solid(
+    path: Path,
+    size: float | None,
+    metres: float | None,
+    parameters: Mapping[str, Any],
+    smallest: float,
+    algorithm: int | None = None,
+) -> GmshSolid:
     with _model(path, metres, parameters):
+        if algorithm is not None:
+            gmsh.option.setNumber("Mesh.Algorithm", algorithm)
         exact: tuple[CadPart, ...] = ()
         if path.suffix.lower() in CAD:
             exact = _cad_parts(path)
@@ -132,6 +154,8 @@ def _import(path: Path, metres: float | None) -> None:
             gmsh.clear()
         gmsh.option.setString("Geometry.OCCTargetUnit", "M")
         found = occ.importShapes(str(path), highestDimOnly=True)  # never run as a script
+        if suffix in IGES and (len(found) != 1 or found[0][0] != 3):
+            found = _sewn_one_by_one(path)
     except Exception as error:  # gmsh raises bare Exception
         raise MeshError(f"{path}: OpenCASCADE cannot read it: {error}") from error
     gmsh.option.setNumber("Geometry.Tolerance", 1e-8)
@@ -146,13 +170,59 @@ def _import(path: Path, metres: float | None) -> None:
             "expected solids (export the part as a solid, and close gaps in the CAD program)"
         )
     if len(solids) > 1:
-        pieces, _ = occ.fragment(solids[:1], solids[1:])
-        if len([p for p in pieces if p[0] == 3]) > len(solids):
+        volume = sum(occ.getMass(*solid) for solid in solids)
+        pieces = [p for p in occ.fragment(solids[:1], solids[1:])[0] if p[0] == 3]
+        lost = abs(sum(occ.getMass(*piece) for piece in pieces) - volume) > SAME * volume
+        if len(pieces) > len(solids) or (lost and suffix in IGES):
             raise MeshError(
                 f"{path}: {len(solids)} solids intersect; expected solids that touch, or one solid "
                 "(unite them in the CAD program)"
             )
     occ.synchronize()
+
+
+def _sewn_one_by_one(path: Path) -> list[tuple[int, int]]:
+    """Solids of an IGES file that has only their faces, one solid behind the other.
+
+    A solid is complete when each curve bounds its faces an even number of times.
+    """
+    occ = gmsh.model.occ
+
+    def faces() -> list[tuple[int, int]]:
+        gmsh.clear()
+        for name in ("OCCSewFaces", "OCCMakeSolids"):
+            gmsh.option.setNumber(f"Geometry.{name}", 0.0)
+        found = occ.importShapes(str(path), highestDimOnly=True)
+        occ.synchronize()
+        return [tag for tag in found if tag[0] == 2]
+
+    groups: list[list[tuple[int, int]]] = [[]]
+    odd: list[Array] = []
+    for face in faces():
+        groups[-1].append(face)
+        for _, curve in gmsh.model.getBoundary([face], combined=False, oriented=False):
+            (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+            length = occ.getMass(1, curve)
+            place = np.array([*gmsh.model.getValue(1, curve, [0.5 * (low + high)]), length])
+            others = [x for x in odd if np.abs(x - place).max() > GAP]
+            if length > GAP:  # not the tip of a cone
+                odd = others if len(others) < len(odd) else [*odd, place]
+        if not odd:
+            groups.append([])
+    found: list[tuple[int, int]] = []
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for number, group in enumerate(groups[:-1]):
+            occ.remove([face for face in faces() if face not in group])
+            occ.synchronize()
+            files.append(f"{folder}/{number}.brep")
+            gmsh.write(files[-1])
+        gmsh.clear()
+        for name in ("OCCSewFaces", "OCCMakeSolids"):
+            gmsh.option.setNumber(f"Geometry.{name}", 1.0)
+        for file in files:
+            found += occ.importShapes(file, highestDimOnly=True)
+    return found if not groups[-1] else [*found, *faces()]
 
 
 def _cad_parts(path: Path) -> tuple[CadPart, ...]:
@@ -207,9 +277,9 @@ def _generate(path: Path, key: str) -> None:
     except MeshError:
         raise
     except Exception as error:  # gmsh raises bare Exception
-        raise MeshError(
+        raise NotMeshedError(
             f"{path}: gmsh cannot mesh its volume: {error}; expected faces that do not intersect, "
-            f"and walls thicker than 0{ONE_SOLID if path.suffix.lower() in IGES else ''}"
+            "and walls thicker than 0"
         ) from error
     if not len(gmsh.model.mesh.getElementTypes(3)):
         raise MeshError(f"{path}: gmsh made no solid cells; expected a closed volume")

@@ -119,6 +119,28 @@ def test_a_void_of_an_iges_file_stays_empty(tmp_path: Path) -> None:
     assert model_of(file, 0.01).mesh.exact[0].volume == pytest.approx(7.6e-6, rel=1e-6)
 
 
+def test_a_void_beside_another_solid_of_an_iges_file_is_not_filled(tmp_path: Path) -> None:
+    """Faces alone do not tell a void from a solid within another."""
+    file = tmp_path / "part.igs"
+
+    def draw(occ: Any) -> None:
+        _void(occ)
+        occ.addBox(40, 0, 0, 20, 20, 10)
+
+    _iges(file, draw)
+    with pytest.raises(SolidError, match=r"part.igs: 3 solids intersect; expected"):
+        model_of(file, 0.01)
+
+
+def test_the_tip_of_a_cone_is_meshed(tmp_path: Path) -> None:
+    """gmsh 4.15 makes triangles that overlap by its first algorithm, of BREP at this size."""
+    file = tmp_path / "part.brep"
+    (part,) = cad_file(file, lambda occ: occ.addCone(0, 0, 0, 0, 0, 20, 10, 0))
+    model = model_of(file, 0.003, unit=1e-3)
+    rigid = model.body.rigid_motions()[:, 0]
+    assert rigid @ model.body.M @ rigid == pytest.approx(2.7e-6 * part.volume, rel=2e-4)
+
+
 @pytest.mark.parametrize("shape", ["addSphere", "addTorus"])
 def test_round_parts_have_sound_cells(shape: str, tmp_path: Path) -> None:
     """Some quadratic cells are turned inside out, unless their edges are straight."""
@@ -131,9 +153,10 @@ def test_round_parts_have_sound_cells(shape: str, tmp_path: Path) -> None:
     assert rigid @ model.body.M @ rigid == pytest.approx(mass, rel=1e-3)
 
 
-def test_two_solids_share_their_faces_and_keep_their_materials(tmp_path: Path) -> None:
-    file = tmp_path / "part.step"
-    parts = step_file(file, two_solids)
+@pytest.mark.parametrize("name", ["part.step", "part.igs"])
+def test_two_solids_share_their_faces_and_keep_their_materials(name: str, tmp_path: Path) -> None:
+    file = tmp_path / name
+    parts = step_file(file, two_solids) if name == "part.step" else _iges(file, two_solids)
     mesh = {"file": str(file), "size": 0.006}
     materials = {"aluminium": ALUMINIUM, "steel": STEEL}
     names = model_of(file, 0.006).mesh.plain.regions
