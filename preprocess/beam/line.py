@@ -213,28 +213,6 @@ class BeamLine:
         return sp.coo_matrix(entries, shape=shape).tocsr()
 
 
-def straight_line(
-    x_B: Array | Sequence[float],
-    K: Array,
-    mass: Array,
-    A_BE: Array,
-    trapeze: Array | None = None,
-) -> BeamLine:
-    """A uniform beam along the x axis.
-
-    Parameters
-    ----------
-    x_B : (n,) node positions, rising [m]
-    K, mass, trapeze : see `LineSection`
-    A_BE : (3, 3) section axes in body axes
-    """
-    section = LineSection(K, mass, np.zeros(6) if trapeze is None else trapeze)
-    count = len(x_B) - 1
-    return BeamLine(
-        on_x_axis(x_B), np.tile(A_BE, (count, 1, 1)), (section,), np.zeros(count, dtype=int)
-    )
-
-
 def on_x_axis(x_B: Array | Sequence[float]) -> Array:
     """Points (n, 3) on the x axis."""
     nodes = np.zeros((len(x_B), 3))

@@ -19,7 +19,7 @@ _PUBLIC = {
         *("EDGES", "NODES", "NamedNodes", "PlainMesh", "used_nodes", "with_centre_nodes"),
         *("lagrange", "order_of_nodes", "quadrature", "reference_nodes"),
     ),
-    "team": ("ALONE", "Team", "world"),
+    "team": ("ALONE", "Team"),
     "eigen": ("eigenpairs",),
     "factorisation": ("Cholesky", "cholesky", "negative_pivots"),
     "multigrid": ("TwoGrids",),

@@ -42,4 +42,3 @@ from .stack import gmsh as gmsh
 from .stack import versions as versions
 from .team import ALONE as ALONE
 from .team import Team as Team
-from .team import world as world

@@ -20,7 +20,7 @@ from .spaces import (
     cell_function,
     compiled_form,
     dof_coordinates,
-    labelled_mesh,
+    dolfinx_mesh,
     nodes_of_cells,
     original_cells,
     quiet,
@@ -46,7 +46,7 @@ class Surface:
         kind = "triangle" if cells.shape[1] == 3 else "quadrilateral"
         region = np.zeros(len(cells), dtype=np.int64)
         plain = PlainMesh(points[used], inverse.reshape(cells.shape), kind, 1, region, ("surface",))
-        mesh = labelled_mesh(plain).mesh
+        mesh = dolfinx_mesh(plain)
         space = vector_space(mesh, 1, DOFS)
         self.cells = cells
         self.order = original_cells(mesh)
@@ -125,7 +125,7 @@ class SolidSpace:
     """
 
     def __init__(self, plain: PlainMesh, degree: int = 2) -> None:
-        self._mesh = labelled_mesh(plain).mesh
+        self._mesh = dolfinx_mesh(plain)
         self._plain = plain
         self.space = vector_space(self._mesh, degree, 3)
         self._cells = original_cells(self._mesh)

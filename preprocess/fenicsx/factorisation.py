@@ -158,7 +158,7 @@ class Cholesky:
         self._checked = False
         self._held: list[Any] = []
         if team.size == 1:  # the processes of a team must destroy at the same time
-            weakref.finalize(self, _destroy_all, self._held).atexit = False
+            weakref.finalize(self, lambda held: destroy(*held), self._held).atexit = False
         self._create()
         self._factorise()
 
@@ -262,10 +262,6 @@ class Cholesky:
         self._factor.matSolve(rhs, out)
         destroy(rhs, out)
         return self._rows.gathered(found)
-
-
-def _destroy_all(objects: list[Any]) -> None:
-    destroy(*objects)
 
 
 def cholesky(

@@ -79,30 +79,21 @@ def solid_from_file(
     MeshError : a file that is none of these, no closed volume, too many unknowns, faces that
         intersect, cells turned inside out.
     """
-    try:
-        return _solid(path, size, metres, parameters, smallest)
-    except NotMeshedError:  # at the tip of a cone, triangles of gmsh's first choice may overlap
-        return _solid(path, size, metres, parameters, smallest, DELAUNAY)
-
-
-def _solid(
-    path: Path,
-    size: float | None,
-    metres: float | None,
-    parameters: Mapping[str, Any],
-    smallest: float,
-    algorithm: int | None = None,
-) -> GmshSolid:
-    with _model(path, metres, parameters):
-        if algorithm is not None:
-            gmsh.option.setNumber("Mesh.Algorithm", algorithm)
-        exact: tuple[CadPart, ...] = ()
-        if path.suffix.lower() in CAD:
-            exact = _cad_parts(path)
-            _set_sizes(path, size, smallest)
-        if not len(gmsh.model.mesh.getElementTypes(3)):
-            _generate(path, f"mesh.size = {size:g}" if size else "mesh.size")
-        return _read(path, 1.0 if exact else metres or 1.0, exact)
+    for algorithm in (None, DELAUNAY):
+        with _model(path, metres, parameters):
+            if algorithm is not None:
+                gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+            exact = _cad_parts(path) if path.suffix.lower() in CAD else ()
+            if exact:
+                _set_sizes(path, size, smallest)
+            try:
+                if not len(gmsh.model.mesh.getElementTypes(3)):
+                    _generate(path, f"mesh.size = {size:g}" if size else "mesh.size")
+                return _read(path, 1.0 if exact else metres or 1.0, exact)
+            except NotMeshedError:  # at the tip of a cone, triangles of gmsh's choice may overlap
+                if algorithm is not None:
+                    raise
+    raise AssertionError
 
 
 @contextmanager

@@ -180,12 +180,18 @@ def compiled(
     """
     library()  # without a compiler it has the better message
     rows = [*stresses, *strains, *coupling, *others]
-    text, jit = (ufl.as_vector(rows), POINT), dolfinx.jit.ffcx_jit
-    arguments = {JIT_OPTIONS: {**JIT, "cffi_extra_compile_args": OPTIONS}}
+    address, keeps = _by_ffcx(ufl.as_vector(rows), POINT, cffi_extra_compile_args=OPTIONS)
+    return Rows(keeps, address, len(stresses), len(coupling), len(rows), columns)
+
+
+def _by_ffcx(expression: Any, points: Array, **options: Any) -> tuple[int, Any]:
+    """Address of a compiled expression at points, and what keeps it loaded."""
+    jit = dolfinx.jit.ffcx_jit
     with quiet():
-        found, module, _ = jit(MPI.COMM_SELF, text, **arguments)
-    address = int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64))
-    return Rows((found, module), address, len(stresses), len(coupling), len(rows), columns)
+        found, module, _ = jit(
+            MPI.COMM_SELF, (expression, points), **{JIT_OPTIONS: {**JIT, **options}}
+        )
+    return int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64)), (found, module)
 
 
 @dataclass(frozen=True)
@@ -366,12 +372,8 @@ def compiled_text(
     functions = ufl.FunctionSpace(domain, element_of(cell, degree, (), 2))
     k = ufl.Constant(domain, shape=(constants,)) if constants else None
     expression = text(domain, ufl.TrialFunction(functions), k)
-    with quiet():
-        found, module, _ = dolfinx.jit.ffcx_jit(
-            MPI.COMM_SELF, (expression, at), **{JIT_OPTIONS: JIT}
-        )
-    address = int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64))
+    address, keeps = _by_ffcx(expression, at)
     shape = (len(at), *expression.ufl_shape)
     if ufl.algorithms.extract_arguments(expression):
         shape += (len(reference_nodes(cell, degree)),)
-    return address, shape, (found, module)
+    return address, shape, keeps

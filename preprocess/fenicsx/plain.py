@@ -53,16 +53,6 @@ class PlainMesh:
     curves: dict[str, Array] = field(default_factory=dict)
     named: NamedNodes | None = None  # of a mesh from gmsh
 
-    @property
-    def corners(self) -> IntArray:
-        """Corner nodes of each cell, (c, 3 or 4)."""
-        return self.cells[:, : len(EDGES[self.cell])]
-
-    @property
-    def middles(self) -> Array:
-        """Mean of the corners of each cell, (c, 2 or 3) [m]."""
-        return np.asarray(self.points[self.corners].mean(axis=1))
-
 
 def with_centre_nodes(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
     """Eight-node quadrilaterals as nine-node ones of the same shape.

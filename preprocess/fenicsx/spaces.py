@@ -8,7 +8,6 @@ import inspect
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -45,20 +44,6 @@ def quiet() -> Iterator[None]:
         logging.disable(previous)
 
 
-@dataclass(frozen=True)
-class LabelledMesh:
-    """A DOLFINx mesh with the region (physical group of gmsh) of each cell."""
-
-    mesh: Any
-    cell_labels: NDArray[np.int32]  # (n_cell,), in DOLFINx's cell order
-    names: dict[str, int]  # region -> label
-
-    @property
-    def n_cell(self) -> int:
-        """Number of cells."""
-        return int(self.cell_labels.size)
-
-
 def element_of(
     cell: str, degree: int, shape: tuple[int, ...], gdim: int, *, dg: bool = False
 ) -> Any:
@@ -76,22 +61,17 @@ def element_of(
     return ufl.TensorElement(family, on, degree, shape=shape)
 
 
-def labelled_mesh(plain: PlainMesh) -> LabelledMesh:
-    """Create a DOLFINx mesh on this process only; labels are rows of regions, from 1."""
+def dolfinx_mesh(plain: PlainMesh) -> Any:
+    """Create a DOLFINx mesh on this process only."""
     gdim = plain.points.shape[1]
     domain = element_of(plain.cell, plain.degree, (gdim,), gdim)
     if basix_ufl is None:
         domain = ufl.Mesh(domain)
     create = dolfinx.mesh.create_mesh
     keyword = "e" if "e" in inspect.signature(create).parameters else "domain"
+    cells = _dolfinx_cells(plain)
     with quiet():
-        mesh = create(
-            MPI.COMM_SELF, cells=_dolfinx_cells(plain), x=plain.points, **{keyword: domain}
-        )
-    labels = plain.region[original_cells(mesh)] + 1
-    return LabelledMesh(
-        mesh, labels.astype(np.int32), {name: i for i, name in enumerate(plain.regions, start=1)}
-    )
+        return create(MPI.COMM_SELF, cells=cells, x=plain.points, **{keyword: domain})
 
 
 def _dolfinx_cells(plain: PlainMesh) -> IntArray:

@@ -72,11 +72,6 @@ class Team:
 ALONE = Team()
 
 
-def world() -> Team:
-    """All processes that mpirun started."""
-    return Team(stack.MPI.COMM_WORLD)
-
-
 class Distribution:
     """Which process has which rows of a sum of parts.
 

@@ -118,9 +118,7 @@ def stiffness_terms(state: Central, cells: IntArray, dC: Array) -> Terms:
 
 def moved_space(space: SectionSpace, cells: CellMesh) -> SectionSpace:
     """The space on a mesh whose points have imaginary parts."""
-    other = copy.copy(space)
-    for name in ("pattern", "weighted_gradients", "_products"):
-        other.__dict__.pop(name, None)
+    other = space.copied()
     nodes = places(space, cells)
     motion = space.displacements((0, *nodes.imag.T))
     c, q = space.weights.shape

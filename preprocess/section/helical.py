@@ -97,16 +97,13 @@ class TwistedStrains:
 
     def E(self, C: Array) -> sp.csr_matrix:
         """Integral of G_k' C G_k g [Pa], for C (c, 1 or q, 6, 6) [Pa]."""
-        return self._assembled(C, 0.0)[0]
+        return self.wave(C, 0.0)[0]
 
     def wave(self, C: Array, kappa: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Real (symmetric) and imaginary (skew) part of the integral of S' C S g.
 
         S = G_k + i kappa G_l / g is the strain of a warping that varies as exp(i kappa x1).
         """
-        return self._assembled(C, kappa)
-
-    def _assembled(self, C: Array, kappa: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         space = self.space
         c, _, _, k = space.gradients.shape
         real, imaginary = np.empty((2, c, k, k, 9))
@@ -290,7 +287,6 @@ class CentralSolutions:
     W: Array  # (n_dof, 6) warping
     Q: Array  # (n_dof, 6) change of the displacement along the beam
     S_e: Array  # (6, 6) beam strains of the pinned warping
-    work_of_warping: Array  # (6, 6) N = -P' W
     residual: float  # of the equilibrium at all nodes, relative
     strains: TwistedStrains  # operators of the space of W and Q
     growth: float  # of a random load by the factorised matrix
@@ -427,7 +423,7 @@ def _solution(
         raise SectionError("the stiffness of the section is not positive definite")
     norm = np.abs(strains.load_in_section(np.abs(stress))).max()
     left = float(np.abs(balance).max() / norm)
-    return CentralSolutions(K, W, Q, S_e, -P.T @ W, left, strains, growth, by_waves)
+    return CentralSolutions(K, W, Q, S_e, left, strains, growth, by_waves)
 
 
 def _solved(operator: LinearOperator, right: Array, tolerance: float) -> Array:

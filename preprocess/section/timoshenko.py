@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array, is_positive_definite
 from .space.space import SectionSpace
 from .spec import IllConditioned, SectionError
-from .warping import WarpingSolver
+from .warping import WarpingSolver, motions_of_beam
 
 CLASSICAL = np.array([0, 3, 4, 5])  # extension, twist, bend2, bend3
 SHEAR = np.array([1, 2])
@@ -52,8 +52,7 @@ def beam_strain_fields(space: SectionSpace) -> Array:
     Columns e1, (0, -x3, x2), x3 e1, -x2 e1 for e = [gamma11, kappa1, kappa2, kappa3]: the
     derivative along the beam of the rigid motion of its sections.
     """
-    x2, x3 = space.x2, space.x3
-    return space.displacements((1, 0, 0), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0))
+    return motions_of_beam(space)[:, CLASSICAL]
 
 
 @dataclass(frozen=True)

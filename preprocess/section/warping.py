@@ -27,7 +27,7 @@ GRADIENTS = 1e-10  # square root of the relative energy of a step that needs no 
 
 def rigid_fields(space: SectionSpace) -> Array:
     """(n_dof, 4) motions without strain within the section: the null space of E."""
-    return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
+    return motions_of_beam(space)[:, :4]
 
 
 def motions_of_beam(space: SectionSpace) -> Array:
@@ -63,13 +63,8 @@ class WarpingSolver:
     and the symbolic factorisation are kept for the next material.
     """
 
-    def __init__(
-        self,
-        space: SectionSpace,
-        pins: NDArray[np.int64] | None = None,
-        largest_growth: float = 1.0 / REGULAR,
-    ) -> None:
-        self.largest_growth = largest_growth
+    def __init__(self, space: SectionSpace, pins: NDArray[np.int64] | None = None) -> None:
+        self.largest_growth = 1.0 / REGULAR
         self.shift = 0.0
         self.rigid = rigid_fields(space)
         self._rigid_size = np.linalg.norm(self.rigid, axis=0)

@@ -6,6 +6,7 @@ corners about e3, so a region may reverse its normals."""
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,8 +98,21 @@ NAMED = 5  # cells named in a message
 NORMAL = "is normal to its reference direction"
 
 
+class _Some:
+    """Cells of one kind: a dataclass of arrays with a row for each."""
+
+    area: Array
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+    def __getitem__(self, some: slice | IntArray) -> Self:
+        """Some of the cells."""
+        return type(self)(*(getattr(self, one.name)[some] for one in fields(cast(Any, self))))
+
+
 @dataclass(frozen=True)
-class Triangles:
+class Triangles(_Some):
     """Some triangles, c of them.
 
     Attributes
@@ -115,13 +129,6 @@ class Triangles:
     area: Array
     length: Array
     tangent: Array
-
-    def __len__(self) -> int:
-        return len(self.area)
-
-    def __getitem__(self, some: slice | IntArray) -> "Triangles":
-        """Some of the triangles."""
-        return Triangles(*(getattr(self, field.name)[some] for field in fields(self)))
 
     @property
     def interpolation(self) -> Array:
@@ -235,7 +242,7 @@ CENTRE = slopes(np.zeros((1, 2)))[0]
 
 
 @dataclass(frozen=True)
-class Quadrilaterals:
+class Quadrilaterals(_Some):
     """Some quadrilaterals, c of them, projected on their mean planes.
 
     Attributes
@@ -258,13 +265,6 @@ class Quadrilaterals:
     tangent: Array
     weight: Array
     width_ratio: Array
-
-    def __len__(self) -> int:
-        return len(self.area)
-
-    def __getitem__(self, some: slice | IntArray) -> "Quadrilaterals":
-        """Some of the quadrilaterals."""
-        return Quadrilaterals(*(getattr(self, field.name)[some] for field in fields(self)))
 
     @property
     def interpolation(self) -> Array:

@@ -83,31 +83,31 @@ def paired(plain: PlainMesh) -> tuple[PlainMesh, Unpaired]:
     return mesh, Unpaired(total, int(three.sum()), max(found)[1])
 
 
-def _least_sine(points: Array, cells: IntArray) -> Array:
-    """Least sine of the angles of triangles, (c,)."""
+def _turns(points: Array, cells: IntArray) -> tuple[Array, Array]:
+    """Products of the two sides at each corner, of vectors (c, k, 3) and of lengths (c, k)."""
     corners = points[cells]
     after = np.roll(corners, -1, axis=1) - corners
     before = np.roll(corners, 1, axis=1) - corners
     size = np.linalg.norm(after, axis=2) * np.linalg.norm(before, axis=2)
-    sine = np.linalg.norm(np.cross(after, before), axis=2) / np.where(size > 0.0, size, 1.0)
-    return np.asarray(sine.min(axis=1))
+    return np.cross(after, before), np.where(size > 0.0, size, 1.0)
+
+
+def _least_sine(points: Array, cells: IntArray) -> Array:
+    """Least sine of the angles of triangles, (c,)."""
+    turn, size = _turns(points, cells)
+    return np.asarray((np.linalg.norm(turn, axis=2) / size).min(axis=1))
 
 
 def _quality(points: Array, quads: IntArray) -> tuple[Array, BoolArray]:
     """Least sine of the angles, and whether the triangles are in one surface, (s,)."""
-    corners = points[quads]
-    after = np.roll(corners, -1, axis=1) - corners
-    before = np.roll(corners, 1, axis=1) - corners
-    turn = np.cross(after, before)
-    size = np.linalg.norm(after, axis=2) * np.linalg.norm(before, axis=2)
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    turn, size = _turns(points, quads)
+    # the two triangles have the corners 1 2 3 and 3 4 1, the diagonals half their sum
+    halves = turn[:, 1], turn[:, 3]
+    normal = halves[0] + halves[1]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     sine = np.einsum("sci,si->sc", turn, normal) / size
-    # the two triangles have the corners 1 2 3 and 3 4 1
-    halves = turn[:, 1], turn[:, 3]
-    cosine = np.einsum("si,si->s", *halves) / np.prod(
-        [np.linalg.norm(half, axis=1) for half in halves], axis=0
-    )
+    lengths = (np.linalg.norm(half, axis=1) for half in halves)
+    cosine = np.einsum("si,si->s", *halves) / np.prod(list(lengths), axis=0)
     return sine.min(axis=1), cosine > FOLD
 
 

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from samples.beam_samples import CLAMPED, reduced
+from samples.beam_samples import CLAMPED, reduced, straight_line
 from samples.case_samples import rigid
 from samples.judged_samples import judged, judged_case
 from samples.recovery_samples import (
@@ -18,7 +18,6 @@ from samples.stiffening_samples import rectangle
 from scipy.optimize import brentq
 
 from plymotion.preprocess.beam.body import mode_warnings
-from plymotion.preprocess.beam.line import straight_line
 from plymotion.solver.checks.modes import mode_findings
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import integrated, prepare

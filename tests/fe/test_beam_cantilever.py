@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from samples.beam_samples import straight_line
 from samples.body_specs import beam_body
 from samples.section_specs import rectangle_spec
 
-from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import eigenpairs
 

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 import ufl
-from peers.dolfinx_forms import mesh_from_geo
 from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.spaces import cell_dofs, cell_name, vector_space
+from plymotion.preprocess.fenicsx.spaces import cell_dofs, cell_name, dolfinx_mesh, vector_space
 from plymotion.preprocess.section.space.mesh import script_path
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
@@ -141,20 +140,19 @@ def test_cholesky_refuses_singular_and_indefinite(matrix: Any) -> None:
 @pytest.mark.parametrize(("name", "order"), [("rectangle", 9), ("ellipse", 9)])
 def test_scripts_stand_alone(name: str, order: int) -> None:
     """The scripts mesh with their own defaults, as in the gmsh window."""
-    labelled = mesh_from_geo(script_path(name), {})
-    assert cell_name(labelled.mesh) == "quadrilateral"
-    assert labelled.names.keys() == {"section"}
-    assert set(labelled.cell_labels) == set(labelled.names.values())
-    space = vector_space(labelled.mesh, 2, 3)
-    assert cell_dofs(space).shape == (labelled.n_cell, order)
+    plain = fenicsx.run_script(script_path(name), {}, gdim=2)
+    mesh = dolfinx_mesh(plain)
+    assert cell_name(mesh) == "quadrilateral"
+    assert (plain.regions, set(plain.region)) == (("section",), {0})
+    space = vector_space(mesh, 2, 3)
+    assert cell_dofs(space).shape == (len(plain.cells), order)
 
 
 def test_script_parameters_do_not_linger() -> None:
     sizes = {"width": 3.0, "height": 2.0, "columns": [0.5, 1.0], "rows": [0.3, 0.6, 1.0]}
-    labelled = mesh_from_geo(script_path("rectangle"), sizes)
-    assert labelled.n_cell == 6
-    default = mesh_from_geo(script_path("rectangle"), {})
-    assert np.ptp(default.mesh.geometry.x[:, 0]) == pytest.approx(0.06)
+    assert len(fenicsx.run_script(script_path("rectangle"), sizes, gdim=2).cells) == 6
+    default = fenicsx.run_script(script_path("rectangle"), {}, gdim=2)
+    assert np.ptp(default.points[:, 0]) == pytest.approx(0.06)
 
 
 SQUARE = """
@@ -180,12 +178,12 @@ def test_scripts_that_cannot_be_meshed(text: str | None, message: str, tmp_path:
     if text is not None:
         path.write_text(text)
     with pytest.raises(fenicsx.MeshError, match=message):
-        mesh_from_geo(path, {})
+        fenicsx.run_script(path, {}, gdim=2)
 
 
 def test_unknown_parameter() -> None:
     with pytest.raises(fenicsx.MeshError, match="no parameter radius"):
-        mesh_from_geo(script_path("ellipse"), {"radius": 1.0})
+        fenicsx.run_script(script_path("ellipse"), {"radius": 1.0}, gdim=2)
 
 
 def test_versions_are_named() -> None:

@@ -60,7 +60,7 @@ from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.problem import section_problem
 from plymotion.preprocess.shell.model.problem import ShellProblem
 
-team, found = fenicsx.world(), {}
+team, found = fenicsx.Team(fenicsx.MPI.COMM_WORLD), {}
 specs = json.load(open(sys.argv[1]))
 for name, spec in specs.items():
     parts = []
@@ -106,7 +106,7 @@ def fails(self, part, **options):
     raise MemoryError("no memory for the rows")
 
 team.AFTER_ERROR = 1.0
-if team.world().rank == 1:
+if team.Ranks().rank == 1:
     team.Distribution.matrix = fails
 sys.exit(main(sys.argv[1:]))
 """

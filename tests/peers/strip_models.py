@@ -8,10 +8,10 @@ import numpy as np
 import ufl
 from mpi4py import MPI
 from peers.dolfinx_forms import assembled
+from samples.beam_samples import straight_line
 from samples.section_specs import rectangle_spec
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.beam.sections import section_stiffness
 from plymotion.preprocess.fenicsx.spaces import dof_coordinates, vector_space
 from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs

@@ -10,10 +10,11 @@ import scipy.linalg
 from samples.body_specs import CLAMPED, beam_body
 
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
-from plymotion.preprocess.beam.line import LineSection, SectionMass
+from plymotion.preprocess.beam.line import BeamLine, LineSection, SectionMass, on_x_axis
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.beam.stations import Stations
 from plymotion.preprocess.modes.reduced import Modes
+from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import Interface, ModalPackage, SectionData, write_package
 from plymotion.solver.package.body.invariants import rigid_motions
 
@@ -113,3 +114,24 @@ def clamped_file(folder: Path, count: int) -> ModalPackage:
     package = reduced(CLAMPED, [{"kind": "bending-xy", "count": count}]).package
     write_package(folder / "beam.vtkhdf", package)
     return package
+
+
+def straight_line(
+    x_B: Array | Sequence[float],
+    K: Array,
+    mass: Array,
+    A_BE: Array,
+) -> BeamLine:
+    """A uniform beam along the x axis.
+
+    Parameters
+    ----------
+    x_B : (n,) node positions, rising [m]
+    K, mass : see `LineSection`
+    A_BE : (3, 3) section axes in body axes
+    """
+    section = LineSection(K, mass, np.zeros(6))
+    count = len(x_B) - 1
+    return BeamLine(
+        on_x_axis(x_B), np.tile(A_BE, (count, 1, 1)), (section,), np.zeros(count, dtype=int)
+    )

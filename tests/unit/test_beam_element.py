@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 import scipy.integrate
+from samples.beam_samples import straight_line
 
 from plymotion.preprocess.beam.element import BeamElement, Q, Z, gauss
-from plymotion.preprocess.beam.line import section_axes, straight_line
+from plymotion.preprocess.beam.line import section_axes
 from plymotion.solver.package.common.cells import node_positions
 
 

@@ -5,9 +5,18 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from samples.beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, reduced
+from samples.beam_samples import (
+    CHORD,
+    CLAMPED,
+    MEAN_AXIS,
+    NAMES,
+    REFERENCES,
+    dense,
+    reduced,
+    straight_line,
+)
 
-from plymotion.preprocess.beam.line import section_axes, straight_line
+from plymotion.preprocess.beam.line import section_axes
 from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from samples.beam_samples import straight_line
 from samples.recovery_samples import (
     PLY,
     PLY_STRENGTH,
@@ -15,7 +16,6 @@ from samples.recovery_samples import (
     rectangle_recovery,
 )
 
-from plymotion.preprocess.beam.line import straight_line
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage

@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
+from samples.beam_samples import straight_line
 
 from plymotion.preprocess.beam.element import Q, Z
-from plymotion.preprocess.beam.line import BeamLine, straight_line
+from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.reduction import frequency_error
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from peers.ply_stresses import beam_ply_stress, body_strength
+from samples.beam_samples import straight_line
 from samples.body_specs import beam_body
 from samples.recovery_samples import (
     PLY,
@@ -21,7 +22,7 @@ from samples.recovery_samples import (
 
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.element import Q, Z
-from plymotion.preprocess.beam.line import BeamLine, LineSection, section_axes, straight_line
+from plymotion.preprocess.beam.line import BeamLine, LineSection, section_axes
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
 from plymotion.solver.package.section.schema import SectionRecovery

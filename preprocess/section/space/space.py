@@ -131,11 +131,16 @@ class SectionSpace:
         self.unknowns = unknowns if self.unknowns is None else self.unknowns.then(unknowns)
         self._finish()
 
-    def expressed(self, unknowns: Unknowns) -> "SectionSpace":
-        """The same functions with other unknowns, which give the present ones."""
+    def copied(self) -> "SectionSpace":
+        """A copy without what follows from its functions."""
         other = copy.copy(self)
         for name in ("pattern", "weighted_gradients", "_products"):
             other.__dict__.pop(name, None)
+        return other
+
+    def expressed(self, unknowns: Unknowns) -> "SectionSpace":
+        """The same functions with other unknowns, which give the present ones."""
+        other = self.copied()
         other._express(unknowns)
         other.over = unknowns
         return other
@@ -147,9 +152,7 @@ class SectionSpace:
 
     def of_some(self, cells: IntArray) -> "SectionSpace":
         """The same unknowns with the points of some of the own cells only."""
-        other = copy.copy(self)
-        for name in ("pattern", "weighted_gradients", "_products"):
-            other.__dict__.pop(name, None)
+        other = self.copied()
         other.own = np.arange(self.mesh.n_cell)[self.own][cells]
         other.gradients = self.gradients[cells]
         other.values = self.values if self.values.ndim == 2 else self.values[cells]

@@ -154,14 +154,9 @@ class Buckling:
         self, G: sp.csr_matrix, count: int, which: str, tolerance: float, least: int = MANY
     ) -> tuple[Array, Array]:
         n = G.shape[0]
-        applied, stiffness, inverse = (
-            LinearOperator((n, n), matvec=product, dtype=float)
-            for product in (
-                lambda x: self._team.total(G @ x),
-                lambda x: self._team.total(self._K @ x),
-                self._factor.solve,
-            )
-        )
+        total = self._team.total
+        products = lambda x: total(G @ x), lambda x: total(self._K @ x), self._factor.solve
+        applied, stiffness, inverse = (LinearOperator((n, n), p, dtype=float) for p in products)
         start = np.random.default_rng(0).standard_normal(n)
         mu, X = eigsh(
             applied, count, which=which, tol=tolerance, M=stiffness, Minv=inverse, v0=start,

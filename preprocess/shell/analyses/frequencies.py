@@ -41,7 +41,6 @@ def natural_modes(
     count: int,
     free_motions: Array,
     team: fenicsx.Team = fenicsx.ALONE,
-    check: bool = True,
 ) -> Frequencies:
     """Modes without strain energy, then the lowest elastic modes.
 
@@ -50,7 +49,6 @@ def natural_modes(
     K, M : stiffness and mass of all degrees of freedom; each process of a team has its part
     count : requested elastic modes
     free_motions : (n_dof, k) free motions without strain energy
-    check : count the modes by the signs of pivots, which costs one factorisation
 
     Raises
     ------
@@ -69,7 +67,7 @@ def natural_modes(
             values, X = fenicsx.eigenpairs(
                 K_free, M_free, n_mode, target=target, tolerance=TOLERANCE, team=team
             )
-            if not check or n_mode == massive:
+            if n_mode == massive:
                 break
             level, below = _gap(values, wanted)
             found = fenicsx.negative_pivots(K_free - level * M_free, team)

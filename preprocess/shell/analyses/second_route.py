@@ -33,8 +33,8 @@ from ...fenicsx.spaces import (
     assembled,
     cell_function,
     dof_coordinates,
+    dolfinx_mesh,
     function_space,
-    labelled_mesh,
     original_cells,
     p2_cr_element,
     quiet,
@@ -287,7 +287,7 @@ class SecondRoute:
         first /= np.linalg.norm(first, axis=1)[:, None]
         region = np.zeros(len(self.cells), dtype=np.int64)
         plain = fenicsx.PlainMesh(self.points, self.cells, "triangle", 1, region, ("all",))
-        self.mesh = labelled_mesh(plain).mesh
+        self.mesh = dolfinx_mesh(plain)
         own = original_cells(self.mesh)
 
         def of_cells(values: Any) -> Any:

@@ -40,7 +40,7 @@ def cell_resultants(problem: ShellProblem, u: Array, exact: bool = False) -> Cel
     """
     mesh = problem.mesh
     laminate = np.empty(len(mesh.cells), dtype=np.int64)
-    names = _laminate_names(problem)
+    names = list(dict.fromkeys(region.laminate_name for region in problem.regions))
     for region in problem.regions:
         laminate[region.cells] = names.index(region.laminate_name)
     found = np.ascontiguousarray(np.moveaxis(problem.resultants(u), 0, 2))
@@ -61,10 +61,6 @@ def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
             constants = problem.spec["materials"]
             found[name] = region.laminate.data(name, region.stiffness, constants)
     return tuple(found.values())
-
-
-def _laminate_names(problem: ShellProblem) -> list[str]:
-    return list(dict.fromkeys(region.laminate_name for region in problem.regions))
 
 
 DESIGNED = {"laminates", "materials", "regions", "stiffeners"}  # tables with design parameters

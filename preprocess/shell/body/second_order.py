@@ -91,11 +91,6 @@ def pair_forces(problem: ShellProblem, u: Array) -> Array:
     return g
 
 
-def work_on_second_order_strains(problem: ShellProblem, v: Array, u: Array) -> Array:
-    """X_i' Kg(v) X_j of displacements v (n_dof,) and modes u (n_dof, m), (m, m)."""
-    return np.asarray(u.T @ (problem.geometric_stiffness(v) @ u))
-
-
 def _add_region(
     g: Array, region: Region, choice: Choice, u: Array, first: IntArray, second: IntArray
 ) -> Array:

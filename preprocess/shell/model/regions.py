@@ -52,11 +52,6 @@ class Region:
     stiffness: LaminateStiffness
 
 
-def read_materials(table: Mapping[str, Any], where: str) -> dict[str, Orthotropic]:
-    """Materials by name. Raises MaterialError."""
-    return {name: material_from_dict(entry, f"{where}.{name}") for name, entry in table.items()}
-
-
 def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Region]:
     """Every region of the mesh with the laminate that the specification gives it.
 
@@ -126,7 +121,10 @@ class _Laminated:
 
     def __init__(self, spec: Mapping[str, Any], where: str) -> None:
         self._given, self._where = spec["regions"], where
-        self._materials = read_materials(spec["materials"], f"{where}.materials")
+        self._materials = {
+            name: material_from_dict(entry, f"{where}.materials.{name}")
+            for name, entry in spec["materials"].items()
+        }
         self._laminates = {
             name: laminate_from_dict(table, self._materials, f"{where}.laminates.{name}")
             for name, table in spec.get("laminates", {}).items()
