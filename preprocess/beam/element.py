@@ -169,9 +169,7 @@ def _mass_path() -> list[Any]:
     return path
 
 
-@cache
-def _gauss_rule(n: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(n)
+_gauss_rule = cache(np.polynomial.legendre.leggauss)
 
 
 def gauss(length: float, n: int) -> tuple[Array, Array]:

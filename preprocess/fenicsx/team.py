@@ -104,20 +104,16 @@ class Distribution:
         number[self._order] = np.arange(self.n)
         self._numbering = stack.PETSc.LGMap().create(number, comm=stack.MPI.COMM_SELF)
 
-    @property
-    def size(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Rows and columns of a matrix, of this process and of all, for PETSc."""
-        return (self.n_own, self.n), (self.n_own, self.n)
-
     def matrix(self, part: sp.csr_matrix, *, spd: bool) -> Any:
         """The sum of parts as a symmetric matrix of PETSc, which may be positive definite."""
         PETSc, comm = stack.PETSc, self.team.comm
+        size = (self.n_own, self.n), (self.n_own, self.n)  # of this process, of all
         index = part.indptr.astype(PETSc.IntType, copy=False)
         entries = index, part.indices.astype(PETSc.IntType, copy=False), part.data
         if self.team.size == 1:  # no copy, so that new values need no insertion
-            mat = PETSc.Mat().createAIJWithArrays(self.size, csr=entries, comm=comm)
+            mat = PETSc.Mat().createAIJWithArrays(size, csr=entries, comm=comm)
         else:
-            mat = PETSc.Mat().createAIJ(self.size, nnz=self._lengths(part), comm=comm)
+            mat = PETSc.Mat().createAIJ(size, nnz=self._lengths(part), comm=comm)
             mat.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
             mat.setLGMap(self._numbering, self._numbering)
             mat.setValuesLocalIJV(*entries, addv=True)

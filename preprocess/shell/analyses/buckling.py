@@ -21,7 +21,7 @@ from ...fenicsx.team import whole
 from ..cells import ShellError
 from ..model.freedom import Freedom
 from ..model.guards import Warnings, check_supported
-from ..model.problem import ShellProblem
+from ..model.problem import ShellProblem, mode_count
 from .frequencies import GAP, signs
 
 TOLERANCE = 1e-10
@@ -273,9 +273,7 @@ def buckling(
     ShellError : no load case, an unknown one, free rigid motions.
     """
     problem = stressed.problem
-    count, in_plane = table.get("count", 4), table.get("in_plane", True)
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")
+    count, in_plane = mode_count(table, where, 4), table.get("in_plane", True)
     constant = table.get("constant")
     cases = table.get("cases")
     if cases is None:

@@ -31,7 +31,6 @@ class Frequencies(NamedTuple):
     shapes: Array  # (n_dof, m)                             [m, rad per sqrt(kg) m]
     n_zero: int  # number of modes without strain energy, which come first
     n_free_motions: int  # expected number of these: free rigid motions and known mechanisms
-    warnings: tuple[dict[str, str], ...]
 
 
 def natural_modes(
@@ -80,7 +79,7 @@ def natural_modes(
     n_zero = _without_energy(K_free, values, X, n_free_motions, team) if n_free_motions else 0
     values, X = values[:wanted], X[:, :wanted]
     shapes = freedom.expanded(X)
-    return Frequencies(values, shapes * signs(shapes, freedom), n_zero, n_free_motions, ())
+    return Frequencies(values, shapes * signs(shapes, freedom), n_zero, n_free_motions)
 
 
 def _without_energy(

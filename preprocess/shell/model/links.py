@@ -92,10 +92,7 @@ def read_links(
 
 def cross_matrix(a: Array) -> Array:
     """Matrices a~ with a~ b = a x b, (..., 3, 3) of vectors (..., 3)."""
-    out = np.zeros((*a.shape, 3))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        out[..., i, j], out[..., j, i] = -a[..., k], a[..., k]
-    return out
+    return np.cross(np.eye(3), a[..., None, :])
 
 
 def carried(arms_G: Array) -> Array:

@@ -131,9 +131,9 @@ def elements(table: Mapping[str, Any], where: str) -> Elements:
         raise ShellError(f"{where}.{error}") from error
 
 
-def mode_count(table: Mapping[str, Any], where: str) -> int:
+def mode_count(table: Mapping[str, Any], where: str, default: int = 6) -> int:
     """Number of requested modes. Raises ShellError."""
-    count = table.get("count", 6)
+    count = table.get("count", default)
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")
     return count

@@ -147,11 +147,10 @@ def run_described(
     if ranks > 1 and options.jobs:
         raise InputError(f"--jobs {options.jobs}: expected without mpirun, whose ranks share each")
     if ranks > 1 and command not in SHARED:
-        if rank:  # the first rank says so
-            return USER_ERROR
-        raise InputError(
-            f"mpirun started {ranks} processes: expected one, as ranks do not share a {command}"
-        )
+        words = f"expected one, as ranks do not share a {command}"
+        if not rank:
+            print(f"error: mpirun started {ranks} processes: {words}", file=sys.stderr)
+        return USER_ERROR
     if rank:
         return _join(command, entries, words, spec_of, ranks)
     options.out = options.out or FOLDERS[command]
