@@ -28,6 +28,9 @@ class Report(TypedDict):
     problems: dict[str, str]
 
 
+_usable: set[str] = set()  # interpreters that this process has probed
+
+
 def probe(python: str) -> Report:
     """Report on the imports of an interpreter; it has the problem "python" if it does not start."""
     outside = {k: v for k, v in os.environ.items() if not k.startswith(LAUNCHER)}
@@ -107,12 +110,15 @@ def find_interpreter() -> str:
         None has FEniCSx; the message names the missing parts of each, and the remedy.
     """
     if python := os.environ.get("FENICSX_PYTHON"):
+        if python in _usable:
+            return python
         report = probe(python)
         if not usable(report):
             raise InputError(
                 f"FENICSX_PYTHON = {python}: cannot use FEniCSx: {reasons(report)}. "
                 f"{HOW_TO_INSTALL_FENICSX}"
             )
+        _usable.add(python)
         return python
     folders = checkouts()
     for folder in folders:

@@ -1,6 +1,7 @@
 """`plymotion blade --spin`: frequencies over speed, their estimated errors, the case of a blade."""
 
 import csv
+import shutil
 import tomllib
 
 import numpy as np
@@ -10,6 +11,7 @@ from samples.blade_samples import along, blade_table, write_blade
 from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.stations import analysed, frequencies_at_rest
 from plymotion.solver.extras.blade.windio import Hub, read_blade
+from plymotion.solver.workers.launch import kept_preprocessors
 
 HUB = {"diameter": 3.0, "cone_angle": 5.0}
 
@@ -38,14 +40,16 @@ def spun(fenicsx, tmp_path_factory):
     file = blade_file(folder)
     few, many = folder / "few", folder / "many"
     words = ["blade", str(file), "--quiet"]
-    with pytest.MonkeyPatch.context() as patch:
+    places = {f"r{round(1e4 * r):05d}": float(r) for r in np.linspace(0.0, 1.0, 17)}
+    with pytest.MonkeyPatch.context() as patch, kept_preprocessors():
         patch.chdir(folder)
         assert main([*words, "--stations", "5", "-o", str(few), "--spin", "0:6:3"]) == 0
+        shutil.copytree(few, many)  # has five of the seventeen stations
         assert main([*words, "--stations", "17", "-o", str(many), "--no-estimate"]) == 0
-    places = {f"r{round(1e4 * r):05d}": float(r) for r in np.linspace(0.0, 1.0, 17)}
-    stations = analysed(many / "sections", places, dict.fromkeys(places))
-    blade = read_blade(file)
-    return few, [frequencies_at_rest(blade, some, quiet=True) for some in (stations[::2], stations)]
+        stations = analysed(many / "sections", places, dict.fromkeys(places))
+        blade = read_blade(file)
+        known = [frequencies_at_rest(blade, some, quiet=True) for some in (stations[::2], stations)]
+    return few, known
 
 
 def test_one_command_gives_frequencies_over_speed(spun):

@@ -19,6 +19,7 @@ from ...extras.blade.stations import (
 from ...inputs.case.record import CASE_FILE
 from ...package.common.files import write_text
 from ...studies.exit_codes import DEFECT, report, worst
+from ...workers.launch import kept_preprocessors
 from ..body_arguments import add_section
 from ..case_arguments import add_modes
 from ..modes import run_modes
@@ -30,6 +31,11 @@ FREQUENCIES = "frequencies.csv"
 
 def run_blade(options: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
+    with kept_preprocessors():  # for the sections, the frequencies at rest and those over speed
+        return _run_blade(options)
+
+
+def _run_blade(options: argparse.Namespace) -> int:
     out = options.out or folder_of(options.file)
     codes: list[int] = []
 

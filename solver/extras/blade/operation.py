@@ -11,7 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...dynamics.analysis.recovery import Recording
-from ...inputs.case.tables.schema import mechanism_of
+from ...inputs.case.tables.laws import RotationDrive, WindLaw
+from ...inputs.case.tables.schema import Mechanism, mechanism_of
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from ...mechanism.build import build
@@ -114,52 +115,69 @@ class RigidRotor:
         turbine: Turbine,
         folder: Path,
     ) -> None:
-        self.places, self.root, self.cone = places, root, cone_deg
-        self.names, self.turbine, self.folder = [s.name for s in strips], turbine, folder
+        self.turbine, n = turbine, turbine.blades
+        self.axes = {f"blade-{i + 1}": blade_axes(i, n, cone_deg) for i in range(n)}
+        self.blades = list(self.axes)
+        self.mechanism = self._read([s.name for s in strips], places, root, folder)
         self.loads = lru_cache(maxsize=None)(self._loads)
         cosine = math.cos(math.radians(cone_deg))
         self.radius = cosine * (root + float(places[-1, 0]) + 0.5 * strips[-1].width)
 
     def _loads(self, wind: float, speed: float, pitch: float) -> tuple[float, float]:
         """Return torque [N m] and thrust [N]; pitch [deg]."""
-        hub: dict[str, Any] = {"kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist()}
-        hub["interfaces"] = {"centre": {"position": [0.0] * 3}}
-        table: dict[str, Any] = {
-            "bodies": {"hub": hub},
-            "ground": {"o": {"position": [0.0] * 3}},
-            "joints": {
-                "shaft": {
-                    "kind": "revolute",
-                    "between": ["ground.o", "hub.centre"],
-                    "axis": [1.0, 0.0, 0.0],
-                    "drive": {"speed": speed},
-                }
-            },
-            "solver": {"t_end": 1.0, "output_step": 1.0},
+        mechanism, bodies = self.mechanism, dict(self.mechanism.bodies)
+        for name in self.blades:
+            turned = self.axes[name] @ vector_to_matrix(np.array([-math.radians(pitch), 0.0, 0.0]))
+            rotation = np.degrees(matrix_to_vector(turned)).tolist()
+            bodies[name] = bodies[name].model_copy(update={"rotation_deg": rotation})
+        shaft = mechanism.joints["shaft"]
+        drive = RotationDrive(speed=speed)
+        rotor = mechanism.rotor
+        assert rotor is not None
+        blowing = rotor.wind.model_copy(update={"speed": WindLaw(constant=wind)})
+        update = {
+            "bodies": bodies,
+            "joints": {**mechanism.joints, "shaft": shaft.model_copy(update={"drive": drive})},
+            "rotor": rotor.model_copy(update={"wind": blowing}),
         }
-        points = {n: {"position": p} for n, p in zip(self.names, self.places.tolist(), strict=True)}
-        blades = [f"blade-{i + 1}" for i in range(self.turbine.blades)]
-        for i, name in enumerate(blades):
-            A = blade_axes(i, self.turbine.blades, self.cone)
-            root = (self.root * A[:, 0]).tolist()
-            turned = A @ vector_to_matrix(np.array([-math.radians(pitch), 0.0, 0.0]))
-            table["bodies"][name] = {
-                "kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist(), "position": root,
-                "rotation_deg": np.degrees(matrix_to_vector(turned)).tolist(),
-                "interfaces": {"root": {"position": [0.0] * 3}, **points},
-            }  # fmt: skip
-            hub["interfaces"][name] = {"position": root}
-            ends = [f"hub.{name}", f"{name}.root"]
-            table["joints"][name] = {"kind": "fixed", "between": ends}
-        table["rotor"] = {
-            "hub": "hub.centre", "axis": [1.0, 0.0, 0.0], "blades": blades, "table": AERO,
-            "polar_table": POLARS, "wind": {"speed": {"constant": wind}},
-        }  # fmt: skip
-        built = build(mechanism_of(table, self.folder)[0], {})
+        built = build(mechanism.model_copy(update=update), {})
         y = consistent_state(built.model, built.start, built.joint_names)
         recording = Recording(built.model, np.zeros(1), y[None])
         torque, thrust = (rotor_values(built, q)(recording)[0] for q in ("moment", "thrust"))
         return float(torque), float(thrust)
+
+    def _read(self, strips: Sequence[str], places: Array, root: float, folder: Path) -> Mechanism:
+        """Return the mechanism at 1 rad/s, with the blades at a pitch of zero."""
+        hub: dict[str, Any] = {"kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist()}
+        hub["interfaces"] = {"centre": {"position": [0.0] * 3}}
+        shaft = {
+            "kind": "revolute",
+            "between": ["ground.o", "hub.centre"],
+            "axis": [1.0, 0.0, 0.0],
+            "drive": {"speed": 1.0},
+        }
+        table: dict[str, Any] = {
+            "bodies": {"hub": hub},
+            "ground": {"o": {"position": [0.0] * 3}},
+            "joints": {"shaft": shaft},
+            "solver": {"t_end": 1.0, "output_step": 1.0},
+        }
+        points = {n: {"position": p} for n, p in zip(strips, places.tolist(), strict=True)}
+        for name, A in self.axes.items():
+            at = (root * A[:, 0]).tolist()
+            table["bodies"][name] = {
+                "kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist(), "position": at,
+                "rotation_deg": np.degrees(matrix_to_vector(A)).tolist(),
+                "interfaces": {"root": {"position": [0.0] * 3}, **points},
+            }  # fmt: skip
+            hub["interfaces"][name] = {"position": at}
+            ends = [f"hub.{name}", f"{name}.root"]
+            table["joints"][name] = {"kind": "fixed", "between": ends}
+        table["rotor"] = {
+            "hub": "hub.centre", "axis": [1.0, 0.0, 0.0], "blades": self.blades, "table": AERO,
+            "polar_table": POLARS, "wind": {"speed": {"constant": 10.0}},
+        }  # fmt: skip
+        return mechanism_of(table, folder)[0]
 
 
 def blade_axes(i: int, blades: int, cone_deg: float) -> Array:
