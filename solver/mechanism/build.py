@@ -208,6 +208,7 @@ def build(
     bodies = _bodies(mechanism, packages, stiffening=stiffening)
     joints, built_joints = joint_tables(mechanism, places, share)
     reader = Reader(mechanism, places, built_joints, joints)
+    reader.states()
     forces = force_tables(mechanism, places, reader)
     reader.found.couplings += coupling_rows(mechanism, reader)
     rotor = None

@@ -37,6 +37,7 @@ from ..inputs.case.expressions import (
     joint_starts,
     law,
     of_time_alone,
+    state_rates,
 )
 from ..math import laws
 from ..math.arrays import Array
@@ -184,6 +185,15 @@ class Reader:
         self._curves: dict[tuple[str, str], int] = {}
         self._places: dict[str, int] = {}
         self._contacts: dict[str, tuple[int, int]] = {}
+
+    def states(self) -> None:
+        """Add `[states]`, which forces and each other read."""
+        rates = state_rates(self.mechanism)
+        self._states |= {("", name): j for j, name in enumerate(rates)}
+        for name, rate in rates.items():
+            keys = self.mechanism.states[name]
+            start = constant(keys.start)
+            self.found.state(StateTable(name, self.placed(rate), start, keys.size, owner=name))
 
     def force(self, name: str, keys: "CoordinateKeys | ContactTable") -> list[ForceTable]:
         """Return a force along a coordinate, with its states and curves; then its friction."""

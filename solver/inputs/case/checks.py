@@ -32,6 +32,7 @@ from .expressions import (
     joint_starts,
     law,
     of_time_alone,
+    state_rates,
 )
 from .record import KINDS, elsewhere, parts
 from .tables.beams import BeamBody
@@ -159,6 +160,15 @@ def check_tables(mechanism: Mechanism) -> list[str]:
     ]
 
 
+def _states(mechanism: Mechanism) -> list[str]:
+    """Return errors of the equations of states."""
+    try:
+        state_rates(mechanism, _places(mechanism))
+    except InputError as error:
+        return [str(error)]
+    return []
+
+
 def _places(mechanism: Mechanism) -> PlaceCheck:
     return lambda place: check_place("reads", place, mechanism, ground=True)
 
@@ -265,7 +275,8 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
     found += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
-    found += check_tables(mechanism) + _forces(mechanism) + check_couplings(mechanism)
+    found += check_tables(mechanism) + _states(mechanism) + _forces(mechanism)
+    found += check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     found += _rotor(mechanism)

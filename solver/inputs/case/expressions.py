@@ -96,6 +96,7 @@ WORDS = (
     "distance",
     "distance_rate",
     "signal",
+    "state",
 )
 CONTACT_KEYS = ("axis", "radius", "other_radius", "disc_axis")
 OF_MOTION = ("joint", "place", "spin", "length", "height", "slip")  # kinds of `Read` with a rate
@@ -109,7 +110,7 @@ class Read:
     Attributes
     ----------
     kind : joint (name, coordinate), place (name, axis), spin (name, axis), length (place, place),
-        state (force, name), reaction (joint, one of REACTIONS)
+        state (force, name; of `[states]` with "" for the force), reaction (joint, one of REACTIONS)
     names : as above
     rate : the rate by time of it, not itself
     """
@@ -206,6 +207,12 @@ class CaseScope:
             raise ValueError("is a signal with component magnitude; expected x, y or z")
         return self.functions[signal.kind](signal.at, signal.component) * scale
 
+    def state(self, name: str) -> Node:
+        """Return the value of `[states.NAME]`."""
+        if name not in self.mechanism.states:
+            raise ValueError(f"reads no known state{nearest(name, self.mechanism.states)}")
+        return load(Read("state", ("", name)))
+
     def _place(self, place: str, axis: str) -> tuple[str, str]:
         self._known(place)
         if axis not in AXES:
@@ -267,6 +274,20 @@ def expression(text: str, scope: CaseScope, key: str) -> Node:
         shown = text if len(text) < 60 else text[:57] + "..."
         hint = nearest(error.word, error.known) if error.word else ""
         raise InputError(f'{key} = "{shown}": {error}{hint}') from error
+
+
+def state_rates(mechanism: "Mechanism", check: PlaceCheck | None = None) -> dict[str, Node]:
+    """Return the rates of `[states]`, as trees.
+
+    Raises
+    ------
+    InputError
+    """
+    scope = CaseScope(mechanism, check=check)
+    return {
+        name: expression(equation.rate, scope, f"states.{name}.rate")
+        for name, equation in mechanism.states.items()
+    }
 
 
 def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]:

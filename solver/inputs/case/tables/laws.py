@@ -288,6 +288,16 @@ class CurveTable(Table):
         return self
 
 
+class StateEquation(Table):
+    """`[states.NAME]`: a value by its differential equation, which expressions read as
+    `state("NAME")`: filters, integrals, actuators of controllers.
+    """
+
+    rate: str = entry("expression of its rate by time")
+    start: float = entry("value at the start", default=0.0)
+    size: float = entry("order of its size, for the tolerance of its error", default=1.0, gt=0)
+
+
 class TablePoints(Table):
     """`[tables.NAME]`: a curve through points, which expressions call as `NAME(...)`."""
 

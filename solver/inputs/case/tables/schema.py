@@ -31,7 +31,7 @@ from .kinds import (
     by_freedoms,
     is_along_length,
 )
-from .laws import FOLDER, RESOLVED, TablePoints
+from .laws import FOLDER, RESOLVED, StateEquation, TablePoints
 from .rotor import Rotor
 from .signals import Signal
 from .solver import Solver
@@ -235,6 +235,9 @@ class Mechanism(Table):
     )
     tables: dict[Word, TablePoints] = entry(
         "curves through points that expressions call by name", default={}
+    )
+    states: dict[Name, StateEquation] = entry(
+        "values by differential equations, which expressions read", default={}
     )
     masses: dict[Name, PointMass] = entry("point masses", default={})
     rotor: Rotor | None = optional("blades in the wind")
