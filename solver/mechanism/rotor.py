@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.rotor import Polar
     from ..inputs.case.tables.rotor import Rotor as RotorKeys
 
-# Sizes of the states, for the tolerance of their error: induced velocities [m/s], separation.
-SIZES = (1.0, 1.0, 1.0, 1.0, 0.1)
+# Sizes of the states, for the tolerance of their error: induced velocities [m/s], separation, wake.
+SIZES = (1.0, 1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
 SEPARATED = np.radians([30.0, 50.0])  # from lift with a lag to lift without one
 
 

@@ -31,7 +31,7 @@ def turbine():
 
 
 def test_operation_is_at_rated_torque(tmp_path):
-    files = write_rotor(read_blade(write_blade(tmp_path, turbine())), tmp_path)
+    files, *_ = write_rotor(read_blade(write_blade(tmp_path, turbine())), tmp_path)
     assert {f.name for f in files} == {"aero.csv", "polars.csv", "operation.csv"}
     with (tmp_path / "operation.csv").open() as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]

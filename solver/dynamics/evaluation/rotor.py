@@ -2,13 +2,17 @@
 
 A section (a strip of a blade) is a load on its marker: x along the blade, y to the leading edge, z
 to the suction side. Marker one of the load is that of the hub, z along the shaft. Each section has
-five auxiliary states:
+seven auxiliary states:
 
 - two stages of the induced velocity, along the shaft and tangential: dynamic inflow by Oye's filter
   (H. Snel and J. G. Schepers, Joint investigation of dynamic inflow effects, ECN-C--94-107, 1995;
   as states in E. Branlard et al., J. Phys.: Conf. Ser. 2265 (2022) 032044);
 - the separation point: dynamic stall by Oye's model (M. H. Hansen et al., Riso-R-1354, 2004,
-  section 3.1.1, M. O. L. Hansen, Aerodynamics of Wind Turbines, 2nd ed. (2008), section 9.3).
+  section 3.1.1, M. O. L. Hansen, Aerodynamics of Wind Turbines, 2nd ed. (2008), section 9.3);
+- two of the wake that a section sheds: lift of attached flow follows the angle of attack at three
+  quarters of the chord by Jones' indicial function (R. T. Jones, NACA Report 681, 1940; as states
+  in Riso-R-1354, section 2). Lift and moment of the pitch rate are there besides: pi T alpha' and
+  -pi/2 T alpha', T = c / 2V. Without these, torsion of long blades flutters.
 
 The induced velocity of momentum theory follows from the loads in the present state, so that
 nothing is iterated: at rest of the states it is the solution of the usual equations, with Prandtl's
@@ -54,6 +58,7 @@ LEAST_WIND = 0.1  # along the shaft, in momentum theory [m/s]
 LEAST_LOSS = 1e-3
 SLOWEST = 1e-3  # flow at a section [m/s]
 QUASI_SHARE = 0.6  # k of Oye's filter
+A_1, A_2, B_1, B_2 = 0.165, 0.335, 0.0455, 0.3  # of the indicial function
 LIFT, DRAG = 0, 1  # columns of a polar, before those of model.py
 
 
@@ -106,8 +111,20 @@ def section_wrench(model: Model, work: Work, k: int, s: int) -> Wrench:
     flow = sum3(minus3(wind, moving), sum3(times3(skewed, n), times3(w_t, t)))
     forward, up = -dot3(flow, axis(at, 1)), dot3(flow, axis(at, 2))
     speed = max(np.sqrt(forward * forward + up * up), SLOWEST)
+    # the angle at three quarters of the chord, behind which that of the polar lags by the wake
+    turn_rate = dot3(spin(at), axis(at, 0))
+    behind = up + 0.5 * shape[CHORD] * turn_rate
+    share = behind / np.sqrt(forward * forward + behind * behind + SLOWEST**2)
+    slow_down = 2.0 * speed / shape[CHORD]
+    for i in range(2):
+        b, part = (B_1, A_1 * share) if i == 0 else (B_2, A_2 * share)
+        work.flow[s, 5 + i] = b * slow_down * (part - work.quantity[first + 5 + i])
+        work.flow[s, STALLED + 1 + i] = part
+    lag = work.quantity[first + 5] + work.quantity[first + 6] - (A_1 + A_2) * share
+    lag *= max(forward / speed, 0.0)
     # the polar, and the lift of a separation point that lags behind
-    x = (np.arctan2(up, forward) + np.pi) / ANGLE_STEP
+    angle = np.arctan2(behind, forward) + lag
+    x = min(max((angle + np.pi) / ANGLE_STEP, 0.0), rotor.polars.shape[1] - 1.0)
     i = min(int(x), rotor.polars.shape[1] - 2)
     x -= i
     low, high = rotor.polars[rotor.polar[s], i], rotor.polars[rotor.polar[s], i + 1]
@@ -115,7 +132,10 @@ def section_wrench(model: Model, work: Work, k: int, s: int) -> Wrench:
     lift = low[LIFT] + x * (high[LIFT] - low[LIFT])
     lift += (work.quantity[first + 4] - still) * (low[SPAN] + x * (high[SPAN] - low[SPAN]))
     drag = low[DRAG] + x * (high[DRAG] - low[DRAG])
+    drag -= lag * lift  # across the flow that the wake turns
     moment = low[MOMENT] + x * (high[MOMENT] - low[MOMENT])
+    lift += np.pi * turn_rate / slow_down
+    moment -= 0.5 * np.pi * turn_rate / slow_down
     q = 0.5 * numbers[AIR_DENSITY] * speed * shape[CHORD]
     ahead = q * (lift * up - drag * forward)
     across = q * (lift * forward + drag * up)

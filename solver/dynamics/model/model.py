@@ -97,7 +97,7 @@ AIR_DENSITY, BLADES, RADIUS, SHEAR, REFERENCE_HEIGHT, UP, DIRECTION = 0, 1, 2, 3
 N_ROTOR = 11
 ANGLE_STEP = np.pi / 360.0  # of polars [rad]
 # What a section computes: rates of its states, then what these go to at rest.
-N_SECTION_STATE, QUASI, STALLED, N_FLOW = 5, 5, 7, 8
+N_SECTION_STATE, QUASI, STALLED, N_FLOW = 7, 7, 9, 12
 
 
 @structure

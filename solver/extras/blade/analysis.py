@@ -22,6 +22,7 @@ from .stations import (
     write_blade_case,
     write_for,
 )
+from .turbine import write_turbine
 from .windio import Blade, differences, read_blade
 
 LOGGER = logging.getLogger(__name__)
@@ -160,7 +161,10 @@ def write_whole(
     if len(done) > 1:
         files.append(write_blade_case(meshed.blade, stations, meshed.folder))
     if rotor:
-        files += write_rotor(meshed.blade, meshed.folder)
+        written, strips, wind, points = write_rotor(meshed.blade, meshed.folder)
+        files += written
+        if len(done) > 1:
+            files += write_turbine(meshed.blade, stations, strips, wind, points, meshed.folder)
     return files
 
 

@@ -24,6 +24,7 @@ from .stations import line_of
 from .tables import Tables
 from .windio import UPWIND, Blade, turbine_table
 
+STEP = 0.2  # [deg] of pitch, by which the change of the torque is found
 STEEPEST = 45.0  # [deg] largest pitch that is looked for
 RPM = math.pi / 30.0
 MARGIN = 1.1  # by which the largest torque of a reference controller is above that at rated power
@@ -45,11 +46,11 @@ class Turbine:
     rated: float
     rated_torque: float
     ratio: float
-    fine_pitch_deg: float
+    fine_pitch: Array  # (2, n) least pitch [deg] in the second row over wind speeds
 
 
 def read_turbine(tables: Tables, top: Mapping[str, Any]) -> Turbine:
-    """Read assembly and control of a windIO file.
+    """Read assembly and control of a windIO file; `min_pitch_table` goes over `fine_pitch`.
 
     Raises
     ------
@@ -76,25 +77,37 @@ def read_turbine(tables: Tables, top: Mapping[str, Any]) -> Turbine:
         if 1.0 <= largest * unit / torque < 1.15:  # with the losses of the generator
             torque = largest * unit
             break
+    fine = np.array([[0.0], [number(control, "control.fine_pitch", 0.0)]])
+    if control.get("min_pitch_table") is not None:
+        path = "control.min_pitch_table"
+        given = tables.table(control, path)
+        winds, least = (tables.numbers(given, f"{path}.{k}") for k in ("wind_speed", "min_pitch"))
+        if len(winds) != len(least) or (np.diff(winds) <= 0.0).any():
+            raise tables.error(path, "expected rising wind_speed and as many min_pitch")
+        fine = np.array([winds, least])
     return Turbine(
         blades=int(number(assembly, "assembly.number_of_blades", 3.0)),
         slowest=RPM * number(control, "control.min_rotor_speed", 0.0),
         rated=rated,
         rated_torque=torque,
         ratio=number(control, "control.optimal_tsr"),
-        fine_pitch_deg=number(control, "control.fine_pitch", 0.0),
+        fine_pitch=fine,
     )
 
 
 @dataclass(frozen=True)
 class Point:
-    """One wind speed: speed of the rotor [rad/s], pitch [deg], torque [N m], thrust [N]."""
+    """One wind speed: speed of the rotor [rad/s], pitch [deg], torque [N m], thrust [N].
+
+    fine : the least pitch [deg]
+    """
 
     wind: float
     speed: float
     pitch: float
     torque: float
     thrust: float
+    fine: float
 
 
 class RigidRotor:
@@ -145,6 +158,21 @@ class RigidRotor:
         recording = Recording(built.model, np.zeros(1), y[None])
         torque, thrust = (rotor_values(built, q)(recording)[0] for q in ("moment", "thrust"))
         return float(torque), float(thrust)
+
+    def by_pitch(self, point: Point) -> float:
+        """Return the change of the torque by pitch at an operating point [N m/rad]."""
+        up, down = (self.loads(point.wind, point.speed, point.pitch + d)[0] for d in (STEP, -STEP))
+        return (up - down) / math.radians(2.0 * STEP)
+
+    def best(self) -> float:
+        """Return the torque over the square of the speed at the best ratio of tip and wind speed.
+
+        [N m s2]
+        """
+        t = self.turbine
+        speed = max(0.8 * t.rated, t.slowest)
+        wind = speed * self.radius / t.ratio
+        return self.loads(wind, speed, fine_pitch(t, wind))[0] / speed**2
 
     def _read(self, strips: Sequence[str], places: Array, root: float, folder: Path) -> Mechanism:
         """Return the mechanism at 1 rad/s, with the blades at a pitch of zero."""
@@ -199,11 +227,16 @@ def operation(rotor: RigidRotor, winds: Sequence[float]) -> list[Point]:
     t, points = rotor.turbine, []
     for wind in winds:
         speed = min(max(t.ratio * wind / rotor.radius, t.slowest), t.rated)
-        pitch = t.fine_pitch_deg
+        fine = pitch = fine_pitch(t, wind)
         if rotor.loads(wind, speed, pitch)[0] > t.rated_torque:
             speed, pitch = t.rated, _pitch(rotor, wind)
-        points.append(Point(wind, speed, pitch, *rotor.loads(wind, speed, pitch)))
+        points.append(Point(wind, speed, pitch, *rotor.loads(wind, speed, pitch), fine))
     return points
+
+
+def fine_pitch(turbine: Turbine, wind: float) -> float:
+    """Return the least pitch [deg] at a wind speed [m/s]."""
+    return float(np.interp(wind, *turbine.fine_pitch))
 
 
 def _pitch(rotor: RigidRotor, wind: float) -> float:
@@ -213,9 +246,8 @@ def _pitch(rotor: RigidRotor, wind: float) -> float:
     def excess(pitch: float) -> float:
         return rotor.loads(wind, t.rated, pitch)[0] - t.rated_torque
 
-    if excess(t.fine_pitch_deg) <= 0.0:
-        return t.fine_pitch_deg
-    return float(brentq(excess, t.fine_pitch_deg, STEEPEST, xtol=1e-4))
+    fine = fine_pitch(t, wind)
+    return fine if excess(fine) <= 0.0 else float(brentq(excess, fine, STEEPEST, xtol=1e-4))
 
 
 def operation_csv(points: Sequence[Point]) -> str:
@@ -235,8 +267,12 @@ def operation_csv(points: Sequence[Point]) -> str:
     return "\n".join([*rows, ""])
 
 
-def write_rotor(blade: Blade, folder: Path) -> list[Path]:
-    """Write strips and polars of a blade in the wind, and its steady operation; returns the files.
+def write_rotor(
+    blade: Blade, folder: Path
+) -> tuple[list[Path], list[Strip], RigidRotor, list[Point]]:
+    """Write strips and polars of a blade in the wind, and its steady operation.
+
+    Returns the files, strips, rotor and operating points.
 
     Raises
     ------
@@ -251,5 +287,6 @@ def write_rotor(blade: Blade, folder: Path) -> list[Path]:
     write_text(folder / POLARS, polar_csv(found))
     hub = blade.hub
     rotor = RigidRotor(found, places, hub.radius, hub.cone_deg, turbine, folder)
-    write_text(folder / OPERATION, operation_csv(operation(rotor, WINDS)))
-    return [folder / name for name in (AERO, POLARS, OPERATION)]
+    points = operation(rotor, WINDS)
+    write_text(folder / OPERATION, operation_csv(points))
+    return [folder / name for name in (AERO, POLARS, OPERATION)], found, rotor, points
