@@ -1,11 +1,15 @@
 """What `plymotion blade --rotor` writes: strips, polars and operation from a windIO file."""
 
 import csv
+import tomllib
+from copy import deepcopy
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from samples.blade_samples import blade_table, write_blade
+from samples.blade_samples import along, blade_table, write_blade
 from samples.rotor_samples import ANGLES, polar
+from scipy.integrate import solve_ivp
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.blade.aerodynamics import ANGLES as GRID
@@ -13,7 +17,14 @@ from plymotion.solver.extras.blade.aerodynamics import strips
 from plymotion.solver.extras.blade.operation import WINDS, write_rotor
 from plymotion.solver.extras.blade.stations import line_of
 from plymotion.solver.extras.blade.tables import Tables
+from plymotion.solver.extras.blade.turbine import write_turbine
 from plymotion.solver.extras.blade.windio import read_blade
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.package.common.plain_data import toml_text
+from plymotion.solver.run.execution import execute, read_run
+
+ACTUATOR = 4.0 * 35.0 * np.pi / 30.0  # [rad/s], without one in the file
 
 
 def turbine():
@@ -30,10 +41,10 @@ def turbine():
     return table
 
 
-def test_operation_is_at_rated_torque(tmp_path):
-    files, *_ = write_rotor(read_blade(write_blade(tmp_path, turbine())), tmp_path)
-    assert {f.name for f in files} == {"aero.csv", "polars.csv", "operation.csv"}
-    with (tmp_path / "operation.csv").open() as file:
+def test_operation_is_at_rated_torque(rigid_case):
+    folder, *_ = rigid_case
+    assert {"aero.csv", "polars.csv", "rotor.toml"} < {f.name for f in folder.iterdir()}
+    with (folder / "operation.csv").open() as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
     assert [row["wind_m_s"] for row in rows] == list(WINDS)
     pitched = [row for row in rows if row["pitch_deg"] > 0.0]
@@ -55,6 +66,119 @@ def test_strips_lie_on_the_blade(tmp_path):
         assert s.offset == pytest.approx(blade.offset.at(s.r) - 0.25 * s.chord)
         assert s.twist_deg == pytest.approx(-blade.twist.at(s.r))
         np.testing.assert_allclose(s.polar[:, 0], np.interp(GRID, ANGLES, polar()[:, 0]), atol=0.03)
+
+
+def whole():
+    """The small blade with hub, nacelle and tower."""
+    table = turbine()
+    parts = table["components"]
+    parts["hub"]["elastic_properties"] = {"mass": 3000.0, "inertia": [3e3, 2e3, 2e3, 0.0, 0.0, 0.0]}
+    parts["drivetrain"] = {
+        "outer_shape": {"uptilt": 0.0, "distance_tt_hub": 2.0, "overhang": 4.0},
+        "elastic_properties": {"mass": 1.2e4, "inertia": [2e4, 3e4, 3e4, 0.0, 0.0, 0.0],
+                               "location": [-1.0, 0.0, 1.5]},
+    }  # fmt: skip
+    parts["tower"] = {
+        "reference_axis": {"z": {"grid": [0.0, 1.0], "values": [0.0, 38.0]}},
+        "outer_shape": {"outer_diameter": along(3.0, 2.0)},
+        "structure": {"layers": [{"material": "steel", "thickness": along(0.02, 0.02)}]},
+    }
+    table["materials"].append({"name": "steel", "orth": 0, "rho": 7800.0, "E": 2e11, "nu": 0.3})
+    return table
+
+
+@pytest.fixture(scope="module")
+def rigid_case(tmp_path_factory):
+    """Folder, the case of the turbine on rigid blades, its rotor and its operating points."""
+    folder = tmp_path_factory.mktemp("turbine")
+    blade = read_blade(write_blade(folder, whole()))
+    M = np.diag([100.0, 100.0, 100.0, 50.0, 10.0, 40.0])
+    made = [SimpleNamespace(r=r, results=SimpleNamespace(M=M)) for r in (0.0, 0.5, 1.0)]
+    _, strips, rotor, points = write_rotor(blade, folder)
+    write_turbine(blade, made, strips, rotor, points, folder)
+    case = tomllib.loads((folder / "rotor.toml").read_text())
+    points_of = rotor.mechanism.model_dump()["bodies"]["blade-1"]["interfaces"]
+    tower = np.loadtxt(folder / "tower.csv", delimiter=",", skiprows=1)
+    for name in rotor.blades:
+        body = case["bodies"][name]
+        case["bodies"][name] = {
+            "kind": "rigid", "mass": 2000.0, "inertia": np.diag([1e3, 3e5, 3e5]).tolist(),
+            **{key: body[key] for key in ("position", "rotation_deg", "angular_velocity")},
+            "interfaces": {k: {"position": v["position"]} for k, v in points_of.items()},
+        }  # fmt: skip
+    for group, name in (("bodies", "tower"), ("joints", "foot"), ("signals", "flap"),
+                        ("signals", "edge"), ("figures", "flap")):  # fmt: skip
+        del case[group][name]
+    case["ground"] = {"top": {"position": case["bodies"]["nacelle"]["position"]}}
+    case["joints"]["yaw"]["between"][0] = "ground.top"
+    return folder, case, rotor, points, tower
+
+
+def test_the_speed_follows_its_loop(rigid_case, tmp_path):
+    """A step of the wind above the rated one: J dw = dQ/dpitch + dQ/dw + dQ/dwind, by hand.
+
+    With filter, actuator and gains of the case; the wake is steady there, so that it is not exact.
+    """
+    folder, case, rotor, points, _ = rigid_case
+    case = deepcopy(case)
+    point = next(p for p in points if p.wind == 15.0)
+    case["gravity"] = [0.0, 0.0, 0.0]
+    case["parameters"] |= {"wind": 15.0, "gust": 0.3, "speed": point.speed, "fine_pitch": 0.0,
+                           "pitch_deg": point.pitch}  # fmt: skip
+    wind = "wind + gust * smooth_step(t, 1, 2)"
+    case["rotor"]["wind"]["speed"]["expression"] = wind
+    case["solver"] |= {"t_end": 16.0, "rtol": 1e-5}
+    case["runs"] = {"all": {}}
+    for key in ("figures", "sweeps", "coarse", "variants"):
+        del case[key]
+    file = folder / "case.toml"
+    file.write_text(toml_text(case))
+    write_case(load_case(file), tmp_path / "build")
+    result, summary = execute(read_run(tmp_path / "build/runs/all.json"), progress=False)
+    found = {s.name: s.values for s in result.signals}
+    assert summary["completed"]
+
+    def slope(**change):
+        at = {"wind": 15.0, "speed": point.speed, "pitch": point.pitch}
+        up, down = (rotor.loads(*{**at, **{k: at[k] + s * d for k, d in change.items()}}.values())
+                    for s in (1.0, -1.0))  # fmt: skip
+        return (up[0] - down[0]) / 2.0
+
+    by_pitch, by_speed, by_wind = (
+        slope(pitch=np.degrees(1e-3)) / 1e-3, slope(speed=1e-3) / 1e-3, slope(wind=0.05) / 0.05
+    )  # fmt: skip
+    p = case["parameters"]
+    J = np.interp(np.radians(point.pitch), case["tables"]["gain"]["x"], case["tables"]["gain"]["y"])
+    J *= -by_pitch
+    inertia = 3e3 + 3 * (3e5 + 2000.0)  # the hub, and the blades about the shaft
+    w, f = p["w"], p["filter"]
+
+    def rates(t, x):
+        speed, measured, rate, integral, pitch = x
+        gust = 0.3 * np.clip(t - 1.0, 0.0, 1.0) ** 2 * (3.0 - 2.0 * np.clip(t - 1.0, 0.0, 1.0))
+        gained = -J / by_pitch * measured
+        asked = integral + 2.0 * w * gained
+        return [
+            (by_pitch * pitch + by_speed * speed + by_wind * gust) / inertia,
+            rate,
+            f * (f * (speed - measured) - 1.4 * rate),
+            w**2 * gained,
+            ACTUATOR * (asked - pitch),
+        ]
+
+    expected = solve_ivp(rates, (0.0, 16.0), np.zeros(5), t_eval=result.t, rtol=1e-8).y[0]
+    change = found["speed"] - point.speed
+    assert np.abs(change - expected).max() < 0.1 * np.abs(expected).max()
+
+
+def test_the_tower_is_a_tube(rigid_case):
+    """Area and second moment of a tube of 3 m with a wall of 20 mm; its mass."""
+    *_, tower = rigid_case
+    outer, inner = 3.0, 2.96
+    area, second = np.pi / 4.0 * (outer**2 - inner**2), np.pi / 64.0 * (outer**4 - inner**4)
+    K = tower[0, 4:25]
+    np.testing.assert_allclose(K[[0, 18, 20]], [2e11 * area, *[2e11 * second] * 2], rtol=1e-9)
+    assert tower[0, 25] == pytest.approx(7800.0 * area)
 
 
 def test_messages_of_what_is_missing(tmp_path):

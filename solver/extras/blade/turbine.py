@@ -114,8 +114,8 @@ def write_turbine(
         A = turn @ local
         x, y, z = A.T @ n
         c, s = "cos(pitch_deg*pi/180)", "sin(pitch_deg*pi/180)"
-        spin = [f"speed * {x:.9g}", f"speed * ({y:.9g}*{c} - ({z:.9g})*{s})",
-                f"speed * ({y:.9g}*{s} + ({z:.9g})*{c})"]  # fmt: skip
+        spin = [f"speed * {x:.15g}", f"speed * ({y:.15g}*{c} - ({z:.15g})*{s})",
+                f"speed * ({y:.15g}*{s} + ({z:.15g})*{c})"]  # fmt: skip
         parts.append(
             part["BLADE"].format(
                 name=name, i=i + 1, elements=elements_of(len(complete(stations))), modes=MODES,
@@ -136,7 +136,7 @@ def write_turbine(
 
 
 def _list(values: Any) -> str:
-    return "[" + ", ".join(f"{float(v) + 0.0:.9g}" for v in values) + "]"
+    return "[" + ", ".join(f"{float(v) + 0.0:.15g}" for v in values) + "]"
 
 
 def _rows(matrix: Any) -> str:
