@@ -369,6 +369,18 @@ $(ROBOTS)/installed: Makefile | $(EMPTY)
 robots: $(ROBOTS)/installed $(EXCHANGE)/installed | $(COMPILED) ## Robots from URDF files against Pinocchio, as FMUs, in MuJoCo, in contact: build/benchmarks/robots.json, docs/robots.md
 	$(subst $(PEERS),$(PEERS):$(EXCHANGE)/python,$(BENCH)) benchmarks/robots.py --python $(ROBOTS)/bin/python --out build/benchmarks/robots.json
 
+# The package windIO has the file of the turbine, in an environment of its own.
+WINDIO := build/windio
+$(WINDIO)/installed: Makefile | $(EMPTY)
+	$(PY) -m venv $(WINDIO)
+	$(WINDIO)/bin/python -m pip install --quiet --no-deps windIO==2.1.1
+	@touch $@
+
+.PHONY: wind
+wind: $(WINDIO)/installed $(FENICSX) | $(COMPILED) ## IEA-15-240-RWT in the wind against HAWCStab2: build/benchmarks/wind.json, docs/rotor.md
+	. ./$(FENICSX) && export FENICSX_PYTHON && $(BENCH) benchmarks/wind.py \
+	    $(WINDIO)/lib/python3*/site-packages/windIO/examples/turbine/IEA-15-240-RWT.yaml
+
 .PHONY: design
 design: $(FENICSX) | $(COMPILED) ## Best designs and their derivatives against closed forms and rebuilt packages: build/benchmarks/design.json
 	. ./$(FENICSX) && export FENICSX_PYTHON && \

@@ -194,8 +194,9 @@ def add_blade(parser: Any) -> None:
       beam.csv   the blade as a body of a case: kind = "beam", table = "beam.csv"
       case.toml  this body on its turning hub: plymotion modes DIR/case.toml --at spin=...
       blade_*    with --to: stiffness, mass and geometry for another code
-      aero.csv, polars.csv and operation.csv with --rotor: strips and polars for [rotor] of a case,
-                 and speed, pitch, power and thrust over the wind with rigid blades
+      rotor.toml with --rotor: the turbine in the wind as a case, with its controller; tower.csv,
+                 aero.csv, polars.csv (tower, strips, polars) and operation.csv (speed, pitch, power
+                 and thrust over the wind with rigid blades)
       with --spin: frequencies.csv (at rest, with estimated errors), campbell.csv, .json and .png
 
     Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the
@@ -224,7 +225,7 @@ def add_blade(parser: Any) -> None:
     parser.add_argument("--spin", type=_speeds, metavar="FIRST:LAST:STEP", help=text)
     text = "stations at a time (default 1)"
     parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help=text)
-    text = "also strips and polars for [rotor] of a case, and steady operation (docs/rotor.md)"
+    text = "also the case of the turbine in the wind, and its steady operation (docs/rotor.md)"
     flag(parser, "rotor", text)
     flag(parser, "no-estimate", "skip the error estimate")
     flag(parser, "check", "write meshes and descriptions of the stations only")

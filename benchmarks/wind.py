@@ -1,0 +1,105 @@
+"""A turbine in the wind against the operation that HAWCStab2 has for it.
+
+    make wind      writes build/benchmarks/wind.json
+
+`plymotion blade FILE --rotor` writes the case of IEA-15-240-RWT of the package windIO. It runs 80 s
+at 11 wind speeds, with three blades of the full 6x6, tower and controller; numbers are means over
+the last whole revolutions of 30 s. Then a step of the wind by 2 m/s.
+"""
+
+import argparse
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+from plymotion.solver.run.execution import execute, read_run
+
+REFERENCE = Path("tests/reference/dynamics/iea15_hawcstab2.toml")
+SIGNALS = ("power", "thrust", "pitch", "speed", "flap", "edge")
+T_END, LAST = 80.0, 30.0  # [s]
+
+
+def command(*words: str) -> None:
+    """Run plymotion."""
+    subprocess.run([sys.executable, "-m", "plymotion.solver", *words], check=True)
+
+
+def means(result, speed: float) -> dict[str, float]:
+    """Return means of the signals over the last whole revolutions, and the swing of the pitch."""
+    period = 2.0 * math.pi / speed
+    length = math.floor(LAST / period) * period
+    kept = result.t >= result.t[-1] - length
+    values = {s.name: s.values[kept] for s in result.signals}
+    found = {name: float(values[name].mean()) for name in SIGNALS}
+    return found | {"pitch_swing": float(np.ptp(values["pitch"]))}
+
+
+def run(spec, changes: dict[str, float]):
+    """Return result and cost of a run: CPU seconds per second of motion."""
+    begin = time.process_time()
+    result, summary = execute(spec.changed(changes), progress=False)
+    cost = (time.process_time() - begin) / float(result.t[-1])
+    if not summary["completed"]:
+        raise RuntimeError(f"{changes}: {summary['message']}")
+    return result, cost
+
+
+def main() -> None:
+    """Write the file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("turbine", type=Path, help="windIO file of IEA-15-240-RWT")
+    parser.add_argument("--out", type=Path, default=Path("build/benchmarks/wind.json"))
+    parser.add_argument("--stations", default="21")
+    options = parser.parse_args()
+    folder = options.out.with_suffix("")
+    words = ["--stations", options.stations, "--no-estimate", "--rotor", "--quiet"]
+    command("blade", str(options.turbine), *words, "-o", str(folder / "turbine"))
+    command("check", str(folder / "turbine/rotor.toml"), "--out", str(folder / "out"))
+    runs = folder / "out/runs"
+    command("packages", *map(str, sorted(runs.glob("*.json"))), "--quiet")
+    reference = tomllib.loads(REFERENCE.read_text())
+    spec, points = read_run(runs / "steady.json"), []
+    with (folder / "turbine/operation.csv").open() as file:
+        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    for row in rows:
+        below_rated = row["wind_m_s"] < 10.5
+        start = {
+            "wind": row["wind_m_s"],
+            "speed": row["speed_rpm"] * math.pi / 30.0,
+            "pitch_deg": row["pitch_deg"],
+            "fine_pitch": math.radians(row["pitch_deg"]) if below_rated else 0.0,
+        }
+        changes = {f"parameters.{key}": value for key, value in start.items()}
+        result, cost = run(spec, {**changes, "solver.t_end": T_END})
+        point = {"wind": row["wind_m_s"], **means(result, start["speed"]), "cpu_s_per_s": cost}
+        k = reference["wind"].index(row["wind_m_s"])
+        for key in ("power", "thrust", "speed"):
+            point[f"{key}_error"] = point[key] / reference[key][k] - 1.0
+        point["pitch_error_deg"] = math.degrees(point["pitch"]) - reference["pitch_deg"][k]
+        points.append(point)
+        print("  ".join(f"{key} {value:.4g}" for key, value in point.items()), flush=True)
+    result, cost = run(read_run(runs / "step.json"), {})
+    values = {s.name: s.values for s in result.signals}
+    after = result.t > 60.0
+    step = {
+        "highest_speed": float(values["speed"][after].max()),
+        "speed_at_end": float(values["speed"][-100:].mean()),
+        "pitch_swing_last_20_s": float(np.ptp(values["pitch"][-200:])),
+        "cpu_s_per_s": cost,
+    }
+    print(step)
+    machine = {"cores": os.cpu_count(), "load": os.getloadavg()[0]}
+    text = json.dumps({"points": points, "step": step, "machine": machine}, indent=1)
+    options.out.write_text(text + "\n")
+
+
+if __name__ == "__main__":
+    main()
