@@ -157,6 +157,7 @@ class Case(Builders):
     forces = _Group()
     parameters = _Group()
     tables = _Group()
+    states = _Group()
     masses = _Group()
     signals = _Group()
     solver = _Group()

@@ -23,6 +23,7 @@ from .windio import Blade, turbine_table
 ROTOR_CASE, TOWER = "rotor.toml", "tower.csv"
 MODES = 8  # lowest vibrations of a blade: with torsion
 TEMPLATES = Path(__file__).with_name("turbine_case.txt")
+FLAT = 5.0  # [deg] above the least pitch, where the change of the torque by pitch is not used
 BEARING = 2.0 * math.pi * 10.0  # [rad/s] of a blade on its pitch drive
 
 ERROR = "gain(state('pitch')) * (state('measured') - rated_speed)"
@@ -70,8 +71,10 @@ def write_turbine(
     own = _hub(tables, components, drive)
     J_pitch, J_blade = _inertia(blade, stations)
     inertia = own["hub_inertia"][0][0] + t.blades * J_blade
-    gained = sorted((math.radians(p.pitch), -inertia / rotor.by_pitch(p)) for p in points
-                    if p.pitch > p.fine + 0.1)  # fmt: skip
+    # Near the rated wind the torque changes little by pitch, but flexible blades turn further.
+    pitched = [p for p in points if p.pitch > p.fine + 0.1]
+    pitched = [p for p in pitched if p.pitch > p.fine + FLAT] or pitched
+    gained = sorted((math.radians(p.pitch), -inertia / rotor.by_pitch(p)) for p in pitched)
     w = 0.25 * t.rated
     steady = min(points, key=lambda p: abs(p.wind - 10.0))
     step = next((p for p in points if p.pitch > p.fine + 0.1), points[-1])
