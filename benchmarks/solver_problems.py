@@ -106,10 +106,12 @@ def plain(table: Mapping[str, Any]) -> Any:
     return json.loads(json.dumps(table))
 
 
-def write_run(name: str, table: Mapping[str, Any], packages: Mapping[str, Path]) -> Path:
+def write_run(
+    name: str, table: Mapping[str, Any], packages: Mapping[str, Path], runs: Path = RUNS
+) -> Path:
     """Write a run file as `plymotion check` does, for packages that exist."""
     mechanism = resolved(plain(table), name)
-    file = RUNS / name / "runs" / f"{name}.json"
+    file = runs / name / "runs" / f"{Path(name).name}.json"
     entries = {
         body: {"file": os.path.relpath(path, file.parent.parent)} for body, path in packages.items()
     }

@@ -1,7 +1,8 @@
 """The arena: scenes with truths, every code that can be run here, error against time, who wins.
 
 python benchmarks/arena/arena.py [--quick] [--no-install] [--out DIR] [--scenes DIR] [--runners DIR]
-    [--write docs/arena.md] [--coverage N] [WORD ...]
+    [--write docs/arena.md] [--coverage N] [--longest S]
+    [WORD ...]
 
 Writes DIR/arena.json and DIR/index.html with charts. Words choose scenes whose names contain one
 of them. `--scenes` and `--runners` add a folder of scenes or runners of your own (docs/arena.md).
@@ -14,7 +15,6 @@ import math
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ import page  # noqa: E402
 import scenes  # noqa: E402
 from tqdm import tqdm  # noqa: E402
 
-LANES = 2  # codes that run beside each other
+LANES = 3  # processes that run beside each other
 QUICK_LONGEST = 3.0  # CPU seconds of a process after which finer settings are left out
 
 
@@ -41,6 +41,7 @@ def main() -> None:
     parser.add_argument("--scenes", type=Path)
     parser.add_argument("--runners", type=Path)
     parser.add_argument("--codes", default="", help="only these, as in runners/in_NAME.py")
+    parser.add_argument("--longest", type=float, help="CPU seconds after which a process is ended")
     parser.add_argument("--coverage", type=int, default=0, help="random scenes of the error bars")
     parser.add_argument("--write", type=Path, help="renew the tables of this page of docs")
     parser.add_argument("words", nargs="*")
@@ -57,7 +58,8 @@ def main() -> None:
         chosen = scenes.find(places, tuple(told.words))
         if told.quick:
             chosen = [scene for scene in chosen if scene.table.get("quick")]
-        results = measured(chosen, codes, QUICK_LONGEST if told.quick else frame.LONGEST)
+        longest = told.longest or (QUICK_LONGEST if told.quick else frame.LONGEST)
+        results = measured(chosen, codes, longest)
         if told.coverage:
             import coverage
 
@@ -73,42 +75,46 @@ def measured(
     chosen: list[scenes.Scene], codes: list[frame.Runner], longest: float
 ) -> dict[str, Any]:
     """Everything that arena.json has, except the coverage of error bars."""
-    rows, truths, cannot, titles = [], {}, {}, {}
-    for scene in tqdm(chosen, unit="scene"):
+    rows: list[dict[str, Any]] = []
+    truths: dict[str, frame.Truth] = {}
+    cannot: dict[str, dict[str, str]] = {}
+    titles = {scene.name: about(scene) for scene in chosen}
+    jobs = []
+    for scene in tqdm(chosen, unit="truth"):
         sheet = scene.sheet()
-        titles[scene.name] = about(scene)
         truth = frame.truth(scene, sheet, codes)
         if truth is None:
             cannot[scene.name] = {"truth": "a code that it needs is not installed"}
             continue
-        truths[scene.name] = {"bar": truth.bar, "by": truth.by, "disagree": truth.disagree}
-        able = []
+        truths[scene.name] = truth
         for runner in codes:
-            why = runner.absent or runner.module.cannot(sheet)
-            if why:
+            if why := runner.absent or runner.module.cannot(sheet):
                 cannot.setdefault(scene.name, {})[runner.name] = why
             else:
-                able.append(runner)
-        with ThreadPoolExecutor(LANES) as lanes:
-            done = list(lanes.map(partial(trials, scene, sheet, longest=longest), able))
-        for of_code in done:
+                jobs.append((scene, sheet, runner))
+    with ThreadPoolExecutor(LANES) as lanes:
+        done = lanes.map(lambda job: trials(*job, longest=longest), jobs)
+        for (scene, _, _), of_code in tqdm(zip(jobs, done, strict=True), total=len(jobs)):
             for trial in of_code:
                 if not trial.failed:
                     found = frame.values(trial.found["values"])
-                    trial.error = frame.distance(found, truth.values)
+                    trial.error = frame.distance(found, truths[scene.name].values)
                     if not math.isfinite(trial.error):
                         trial.failed = "not finite, or not all outputs"
                 rows.append(trial.row())
+    bars = {name: truth.bar for name, truth in truths.items()}
     versions = {r.name: r.version or "absent" for r in codes}
     return {
         "scenes": len(titles),
         "codes": [f"{name} {version}" for name, version in versions.items()],
-        "truths": {name: t["bar"] for name, t in truths.items()},
+        "truths": bars,
         "coverage": None,
         "bar_over_error_median": None,
-        **page.verdicts(rows, {n: t["bar"] for n, t in truths.items()}),
+        **page.verdicts(rows, bars),
         "about": titles,
-        "truth_by": truths,
+        "truth_by": {
+            name: {"bar": t.bar, "by": t.by, "disagree": t.disagree} for name, t in truths.items()
+        },
         "cannot": cannot,
         "trials": rows,
     }

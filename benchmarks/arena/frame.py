@@ -137,18 +137,27 @@ def run(
     name = "-".join(str(v) for v in setting.values()).replace("/", "_").replace(" ", "")
     folder = Path(tempfile.mkdtemp(prefix=f"{runner.key}-{name}-", dir=place))
     try:
-        command = runner.module.prepare(sheet, setting, folder, runner.python)
+        own = hasattr(runner.module, "prepare")
+        if own:
+            command = runner.module.prepare(sheet, setting, folder, runner.python)
+        else:
+            job = {"sheet": sheet["sheet"], "setting": setting}
+            (folder / "in.json").write_text(json.dumps(job), encoding="utf-8")
+            command = [runner.python, str(runner.module.__file__), str(folder)]
         limit = ["prlimit", f"--cpu={ceil(longest)}"] if longest else []
         inside = ["env", f"--chdir={folder}"] if getattr(runner.module, "INSIDE", False) else []
         used = cost_of([*limit, *inside, *command])
         (folder / "told.txt").write_text(used.told, encoding="utf-8")
-        trial.found = runner.module.read(sheet, setting, folder)
+        if own:
+            trial.found = runner.module.read(sheet, setting, folder)
+        else:
+            trial.found = json.loads((folder / "out.json").read_text(encoding="utf-8"))
         trial.process_s = used.cpu_s
         trial.solution_s = float(trial.found.get("solution_s", np.nan))
     except (RuntimeError, OSError, KeyError, ValueError) as error:
-        lines = [line for line in str(error).strip().splitlines() if line.strip()]
-        trial.failed = (lines[-1] if lines else type(error).__name__)[:200]
-        if trial.failed.endswith(":"):  # a command that said nothing was ended by its limit
+        lines = [line for line in str(error).splitlines() if line.strip()]
+        trial.failed = lines[-1] if lines else type(error).__name__
+        if trial.failed.endswith(": "):  # a command that said nothing was ended by its limit
             trial.failed = f"more than {longest:g} CPU seconds"
     shutil.rmtree(folder, ignore_errors=True)
     return trial

@@ -1,17 +1,14 @@
 """The neutral description of a mechanism: bodies as they start, joints, gravity, probe."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from solver_exudyn import reduced
-from solver_problems import interface, node, plain
+from solver_problems import interface, node, write_run
 
 from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.record import seal
-from plymotion.solver.inputs.case.tables.schema import changed_mechanism, resolved
-from plymotion.solver.inputs.case.write import dump, write_if_changed
+from plymotion.solver.inputs.case.tables.schema import changed_mechanism
 from plymotion.solver.math.rotations import rotation_matrix
 from plymotion.solver.package import read_package
 from plymotion.solver.run.execution import read_run
@@ -22,17 +19,6 @@ if TYPE_CHECKING:
 
 FOLDER = Path("build/arena/runs")
 SOLVER = ("start", "modes_at_start", "on_invalid", "on_singular", "geometric_stiffening")
-
-
-def run_file(name: str, table: dict[str, Any], packages: dict[str, Path]) -> Path:
-    """Run file as `plymotion check` writes it, for packages that exist."""
-    mechanism = resolved(plain(table), name)
-    file = FOLDER / name / "runs" / f"{name}.json"
-    entries = {b: {"file": os.path.relpath(p, file.parent.parent)} for b, p in packages.items()}
-    content = {"case": name, "run": name, "title": name, "packages": entries}
-    checked = {"checked": seal(mechanism), "mechanism": mechanism.model_dump()}
-    write_if_changed(file, dump(content | checked))
-    return file
 
 
 def mechanism(scene: "Scene") -> dict[str, Any]:
@@ -58,7 +44,7 @@ def mechanism(scene: "Scene") -> dict[str, Any]:
                 own = [folder / f"{n}.vtkhdf" for n in (f"{body}.{name}", body)]
                 own += sorted(folder.glob(f"{body}.*.vtkhdf"))
                 packages[body] = next(p for p in own if p.exists())
-    file = run_file(scene.name, case, packages)
+    file = write_run(scene.name, case, packages, FOLDER)
     spec = read_run(file)
     ready = prepare(spec.mechanism, spec.packages)
     model, y0 = ready.model, ready.y0

@@ -80,7 +80,7 @@ def charts(results: dict[str, Any], folder: Path) -> dict[str, str]:
         if not row["failed"]:
             by_scene[row["scene"]].append(row)
     codes = sorted({row["code"] for row in results["trials"]})
-    with house_style():
+    with house_style(formulas=True):
         for scene, rows in by_scene.items():
             canvas = Canvas(9.0, 3.6)
             bar, unit = results["truths"][scene], results["about"][scene].get("unit", "m")
@@ -217,7 +217,10 @@ def summary(results: dict[str, Any]) -> list[str]:
             "",
         ]
     if results.get("error_bars"):
-        lines += ["### Error bars", "", *results["error_bars"], ""]
+        inside, width = results["coverage"], results["bar_over_error_median"]
+        told = f"Of the draws that were never used: {inside:.0%} of the true errors are inside, "
+        told += f"bars are {width:.2g} times the error in the median."
+        lines += ["### Error bars", "", *results["error_bars"], "", told, ""]
     return [*lines, machine(None)]
 
 

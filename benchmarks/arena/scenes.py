@@ -27,7 +27,18 @@ KINDS = {
     "shell": {"file", "values"},
 }
 KEYS = {"title", "kind", "source", "licence", "truth"}
-OPTIONAL = {"quick", "run", "packages", "changes", "every", "unit", "data", "ours", "note"}
+OPTIONAL = {
+    "quick",
+    "run",
+    "packages",
+    "changes",
+    "every",
+    "unit",
+    "data",
+    "ours",
+    "note",
+    "script",
+}
 
 
 @dataclass(frozen=True)
@@ -37,7 +48,8 @@ class Scene:
     Attributes
     ----------
     table : content of scene.toml
-    script : scene.py, None without it; it may have `case()`, the text of a case, and `truth(times)`
+    script : scene.py or another, None without it; it may have `case(name)`, the text of a case, and
+        `truth(times)`
     """
 
     name: str
@@ -86,7 +98,7 @@ class Scene:
             return self.path(self.table["case"])
         file = BUILD / "cases" / self.name / "case.toml"
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(self.script.case(), encoding="utf-8")
+        file.write_text(self.script.case(self.name), encoding="utf-8")
         return file
 
 
@@ -110,7 +122,7 @@ def read(folder: Path) -> Scene:
     kind = table.get("kind")
     if kind not in KINDS:
         raise SystemExit(f"{file}: kind = {kind!r}: expected one of {', '.join(KINDS)}")
-    code = folder / "scene.py"
+    code = folder / table.get("script", "scene.py")
     module = script(code, f"scene_{folder.name.replace('-', '_')}") if code.exists() else None
     wanted = KEYS | KINDS[kind] - ({"case"} if hasattr(module, "case") else set())
     allowed = KEYS | KINDS[kind] | OPTIONAL

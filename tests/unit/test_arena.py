@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 ARENA = ROOT / "benchmarks/arena"
 CODE = """
-from common import main, prepare_script, read_script
+from common import main
 
 NAME = "Still"
 ENVIRONMENT = {"own": True}
@@ -24,16 +24,7 @@ def settings(sheet):
     return [{"method": "rest"}]
 
 
-def prepare(sheet, setting, folder, python):
-    return prepare_script(__file__, sheet, setting, folder, python)
-
-
-def read(sheet, setting, folder):
-    return read_script(folder)
-
-
 if __name__ == "__main__":
-    import sys
     main(lambda sheet, setting: ([sheet["probe"]["global"]] * len(sheet["times"]), 1.0))
 """
 

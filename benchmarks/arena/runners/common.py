@@ -9,7 +9,7 @@ settings(sheet) : a ladder of settings, each a dict with "method"
 prepare(sheet, setting, folder, python) : writes what it needs, returns the command to be timed
 read(sheet, setting, folder) : {"values": ..., "solution_s": CPU seconds of the solution}
 
-Scripts run as `PYTHON runners/X.py FOLDER` take `prepare` and `read` from here and call `main`.
+Without `prepare` and `read` the file itself is the script that is timed: it calls `main(solve)`.
 """
 
 import json
@@ -20,18 +20,6 @@ from pathlib import Path
 from typing import Any
 
 Sheet = dict[str, Any]
-
-
-def prepare_script(file: str, sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
-    """The command of a script with its input in FOLDER/in.json."""
-    job = {"sheet": sheet["sheet"], "setting": setting}
-    (folder / "in.json").write_text(json.dumps(job), encoding="utf-8")
-    return [python, file, str(folder)]
-
-
-def read_script(folder: Path) -> Sheet:
-    """What a script wrote."""
-    return dict(json.loads((folder / "out.json").read_text(encoding="utf-8")))
 
 
 def main(solve: Callable[[Sheet, Sheet], Any]) -> None:

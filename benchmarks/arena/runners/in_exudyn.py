@@ -8,11 +8,10 @@ where the motion is plane, Euler parameters else.
 import contextlib
 import io
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import Sheet, Timed, main, not_mechanical, prepare_script, read_script
+from common import Sheet, Timed, main, not_mechanical
 
 NAME = "Exudyn"
 ENVIRONMENT: dict[str, Any] = {"pip": ["exudyn==1.13.6", "numpy"]}
@@ -29,7 +28,8 @@ MOST = 400_000  # steps
 
 def cannot(sheet: Sheet) -> str:
     """Rigid and plane modal mechanisms."""
-    found = not_mechanical(sheet, set(FREE), {"stop_spring", "coordinate_force"}, modal=True)
+    forces = {"coordinate_force", "friction"} if "spring" in sheet.get("data", {}) else set()
+    found = not_mechanical(sheet, set(FREE), forces, modal=True)
     if not found and any("modal" in b for b in sheet["bodies"]) and not plane(sheet):
         return "modal bodies in space: not in this runner"
     return found or str(sheet.get("data", {}).get("exudyn", ""))
@@ -45,16 +45,6 @@ def settings(sheet: Sheet) -> list[Sheet]:
         for n in rates
         if n <= MOST
     ]
-
-
-def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
-    """Command of this script."""
-    return prepare_script(__file__, sheet, setting, folder, python)
-
-
-def read(sheet: Sheet, setting: Sheet, folder: Path) -> Sheet:
-    """Its output."""
-    return read_script(folder)
 
 
 def plane(sheet: Sheet) -> bool:
@@ -88,8 +78,8 @@ class Mechanism:
             self.body(body)
         for joint in sheet["joints"]:
             self.joint(joint)
-        for force in (sheet["forces"] or {}).values():
-            self.force(force)
+        if spring := sheet.get("data", {}).get("spring"):
+            self.spring(spring)
 
     def matrix(self, values: Any) -> Any:
         """A dense matrix container."""
@@ -249,6 +239,26 @@ class Mechanism:
             )
         if joint.get("drive"):
             self.drive(joint)
+
+    def spring(self, spring: Sheet) -> None:
+        """Spring and bristle friction on the x coordinate of a body that slides along it."""
+        joint = next(j for j in self.sheet["joints"] if j["name"] == spring["joint"])
+        frame = self.frames[max(joint["one"]["body"], joint["two"]["body"])]
+        marker = self.mbs.AddMarker(self.items.MarkerNodeCoordinate(nodeNumber=frame, coordinate=0))
+        state = self.mbs.AddNode(
+            self.items.NodeGenericData(initialCoordinates=[1, 0, 0], numberOfDataCoordinates=3)
+        )
+        self.mbs.AddObject(
+            self.items.ObjectConnectorCoordinateSpringDamperExt(
+                markerNumbers=[self.fixed, marker],
+                nodeNumber=state,
+                stiffness=spring["stiffness"],
+                offset=spring["rest"],
+                fDynamicFriction=spring["coulomb"],
+                stickingStiffness=1e6,
+                stickingDamping=1e3,
+            )
+        )
 
     def upright(self, ends: tuple[Sheet, Sheet]) -> None:
         """Keep the z axis of the later frame that of the ground."""

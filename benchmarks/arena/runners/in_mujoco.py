@@ -4,11 +4,10 @@ Its documented choices: RK4 (trees) and implicitfast; equalities as stiff as the
 (solref of two steps, solimp near one), Newton's solver to 1e-12.
 """
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import Sheet, Timed, main, not_mechanical, prepare_script, read_script
+from common import Sheet, Timed, main, not_mechanical
 
 NAME = "MuJoCo"
 ENVIRONMENT: dict[str, Any] = {"pip": ["mujoco==4.0.0", "numpy"]}
@@ -18,7 +17,8 @@ MOST = 200_000  # steps
 
 def cannot(sheet: Sheet) -> str:
     """Rigid mechanisms without drives."""
-    found = not_mechanical(sheet, {*JOINTS, "point_on_line"})
+    forces = {"coordinate_force", "friction"} if "spring" in sheet.get("data", {}) else set()
+    found = not_mechanical(sheet, {*JOINTS, "point_on_line"}, forces)
     if not found and any(j.get("drive") for j in sheet["joints"]):
         return "no exact prescribed motion"
     return found or str(sheet.get("data", {}).get("mujoco", ""))
@@ -34,16 +34,6 @@ def settings(sheet: Sheet) -> list[Sheet]:
         for k in range(8)
         if first * 4**k <= MOST
     ]
-
-
-def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
-    """Command of this script."""
-    return prepare_script(__file__, sheet, setting, folder, python)
-
-
-def read(sheet: Sheet, setting: Sheet, folder: Path) -> Sheet:
-    """Its output."""
-    return read_script(folder)
 
 
 def row(values: Any) -> str:
@@ -99,7 +89,13 @@ def xml(sheet: Sheet, h: float, method: str) -> str:
             axis = R.T @ np.array(joint.get("axis") or [0, 0, 1])
             kind = JOINTS[joint["kind"]]
             text += f'<joint name="j{k}" type="{kind}" pos="{row(end["point"])}"'
-            text += f' axis="{row(axis)}"/>' if kind != "ball" else "/>"
+            text += f' axis="{row(axis)}"' if kind != "ball" else ""
+            spring = sheet.get("data", {}).get("spring", {})
+            if spring.get("joint") == joint["name"]:
+                text += f' stiffness="{spring["stiffness"]}" springref="{spring["rest"]}"'
+                text += f' frictionloss="{spring["coulomb"]}" solreffriction="{2 * h:.17g} 1"'
+                text += ' solimpfriction="0.9999 0.9999 0.001"'
+            text += "/>"
         if sheet["probe"]["body"] == k:
             text += f'<site name="probe" pos="{row(sheet["probe"]["point"])}"/>'
         return text + "".join(element(c, k, j) for c, j in children.get(k, [])) + "</body>"

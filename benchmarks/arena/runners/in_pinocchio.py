@@ -4,11 +4,10 @@ Pinocchio gives accelerations and no integrator of its own with error control; D
 is the usual choice. Its times are those of a Python loop around compiled dynamics.
 """
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import Sheet, Timed, main, not_mechanical, prepare_script, read_script
+from common import Sheet, Timed, main, not_mechanical
 
 NAME = "Pinocchio"
 ENVIRONMENT: dict[str, Any] = {"pip": ["pin==4.1.0", "scipy", "numpy"]}
@@ -29,16 +28,6 @@ def cannot(sheet: Sheet) -> str:
 def settings(sheet: Sheet) -> list[Sheet]:
     """Tolerances."""
     return [{"method": "DOP853", "rtol": r} for r in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)]
-
-
-def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
-    """Command of this script."""
-    return prepare_script(__file__, sheet, setting, folder, python)
-
-
-def read(sheet: Sheet, setting: Sheet, folder: Path) -> Sheet:
-    """Its output."""
-    return read_script(folder)
 
 
 def solve(sheet: Sheet, setting: Sheet) -> tuple[Any, float]:

@@ -53,17 +53,18 @@ def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str
 
 def changed(original: Path, table: Sheet, solver: Sheet, folder: Path) -> Path:
     """The run file with another [solver], checked and sealed."""
-    from mechanism_sheet import run_file
+    from mechanism_sheet import FOLDER, write_run
 
     packages = {
         body: (original.parent.parent / entry["file"]).resolve()
         for body, entry in table["packages"].items()
     }
     mechanism = table["mechanism"]
-    return run_file(
+    return write_run(
         f"{original.stem}/{folder.name}",
         mechanism | {"solver": mechanism["solver"] | solver},
         packages,
+        FOLDER,
     )
 
 

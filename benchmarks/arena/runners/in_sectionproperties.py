@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from common import Sheet, Timed, main, prepare_script, read_script
+from common import Sheet, Timed, main
 
 NAME = "sectionproperties"
 ENVIRONMENT: dict[str, Any] = {"pip": ["sectionproperties==3.10.2", "numpy"]}
@@ -27,16 +27,6 @@ def cannot(sheet: Sheet) -> str:
 def settings(sheet: Sheet) -> list[Sheet]:
     """Triangles."""
     return [{"method": "T6", "cells": n} for n in (200, 800, 3200, 12800)]
-
-
-def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
-    """Command of this script."""
-    return prepare_script(__file__, sheet, setting, folder, python)
-
-
-def read(sheet: Sheet, setting: Sheet, folder: Path) -> Sheet:
-    """Its output."""
-    return read_script(folder)
 
 
 def outline(m: Sheet) -> Any:

@@ -2,14 +2,15 @@
 
 from math import cos, sin
 
-N, LENGTH = 8, 0.1
+LENGTH = 0.1
 
 
-def case() -> str:
-    """Text of the case."""
+def case(name: str) -> str:
+    """Text of the case of a scene chain-N."""
+    count = int(name.split("-")[1])
     lines = ["format = 1", 'title = "chain"', "gravity = [0.0, -9.81, 0.0]", "[ground.hinge]"]
     lines += ["position = [0.0, 0.0, 0.0]"]
-    for k in range(N):
+    for k in range(count):
         before = f"link-{k - 1}.tip" if k else "ground.hinge"
         tilt = 0.3 * (k % 3 - 1)
         lines += [
