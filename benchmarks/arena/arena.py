@@ -58,8 +58,9 @@ def main() -> None:
         chosen = scenes.find(places, tuple(told.words))
         if told.quick:
             chosen = [scene for scene in chosen if scene.table.get("quick")]
+        chosen.sort(key=lambda scene: not scene.table.get("quick"))
         longest = told.longest or (QUICK_LONGEST if told.quick else frame.LONGEST)
-        results = measured(chosen, codes, longest)
+        results = measured(chosen, codes, longest, file)
         if told.coverage:
             import coverage
 
@@ -72,9 +73,12 @@ def main() -> None:
 
 
 def measured(
-    chosen: list[scenes.Scene], codes: list[frame.Runner], longest: float
+    chosen: list[scenes.Scene], codes: list[frame.Runner], longest: float, file: Path
 ) -> dict[str, Any]:
-    """Everything that arena.json has, except the coverage of error bars."""
+    """Everything that arena.json has, except the coverage of error bars.
+
+    The file is written after each code of a scene: a run that is ended keeps what it has.
+    """
     rows: list[dict[str, Any]] = []
     truths: dict[str, frame.Truth] = {}
     cannot: dict[str, dict[str, str]] = {}
@@ -92,19 +96,9 @@ def measured(
                 cannot.setdefault(scene.name, {})[runner.name] = why
             else:
                 jobs.append((scene, sheet, runner))
-    with ThreadPoolExecutor(LANES) as lanes:
-        done = lanes.map(lambda job: trials(*job, longest=longest), jobs)
-        for (scene, _, _), of_code in tqdm(zip(jobs, done, strict=True), total=len(jobs)):
-            for trial in of_code:
-                if not trial.failed:
-                    found = frame.values(trial.found["values"])
-                    trial.error = frame.distance(found, truths[scene.name].values)
-                    if not math.isfinite(trial.error):
-                        trial.failed = "not finite, or not all outputs"
-                rows.append(trial.row())
     bars = {name: truth.bar for name, truth in truths.items()}
     versions = {r.name: r.version or "absent" for r in codes}
-    return {
+    found = {
         "scenes": len(titles),
         "codes": [f"{name} {version}" for name, version in versions.items()],
         "truths": bars,
@@ -118,6 +112,19 @@ def measured(
         "cannot": cannot,
         "trials": rows,
     }
+    with ThreadPoolExecutor(LANES) as lanes:
+        done = lanes.map(lambda job: trials(*job, longest=longest), jobs)
+        for (scene, _, _), of_code in tqdm(zip(jobs, done, strict=True), total=len(jobs)):
+            for trial in of_code:
+                if not trial.failed:
+                    values = frame.values(trial.found["values"])
+                    trial.error = frame.distance(values, truths[scene.name].values)
+                    if not math.isfinite(trial.error):
+                        trial.failed = "not finite, or not all outputs"
+                rows.append(trial.row())
+            found |= {"trials": rows, **page.verdicts(rows, bars)}
+            file.write_text(json.dumps(found, indent=1), encoding="utf-8")
+    return found
 
 
 def about(scene: scenes.Scene) -> dict[str, Any]:

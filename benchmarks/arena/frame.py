@@ -157,7 +157,7 @@ def run(
     except (RuntimeError, OSError, KeyError, ValueError) as error:
         lines = [line for line in str(error).splitlines() if line.strip()]
         trial.failed = lines[-1] if lines else type(error).__name__
-        if trial.failed.endswith(": "):  # a command that said nothing was ended by its limit
+        if "rror" not in trial.failed and longest:  # ended by its limit: no message of an error
             trial.failed = f"more than {longest:g} CPU seconds"
     shutil.rmtree(folder, ignore_errors=True)
     return trial
@@ -229,7 +229,7 @@ def converged(scene: Scene, sheet: dict[str, Any], runner: Runner, entry: dict[s
     With `order`, the limit is extrapolated from both. Kept in build/arena/truths.
     """
     setting = {k: v for k, v in entry.items() if k not in ("code", "order")}
-    asked = json.dumps(
+    asked = Path(str(runner.module.__file__)).read_text(encoding="utf-8") + json.dumps(
         [sheet | {"sheet": "", "run_file": ""}, entry, runner.version], sort_keys=True
     )
     key = hashlib.sha256(asked.encode()).hexdigest()[:16]

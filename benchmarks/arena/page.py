@@ -19,12 +19,15 @@ MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 Rows = list[dict[str, Any]]
 
 
+LEAST = 1e-3  # [s]: the resolution of CPU times
+
+
 def cheapest(rows: Rows, target: float, key: str) -> dict[str, float]:
     """Least seconds of each code with an error below the target."""
     found: dict[str, float] = {}
     for row in rows:
         if not row["failed"] and row["error"] <= target and row[key] is not None:
-            found[row["code"]] = min(found.get(row["code"], math.inf), row[key])
+            found[row["code"]] = min(found.get(row["code"], math.inf), max(row[key], LEAST))
     return found
 
 
@@ -127,7 +130,7 @@ def best_rows(results: dict[str, Any], codes: list[str]) -> list[list[str]]:
     for scene, bar in results["truths"].items():
         own = [r for r in results["trials"] if r["scene"] == scene]
         reached = [r["error"] for r in own if not r["failed"]]
-        if not reached:
+        if not reached or OURS not in {r["code"] for r in own}:
             continue
         targets = [t for t in DECADES if t >= max(2.0 * bar, min(reached))]
         for target in targets[1::2] or targets[-1:]:
@@ -180,8 +183,13 @@ def summary(results: dict[str, Any]) -> list[str]:
     good = sum(beside.values())
     count = {side: sum(map(len, results[side].values())) for side in ("won", "lost")}
     cannot = [
-        [scene, code, why] for scene, of in results["cannot"].items() for code, why in of.items()
+        [scene, code, why]
+        for scene, of in results["cannot"].items()
+        for code, why in of.items()
+        if not why.startswith("a ")  # a code for other things
     ]
+    measured = {row["scene"] for row in results["trials"] if row["code"] == OURS}
+    missing = [scene for scene in results["truths"] if scene not in measured]
     failed: dict[tuple[str, str, str], str] = {}
     for r in results["trials"]:
         if r["failed"]:
@@ -191,6 +199,7 @@ def summary(results: dict[str, Any]) -> list[str]:
         f"{count['won']} won, {count['lost']} lost. Whole process at most Exudyn's at every decade "
         f"below 1e-3: {good} of {len(beside)} scenes that both can do.",
         "",
+        *([f"Not measured in this run: {', '.join(missing)}.", ""] if missing else []),
         "Least CPU seconds with an error below the second column: whole process, solution alone.",
         "",
         *table(["scene", "error", *codes], best_rows(results, codes)),
