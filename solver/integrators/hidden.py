@@ -12,6 +12,7 @@ the method: it compares sums over the same few points. Such a step may be only s
 jump changes the motion by less than the tolerance.
 """
 
+from collections import deque
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +42,7 @@ UNSURE = 0.03  # tolerance, above which an error by a bend is looked at closer
 CLOSER, PARTS = 2, 8  # times, and parts of an interval, in which a break is located
 # Longest steps over a jump within which it comes back; attempts to pass it that are no motion.
 AHEAD, OFTEN = 20.0, 30
+CROWDED = 120.0  # steps in which so many stops at bends are no motion
 SUMS = frozenset((op.ADD, op.SUBTRACT, op.NEGATE))
 
 
@@ -88,6 +90,8 @@ class HiddenForces:
 
         self._breaking = [each for each in self._watched if each.breaking.any()]
         self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
+        self._bends: dict[int, deque[float]] = {}  # last stops at bends [s]
+        self._resting: set[int] = set()  # expressions whose bends may be passed from now on
         self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
         self.chattering: dict[int, float] = {}  # expressions, and since when [s]
 
@@ -115,11 +119,12 @@ class HiddenForces:
             stops = [found] if np.isfinite(found) else []
             for each in list(self._breaking):
                 i, part, jump, bend = first_break(each, t, values, 0, 0.0)
+                passes = over_bends or each.program in self._resting
                 path, begin = None, 0.0  # of the step that was looked at last
                 while i >= 0 and t[i] + part * (t[i + 1] - t[i]) < found:
                     h = float(t[i + 1] - t[i])
                     gain = self._gain.get(each.program, np.inf)
-                    if jump > 0.0 or (BEND * h * gain * bend > UNSURE and not over_bends):
+                    if jump > 0.0 or (BEND * h * gain * bend > UNSURE and not passes):
                         if path is None or path.t_old != t[i]:
                             begin = float(t[i])
                             path = _path(t[i : i + 2], y[i : i + 2], rate)
@@ -172,6 +177,12 @@ class HiddenForces:
         gain = norm((rates[0] - 2.0 * rates[1] + rates[2]) * weight) / turn
         self._gain[each.program] = gain
         if not BEND * path.h * gain * (slopes + curves) > 1.0:
+            return [], at
+        # A bend in nearly every step: a state rests on it, and stops cost more than they help.
+        ends = self._bends.setdefault(each.program, deque([-np.inf] * OFTEN, OFTEN))
+        ends.append(at)
+        if at - ends[0] < CROWDED * path.h:
+            self._resting.add(each.program)
             return [], at
         # Surely before what turns out to be a jump when the step is shorter: rates are finite.
         return [at - close, at - close], at

@@ -292,8 +292,6 @@ class StepLoop(StrideMemory):
             self._stop_also(unseen)
             # The next stop is about as many steps ahead: few are taken again for it.
             self._pace = max(FEW, int(np.searchsorted(t, unseen[0])))
-            if not self._armed:
-                most = min(most, self._pace)
             broken = unseen if len(unseen) > 1 else []  # forces have other rates behind it
             sharp = np.append(self._options.kinks[self._options.sharp], broken)
             sharp = np.isin(self._kinks, sharp)
