@@ -172,7 +172,7 @@ def test_exponents_do_not_change_when_a_section_is_turned() -> None:
 
 
 def test_estimate_of_round_edges_by_closed_forms() -> None:
-    """A disc, and a tube whose inner half is 100 times as stiff: edges between plies count too."""
+    """Disc, ellipse, and a tube whose inner half is 100 times as stiff: plies have edges, too."""
     nu, G = 0.3, 0.5 / 1.3
     disc = {"section": {"plies": [{"material": "soft"}], "direction": {"vector": [1.0, 0.0]}}}
     plies = [{"material": name, "thickness": 0.25} for name in ("soft", "stiff")]
@@ -183,6 +183,11 @@ def test_estimate_of_round_edges_by_closed_forms() -> None:
     area, polar = -np.pi * np.diff(radii**2), -0.5 * np.pi * np.diff(radii**4)
     for mesh, regions, exact in (
         (expand("ellipse", {"radius_2": 1.0}), disc, [np.pi, 0.5 * np.pi * G, 0.25 * np.pi]),
+        (
+            expand("ellipse", {"radius_2": 0.4, "radius_3": 1.0}),
+            disc,
+            [0.4 * np.pi, 0.4**3 / 1.16 * np.pi * G, 0.1 * np.pi],
+        ),
         (
             expand("tube", sizes, {"wall": [0.25, 0.25]}),
             wall,
@@ -203,6 +208,54 @@ def test_estimate_of_round_edges_by_closed_forms() -> None:
         error = np.abs(np.diag(found.K)[[0, 3, 4]] / exact - 1.0).max()
         estimate = np.diag(scaled(np.asarray(found.error_estimate), found.K)).max()
         assert 1e-6 < error < estimate < 1.3 * error
+
+
+LENS = [(-0.5, 1.0, -60.0, 60.0), (0.5, 1.0, 120.0, 240.0)]
+OVAL = [
+    *[(0.95, 0.05, -60.0, 60.0), (-1.9j * np.sin(np.pi / 3.0), 1.95, 60.0, 120.0)],
+    *[(-0.95, 0.05, 120.0, 240.0), (1.9j * np.sin(np.pi / 3.0), 1.95, 240.0, 300.0)],
+]
+
+
+@pytest.mark.one_end
+@pytest.mark.parametrize(
+    "arcs", [LENS, OVAL], ids=["at a corner", "at another radius, with the same tangent"]
+)
+def test_estimate_of_arcs_that_end(arcs: list[tuple[complex, float, float, float]]) -> None:
+    """What lies beyond says nothing about an arc. Arcs: centre, radius, first and last angle."""
+    n, m = 4, 4 * len(arcs)  # triangles about the origin, with one curved edge each
+    corners, middles, edges = [], [], []
+    for centre, radius, first, last in arcs:
+        edge = np.radians(np.linspace(first, last, 2000 * n + 1))
+        arc = centre + radius * np.exp(1j * edge)
+        corners.append(arc[:-1:2000])
+        middles.append(arc[1000::2000])
+        edges += [arc[2000 * k : 2000 * k + 2001] for k in range(n)]
+    corner, middle = np.concatenate(corners), np.concatenate(middles)
+    places = np.concatenate([[0.0], corner, middle, 0.5 * corner])
+    start = np.arange(m)
+    end = np.roll(start, -1)
+    nodes = np.full((m, 9), -1)
+    nodes[:, 0] = 0
+    nodes[:, 1:6] = 1 + np.column_stack([start, end, 2 * m + start, m + start, 2 * m + end])
+    none = np.zeros(m, dtype=np.int64)
+    mesh = CellMesh(np.column_stack([places.real, places.imag]), nodes, none, none, ("all",))
+    s = np.linspace(-1.0, 1.0, 2001)
+    at = np.array([0.5 * s * (s - 1.0), 1.0 - s**2, 0.5 * s * (s + 1.0)])
+    parabolas = np.column_stack([corner, middle, np.roll(corner, -1)]) @ at
+    whole = sum(_moments(edge) for edge in edges)
+    lost = whole - sum(_moments(parabola) for parabola in parabolas)
+    expected = np.abs(lost / whole).max()
+    # The section counts as the polygon of its corners, which is smaller.
+    assert expected < error_of_edges(mesh, np.ones(m)) < 1.2 * expected
+
+
+def _moments(line: np.ndarray) -> np.ndarray:
+    """Area and second moments between the origin and a line of many points, as complex numbers."""
+    middle, step = 0.5 * (line[1:] + line[:-1]), np.diff(line)
+    twice = (middle.conj() * step).imag
+    squares = np.column_stack([middle.real**2, middle.imag**2])
+    return np.array([0.5 * twice.sum(), *(0.25 * twice @ squares)])
 
 
 @pytest.mark.one_end
