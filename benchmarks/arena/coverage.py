@@ -27,7 +27,7 @@ from runners.description import toml
 from scenes import BUILD
 from tqdm import tqdm
 
-SEED = 20261127
+SEED = 20261128
 Draw = np.random.Generator
 CARBON = {
     "kind": "orthotropic", "E1": 1.42e11, "E2": 9.8e9, "E3": 9.8e9, "G12": 6e9, "G13": 6e9,

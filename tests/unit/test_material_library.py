@@ -32,7 +32,7 @@ def test_published_values_of_the_source():
 
 
 # MIL-HDBK-5J (31 January 2003, approved for public release): E [1e6 psi], mu, omega [lb/in3]. Read
-# in three transcriptions of its tables, which agree.
+# in transcriptions of its tables, which agree.
 HANDBOOK = [
     ("al-2024-t3", "3.2.3.0(b1)", 10.5, 0.33, 0.100),
     ("al-6061-t6", "3.6.2.0(b1)", 9.9, 0.33, 0.098),
