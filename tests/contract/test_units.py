@@ -65,6 +65,7 @@ PURE = {
     "share",
     "shear_correction",
     "shear_exponent",
+    "size",  # of a state, in the unit of its expressions
     "spectral_radius",
     "start",
     "static_coefficient",
