@@ -103,7 +103,7 @@ class HiddenForces:
     ) -> list[float]:
         """Return the instants [s] at which steps have to end, for the earliest cause; or none.
 
-        One for a force that was not seen; two around a jump; one, twice, at a bend.
+        One for a force that was not seen; two around a jump; a bend, and the end of its step.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class HiddenForces:
                             path = _path(t[i : i + 2], y[i : i + 2], rate)
                         more, begin = self._about(each, path, begin, rate, norm)
                         if more and more[0] < found and (jump > 0.0 or not over_bends):
-                            found, stops = more[-1], more
+                            found, stops = more[0], more
                             break
                     i, part, jump, bend = first_break(each, t, values, i, part)
         return stops
@@ -184,8 +184,9 @@ class HiddenForces:
         if at - ends[0] < CROWDED * path.h:
             self._resting.add(each.program)
             return [], at
-        # Surely before what turns out to be a jump when the step is shorter: rates are finite.
-        return [at - close, at - close], at
+        # The step in two, as the next one could be so long that stages of no weight throw the state
+        # out of a contact. Surely before what turns out to be a jump.
+        return [at - close, end], at
 
     def _values(self, each: Watched, t: Array, y: Array) -> Array:
         """Return an expression at times t (k,) and states y (k, n)."""
