@@ -31,8 +31,9 @@ For k In {0:3}
 EndFor
 // Equal steps of the eccentric angle, nearly: the short ones where the edge bends most.
 growth = (radius_2 / radius_3)^(1 / Max(elements_arc - 1, 1));
-Transfinite Curve {10, 12, 20, 22} = elements_arc + 1 Using Progression growth;
-Transfinite Curve {11, 13, 21, 23} = elements_arc + 1 Using Progression 1 / growth;
+Transfinite Curve {10:13} = elements_arc + 1;
+Transfinite Curve {20, 22} = elements_arc + 1 Using Progression growth;
+Transfinite Curve {21, 23} = elements_arc + 1 Using Progression 1 / growth;
 Transfinite Curve {30:33} = elements_radial + 1;
 
 Curve Loop(1) = {10, 11, 12, 13};

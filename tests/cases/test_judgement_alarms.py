@@ -184,7 +184,8 @@ def test_no_impact_is_looked_for_where_nothing_jumps(tmp_path):
     assert "decrease rtol, or set max_step" in words
 
 
-def test_refused_steps_at_impacts_are_no_trouble(tmp_path):
+def test_impacts_hardly_refuse_steps(tmp_path):
+    """Steps end where the stop begins; otherwise more than a fifth of the attempts are refused."""
     stop = """
 [forces.stop]
 kind = "limit_stop"
@@ -194,7 +195,7 @@ stiffness = 1e6
 """
     summary = found(tmp_path, WEIGHT + crank() + stop, t_end=20.0, step=0.01, integrator="rk8")
     cost = summary["cost"]
-    assert cost["rejected"] > 0.2 * (cost["steps"] + cost["rejected"])
+    assert 0 < cost["rejected"] < 0.1 * (cost["steps"] + cost["rejected"])
     assert "steps-refused" not in codes(summary)
 
 
