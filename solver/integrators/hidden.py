@@ -35,8 +35,9 @@ MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fa
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 HALVES, LOOKS = 48, 4  # of a step, in which a break is located, and is looked for
 BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE}
-# Of a step: the largest error by a bend, over the step and over how far a force gets from its
-# continuation (rk5, rk8, radau). Beside a bend: part of the shorter side; rounding of a force.
+# BEND: largest error that a bend of a force causes in a step (of rk5, rk8, radau), as a factor of
+# the length of the step and of the distance of the force from its continuation. BESIDE: distance
+# of the points beside a bend, of the shorter part of the step. ROUNDING: of a force.
 BEND, BESIDE, ROUNDING = 0.25, 0.02, 1e-12
 UNSURE = 0.03  # tolerance, above which an error by a bend is looked at closer
 CLOSER, PARTS = 2, 8  # times, and parts of an interval, in which a break is located
