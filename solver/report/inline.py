@@ -178,6 +178,11 @@ def style() -> str:
     return _read(VENDOR / "uPlot.min.css") + "\n" + _read(ROOM / "page.css")
 
 
+def markup() -> str:
+    """Return the elements of the view of the mechanism."""
+    return _read(ROOM / "view.html")
+
+
 def policy() -> str:
     """Return the Content-Security-Policy: nothing but the page's own script and style."""
     return (

@@ -12,7 +12,7 @@ from ...package.specification import ModeKind
 from ..common.table import plain_table
 from ..common.units import LENGTHS
 from .bodies.specifications import BodySpecs, rich_bodies
-from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, unit_at
+from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, number_at, unit_at
 from .tables.beams import BeamBody
 from .tables.bodies import RigidBody
 from .tables.design import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
@@ -142,9 +142,12 @@ def check_study(
         if not wrong:
             value = parameter.start
             if value is None:
-                value = (_value_at(base, listed[0].key, specs) - listed[0].offset) / (
-                    listed[0].factor or 1.0
-                )
+                first = listed[0]
+                there = number_at(base, first.key, specs.folder)[1]
+                if there is None:
+                    found.append(f"{at}: {first.key} is absent in this run; expected `start`")
+                    continue
+                value = (there - first.offset) / (first.factor or 1.0)
             low, high = parameter.range()
             if not low - 1e-12 * abs(low) <= value <= high + 1e-12 * abs(high):
                 found.append(
@@ -185,20 +188,6 @@ def _misplaced(
             f"{at}.of: {target.key}: body {owner[1]} is rigid in this run; nothing depends on it"
         ]
     return []
-
-
-def _value_at(base: Mechanism, key: str, specs: BodySpecs) -> float:
-    """Return the number at a key of the case or of a description."""
-    from .bodies.descriptions import described
-
-    owner, colon, inner = key.partition(":")
-    here: Any = described(owner.split("."), base, specs.folder) if colon else base
-    for part in (inner if colon else key).split("."):
-        if isinstance(here, list):
-            here = here[int(part)]
-        else:
-            here = here[part] if isinstance(here, dict) else getattr(here, part)
-    return float(here)
 
 
 def _unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:

@@ -159,6 +159,16 @@ def _reads(key: str, text: str, sweep: Sweep, parameters: Mapping[str, float]) -
 def unit_at(mechanism: Mechanism, key: str, folder: Path, units: str = "m") -> str:
     """Return the unit of the number at a key in the file that has it, "" for none.
 
+    See `number_at`.
+    """
+    return number_at(mechanism, key, folder, units)[0]
+
+
+def number_at(
+    mechanism: Mechanism, key: str, folder: Path, units: str = "m"
+) -> tuple[str, float | None]:
+    """Return unit and value of the number at a key of a case or of a description; None: absent.
+
     Parameters
     ----------
     units : of lengths in the case file
@@ -170,7 +180,7 @@ def unit_at(mechanism: Mechanism, key: str, folder: Path, units: str = "m") -> s
     """
     owner, colon, inner = key.partition(":")
     if not colon:
-        return _unit(mechanism, key, key, units)
+        return _number(mechanism, key, key, units)
     way = owner.split(".")
     try:
         model = described(way, mechanism, folder) if len(way) == 2 else None
@@ -181,11 +191,11 @@ def unit_at(mechanism: Mechanism, key: str, folder: Path, units: str = "m") -> s
         known += [f"bodies.{n}" for n, b in mechanism.bodies.items() if hasattr(b, "changes")]
         hint = nearest(owner, known)
         raise Misplaced(f"{key}: expected a described section or a shell before the colon{hint}")
-    return _unit(model, inner, key, getattr(model, "units", "m"))
+    return _number(model, inner, key, getattr(model, "units", "m"))
 
 
-def _unit(model: BaseModel, key: str, shown: str, units: str) -> str:
-    """Return the unit at a key below a model; `shown` is the key in messages."""
+def _number(model: BaseModel, key: str, shown: str, units: str) -> tuple[str, float | None]:
+    """Return unit and value at a key below a model; `shown` is the key in messages."""
     here: Any = model
     unit, way = "", list[str]()
     parts = key.split(".")
@@ -225,7 +235,7 @@ def _unit(model: BaseModel, key: str, shown: str, units: str) -> str:
     if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
         what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
         raise Misplaced(f"{shown}: expected the key of a number, this is {what}")
-    return units if unit == "m" else unit
+    return units if unit == "m" else unit, here
 
 
 NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")

@@ -35,81 +35,56 @@ BLOCK = 1 << 20
 KEPT = 1 << 16  # size in bytes up to which blocks without room are kept, for HDF5 to read again
 
 
-class DiskFile(io.RawIOBase):
+class DiskFile(io.FileIO):
     """A new file that HDF5 writes through; use it as a context."""
 
     def __init__(self, path: Path) -> None:
+        super().__init__(path, "w+")
         self.path = path
-        self._file = path.open("w+b", buffering=0)
-        self._place = self._end = 0
+        self._end = 0  # with what the disk has not taken
         self._error: OSError | None = None
         self._kept: list[tuple[int, bytes]] = []
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Set the place of the next read or write."""
-        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._end}[whence]
-        self._place = start + offset
-        return self._place
-
-    def tell(self) -> int:
-        """Return the place of the next read or write."""
-        return self._place
-
-    def readable(self) -> bool:
-        """HDF5 reads its own metadata again."""
-        return True
-
-    def writable(self) -> bool:
-        """As it is."""
-        return True
-
-    def seekable(self) -> bool:
-        """As it is."""
-        return True
+        if whence == os.SEEK_END:
+            offset, whence = offset + self._end, os.SEEK_SET
+        return super().seek(offset, whence)
 
     def readinto(self, buffer: "bytearray | memoryview") -> int:  # type: ignore[override]
         """Read what was written, on the disk or not."""
-        view = memoryview(buffer).cast("B")
-        self._file.seek(self._place)
-        found = self._file.read(len(view)) or b""
-        view[: len(found)] = found
-        view[len(found) :] = bytes(len(view) - len(found))
+        place, view = self.tell(), memoryview(buffer).cast("B")
+        found = super().readinto(view)
+        view[found:] = bytes(len(view) - found)
         for start, block in self._kept:
-            first, last = max(start, self._place), min(start + len(block), self._place + len(view))
+            first, last = max(start, place), min(start + len(block), place + len(view))
             if first < last:
-                view[first - self._place : last - self._place] = block[first - start : last - start]
-        self._place += len(view)
+                view[first - place : last - place] = block[first - start : last - start]
+        self.seek(place + len(view))
         return len(view)
 
     def write(self, data: "bytes | memoryview") -> int:  # type: ignore[override]
         """Write; an error of the disk is noted."""
-        raw = memoryview(data).cast("B")
-        done = 0
+        place, raw, done = self.tell(), memoryview(data).cast("B"), 0
         try:
-            if self._error is None:
-                self._file.seek(self._place)
-                while done < len(raw):
-                    done += self._file.write(raw[done:]) or 0
+            while self._error is None and done < len(raw):
+                done += super().write(raw[done:])
         except OSError as error:
             self._error = error
         if self._error is not None and len(raw) - done <= KEPT:
-            self._kept.append((self._place + done, bytes(raw[done:])))
-        self._place += len(raw)
-        self._end = max(self._end, self._place)
+            self._kept.append((place + done, bytes(raw[done:])))
+        self._end = max(self._end, self.seek(place + len(raw)))
         return len(raw)
 
     def truncate(self, size: int | None = None) -> int:
         """Set the size of the file."""
-        self._end = self._place if size is None else size
+        self._end = self.tell() if size is None else size
         if self._error is None:
             try:
-                self._file.truncate(self._end)
+                super().truncate(self._end)
             except OSError as error:
                 self._error = error
         return self._end
-
-    def flush(self) -> None:
-        """Nothing is held back."""
 
     @contextlib.contextmanager
     def reported(self) -> Iterator[None]:
@@ -124,17 +99,12 @@ class DiskFile(io.RawIOBase):
     def seal(self) -> None:
         """Append the digest of all bytes."""
         digest = hashlib.sha256()
-        self._file.seek(0)
-        while block := self._file.read(BLOCK):
+        self.seek(0)
+        while block := self.read(BLOCK):
             digest.update(block)
         self.seek(0, os.SEEK_END)
         self.write(SEAL + digest.hexdigest().encode() + b"\n")
         self._raise()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        super().close()
 
     def _raise(self) -> None:
         if self._error is None:

@@ -12,8 +12,8 @@ from ...dynamics.elements.constraints.treatment import treated
 from ...dynamics.model.model import Model
 from ...errors import InputError, few, nearest, refuse
 from ...inputs.case.load import Case, checked_case
-from ...inputs.case.sweeps import CheckedSweep, Misplaced, unit_at
-from ...inputs.case.tables.schema import Sweep, split_key
+from ...inputs.case.sweeps import CheckedSweep, Misplaced, number_at
+from ...inputs.case.tables.schema import Sweep
 from ...integrators.breakpoints import breaks
 from ...integrators.table import treatment_of
 from ...math.arrays import Array
@@ -59,17 +59,18 @@ def with_parameters(
     twice = {key for key in keys if list(keys).count(key) > 1}
     if twice:
         raise InputError(f"--of {few(twice)}: given twice")
-    mechanism = case.runs[run].model_dump()
     found, wrong = list[tuple[str, float, CheckedSweep]](), list[str]()
     for key in keys:
         if key.startswith("solver."):
             raise InputError(f"--of {key}: expected a number of the mechanism, not of its solution")
-        value = _value(mechanism, key)
+        unit, there = "", None
+        with suppress(Misplaced):  # which is said below
+            unit, there = number_at(case.runs[run], key, file.parent)
+        value = there or 0.0
         h = RELATIVE * (abs(value) or 1.0)
         vary: dict[str, object] = {"values": [value - h, value + h]}
-        with suppress(Misplaced):  # which is said below
-            if unit_at(case.runs[run], key, file.parent) == "m":
-                vary["unit"] = "m"
+        if unit == "m":
+            vary["unit"] = "m"
         try:
             sweep = Sweep.model_validate({"run": run, "vary": {key: vary}})
             members = case.varied(f"--of {key}", sweep)
@@ -90,17 +91,6 @@ def with_parameters(
         found.append((key, value, members))
     refuse(wrong)
     return case, found
-
-
-def _value(mechanism: dict[str, object], key: str) -> float:
-    """Return the number at a key; 0 where there is none, which is said later."""
-    here: Any = mechanism
-    for part in split_key(key):
-        try:
-            here = here[int(part)] if isinstance(here, list) else here[part]
-        except (LookupError, TypeError, ValueError):
-            return 0.0
-    return float(here) if isinstance(here, int | float) else 0.0
 
 
 def parameter_of(spec: RunSpec, key: str, value: float, sweep: CheckedSweep) -> Parameter:
