@@ -259,6 +259,14 @@ def run_check(options: argparse.Namespace) -> int:
 
 def run_report(options: argparse.Namespace) -> int:
     """Write the report of a folder and print the table of its runs."""
+    if options.live:
+        from ..studies.live import live_page
+
+        for number, page in enumerate(live_page(options.folder)):
+            if not number:
+                print(f"{page}: open it in a browser; it follows the runs", flush=True)
+        print(f"{options.folder}: the command there has ended")
+        return 0
     figures = wanted_formats(options)
     print(report_case(options.folder, figures=figures, glb=options.glb, vtk=options.vtk))
     return 0

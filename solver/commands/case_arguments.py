@@ -105,6 +105,7 @@ def add_run(parser: Any) -> None:
 def add_report(parser: Any) -> None:
     """Write report.html and the table of a case."""
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a case, build/CASE")
+    flag(parser, "live", "show runs under way, in DIR/live/report.html, until their command ends")
     add_report_figures(parser)
     flag(parser, "glb", "also write RUN/motion.glb, for Blender and slides")
     text = "also write RUN/motion.vtkhdf, for ParaView: surfaces with results in their cells"

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any, ClassVar
+from weakref import WeakSet
 
 import numpy as np
 
@@ -122,6 +123,7 @@ class StoredRows(LongRows):
 
     def __init__(self, row: tuple[int, ...], place: Path | IO[bytes] | None = None) -> None:
         self.shape = (0, *row)
+        _STORED.add(self)
         self._file = temporary_file(place) if place is None or isinstance(place, Path) else place
         self._pieces: list[tuple[int, int]] = []  # first row, place in the file
 
@@ -150,6 +152,19 @@ class StoredRows(LongRows):
             self._file.seek(place + size * (a - start))
             self._file.readinto(raw[size * (a - first) : size * (b - first)].data)  # type: ignore[attr-defined]
         return found
+
+
+_STORED: WeakSet[StoredRows] = WeakSet()
+
+
+def reopen_stored() -> None:
+    """Give a copy of a process (fork, Linux) its own place in files: both would move a common one.
+
+    What it appends may lie under rows of the other process. These are the same: a copy is made
+    between steps, and appends what both have.
+    """
+    for rows in _STORED:
+        rows._file = open(f"/proc/self/fd/{rows._file.fileno()}", "r+b")  # noqa: SIM115
 
 
 class ComputedRows(LongRows):

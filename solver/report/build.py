@@ -40,7 +40,11 @@ LIMIT = 2_900_000  # bytes of a page that can be mailed
 
 
 def page(
-    title: str, stories: list[Story], comparisons: list[Comparison], designs: Sequence[str] = ()
+    title: str,
+    stories: list[Story],
+    comparisons: list[Comparison],
+    designs: Sequence[str] = (),
+    reload_s: int = 0,
 ) -> str:
     """Return the page as HTML; the data of all plots and of the animation are embedded.
 
@@ -79,6 +83,7 @@ def page(
             + f"<script type='application/json' id='index'>{arrays}</script>"
             + f"<script type='text/plain' id='arrays'>{blob.text()}</script>"
             + f"<script>{script()}</script>",
+            reload_s,
         )
 
     still = len(whole(view([story.title for story in stories])).encode("utf-8"))
@@ -240,6 +245,7 @@ def make_report(
     *,
     figures: bool = False,
     formats: Collection[str] = ("png",),
+    reload_s: int = 0,
 ) -> Path:
     """Write report.html of a case, and figures on request; return the path of the page.
 
@@ -254,6 +260,7 @@ def make_report(
         folder, and strength.png where plies have strengths. A folder that has such figures
         keeps them up to date without this argument.
     formats : of these figures, some of FORMATS
+    reload_s : time after which the browser reads the page again [s]; 0: never
 
     What shows the same as before is not made again.
 
@@ -291,7 +298,7 @@ def make_report(
         ]
         draw_all(case_dir, [drawing for each in same for drawing in each])
     title = str(case.get("title") or stories[0].result.case)
-    write_text(target, page(title, stories, shown, design_sections(case_dir)))
+    write_text(target, page(title, stories, shown, design_sections(case_dir), reload_s))
     remember(case_dir, PAGE, key)
     return target
 

@@ -191,13 +191,14 @@ def policy() -> str:
     )
 
 
-def document(title: str, body: str) -> str:
-    """Return a whole page, without other files or network."""
+def document(title: str, body: str, reload_s: int = 0) -> str:
+    """Return a whole page, without other files or network, read again after a time [s]."""
+    again = f"<meta http-equiv='refresh' content='{reload_s}'>" if reload_s else ""
     return (
         "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
         f'<meta http-equiv="Content-Security-Policy" content="{policy()}">'
         "<meta name='viewport' content='width=device-width, initial-scale=1'>"
-        f"<title>{escape(title)}</title><style>{style()}</style></head>\n"
+        f"{again}<title>{escape(title)}</title><style>{style()}</style></head>\n"
         f"<body>{body}</body></html>\n"
     )
 

@@ -7,6 +7,7 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ..errors import counted
+from ..results.codes import UNDER_WAY
 from ..results.summary import invalid_words, verdict
 from .story import Story
 from .table import measure, number
@@ -88,9 +89,12 @@ _RANK = {"good": 0, "doubt": 1, "bad": 2}
 
 def banner(stories: list[Story]) -> str:
     """Return one line on all runs, in the colour of the worst: how many completed, what stopped."""
-    stopped = [story for story in stories if story.stopped]
+    going = [story for story in stories if _under_way(story)]
+    stopped = [story for story in stories if story.stopped and story not in going]
     worst = max((verdict(story.summary) for story in stories), key=lambda found: _RANK[found])
-    words = [f"{len(stories) - len(stopped)} of {counted(len(stories), 'run')} completed"]
+    completed = len(stories) - len(stopped) - len(going)
+    words = [f"{completed} of {counted(len(stories), 'run')} completed"]
+    words += [escape(f"{story.title}: {story.summary['message']}") for story in going]
     if stopped:
         errors = [f["code"] for story in stopped for f in _findings(story) if _level(f) == "error"]
         why = f" ({escape(', '.join(dict.fromkeys(errors)))})" if errors else ""
@@ -100,6 +104,10 @@ def banner(stories: list[Story]) -> str:
     found = _said([each for story in stories for each in _doubts(story)])
     words.append(f"<a href='#doubts'>{found}</a>" if found else "no warnings")
     return f"<p class='verdict {worst}'>{'; '.join(words)}.</p>"
+
+
+def _under_way(story: Story) -> bool:
+    return any(each["code"] == UNDER_WAY.name for each in _findings(story))
 
 
 def outcomes(stories: list[Story]) -> str:

@@ -70,6 +70,7 @@ def _of_files(*codes: str | tuple[str, float]) -> tuple[Code, ...]:
 # The end of a run.
 RUN_FAILED = _run("run-failed", "error")
 RUN_INTERRUPTED = _run("run-interrupted", "error")
+UNDER_WAY = _run("run-under-way", "note")
 # Start and constraints.
 REDUNDANT = _run("redundant-constraints", "note")
 SINGULAR_START = _run("singular-start")

@@ -11,6 +11,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.rows import spans
 from ..package.common.files import write_text
+from .codes import UNDER_WAY
 from .schema import ResultError, Signal
 
 # Single numbers of a signal over time, and its amplitude spectrum.
@@ -128,7 +129,9 @@ def verdict(summary: dict[str, Any]) -> Verdict:
     warnings; "good": neither.
     """
     levels = {found.get("level", "warning") for found in summary.get("warnings", [])}
-    if not summary.get("completed", False) or "error" in levels:
+    codes = {found.get("code") for found in summary.get("warnings", [])}
+    completed = summary.get("completed", False) or UNDER_WAY.name in codes
+    if not completed or "error" in levels:
         return "bad"
     return "doubt" if "warning" in levels else "good"
 

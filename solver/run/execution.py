@@ -19,6 +19,7 @@ from ..integrators.generic.drive import Steps, StopRequest, Watch
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.codes import Finding
+from ..results.live import Copies
 from ..system.interrupts import held
 from .inputs import RunSpec, inputs_sha256, still
 from .outcome import collect, disk_note, nearest_folder
@@ -148,6 +149,7 @@ class Progress:
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
         self.t_end, self.label, self.steps, self._show = t_end, label, 0, show
+        self.copies: Copies | None = None  # that write the results so far
         self.findings: list[Finding] = []  # of monitors, shown as they grow
         self._shown = 0
         self.begin, self.next = time.perf_counter(), FIRST_LINE_S if show else np.inf
@@ -178,12 +180,21 @@ class Progress:
             )
         begin = time.process_time()
         try:
-            return self.watch(steps)
+            return self.watch(steps) or self._copied(float(steps.t[-1]))
         finally:
             self.seconds += time.process_time() - begin
             for finding in self.findings[self._shown :]:
                 self.tell(finding.text)
             self._shown = len(self.findings)
+
+    def _copied(self, t: float) -> StopRequest | None:
+        """End the run here if this process is a copy, which shows nothing."""
+        code = "" if self.copies is None else self.copies.code()
+        if not code:
+            return None
+        self._show, self.bar = False, None
+        text = f"the run is under way, at t = {t:.6g} of {self.t_end:g} s; this is its part so far"
+        return StopRequest(t, text, code)
 
     def tell(self, text: str) -> None:
         """Show a line at once."""
@@ -228,6 +239,7 @@ def _solved(
     folder: Path | None,
     *,
     allow_python: bool = False,
+    copies: Copies | None = None,
 ) -> tuple[Prepared, FinishedRun, float]:
     """Return the mechanism, its motion, and the wall time of both [s]."""
     begin = time.perf_counter()
@@ -239,6 +251,7 @@ def _solved(
     )
     clock.lap("build")
     follow = Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
+    follow.copies = copies
     if prepared.buckling is not None:
         follow.findings = prepared.buckling.findings
     try:
@@ -307,12 +320,15 @@ def run_file(
         LOGGER.warning("%s: %s", spec.run, note)
     if planned is not None and spec.mechanism.fidelity is not None:
         return _written(out, spec, *planned(spec, digest), digest, clock, import_s, progress)
-    solving = Stopwatch()
-    solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
-    patience_s = max(PATIENCE_S, PATIENCE * solved[2])
-    with held(patience_s):  # what is computed is kept
-        found = _collected(spec, *solved, solving, disk, progress, patience_s)
-        return _written(out, spec, *found, digest, clock, import_s, progress, patience_s)
+    solving, copies = Stopwatch(), Copies(out)
+    with copies.ending():
+        solved = _solved(spec, solving, progress, disk, allow_python=allow_python, copies=copies)
+        patience_s = max(PATIENCE_S, PATIENCE * solved[2])
+        digest, progress = ("", False) if copies.is_copy else (digest, progress)
+        with held(patience_s):  # what is computed is kept
+            found = _collected(spec, *solved, solving, disk, progress, patience_s)
+            target = copies.out
+            return _written(target, spec, *found, digest, clock, import_s, progress, patience_s)
 
 
 def _written(
