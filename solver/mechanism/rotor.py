@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..dynamics.model.model import ANGLE_STEP, N_SECTION_STATE
+from ..errors import InputError
 from ..math.arrays import Array
 from ..math.expressions.program import constant
 from ..math.laws import Law
@@ -41,6 +42,7 @@ def rotor_table(
         half = 0.5 * np.array([keys.sections[0].width, keys.sections[-1].width])
         slope = np.gradient(r) / np.linalg.norm(np.gradient(points, axis=0), axis=1)
         root, tip = r[0] - half[0] * slope[0], r[-1] + half[1] * slope[-1]
+        _check_sizes(keys, blade, points, r)
         for k, section in enumerate(keys.sections):
             place = f"{blade}.{section.place}"
             marker = places.marker("rotor.sections.place", place, frames[k])
@@ -63,6 +65,21 @@ def rotor_table(
         np.array([*air, *up, *along]),
         state,
     )
+
+
+def _check_sizes(keys: "RotorKeys", blade: str, points: Array, r: Array) -> None:
+    """Raise InputError for strips that do not lead away from the axis, or are larger than it."""
+    if not (np.diff(r) > 0.0).all() or np.ptp(r) < 0.5 * np.linalg.norm(points[-1] - points[0]):
+        raise InputError(
+            f"rotor.axis = {keys.axis}: the strips of {blade} begin at {r[0]:g} m and end at "
+            f"{r[-1]:g} m from this axis through the hub; expected them in order, away from it"
+        )
+    widths, chord = sum(s.width for s in keys.sections), max(s.chord for s in keys.sections)
+    if max(widths / 1.5, chord) > r[-1]:
+        raise InputError(
+            f"rotor: the widths of the strips of {blade} add up to {widths:g} m, the chords go up "
+            f"to {chord:g} m, but the last strip is at {r[-1]:g} m; expected lengths in m"
+        )
 
 
 def _centre(keys: "RotorKeys", places: Places) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import checked_case
-from plymotion.solver.inputs.case.tables.kinds import CoordinateTable
+from plymotion.solver.inputs.case.tables.kinds import ALONG
 from plymotion.solver.inputs.case.tables.laws import TranslationDrive
 from plymotion.solver.inputs.case.tables.schema import CaseFile, Mechanism
 from plymotion.solver.inputs.json_schema import FILES, tables
@@ -79,8 +79,8 @@ PURE = {
 }
 # Units that are lengths in some tables: those tables convert them themselves.
 SOMETIMES = {
-    "m or rad": CoordinateTable.lengths_or_angles,
-    "m, rad, m/s, rad/s": ("x",),  # of CoordinateTable's force_displacement
+    ALONG: ("lower", "upper", "length"),
+    "m, rad, m/s, rad/s": ("x",),  # of force_displacement
     "m, m/s, ...": TranslationDrive.more_lengths,
     "rad, m, N or N m": ("value",),  # of TranslationDrive's smooth_step
     "m, rad": ("motion",),
@@ -169,6 +169,18 @@ kind = "limit_stop"
 joint = "turn"
 lower = -0.5
 stiffness = 1e3
+[forces.guide]
+kind = "friction"
+joint = "rail"
+coefficient = 0.1
+length = {0.2}
+rest_velocity = 0.01
+[forces.motor]
+kind = "controller"
+joint = "rail"
+setpoint = "0.1*t"
+proportional = 10.0
+upper = 4.0
 [forces.spring]
 kind = "nonlinear_spring"
 between = ["ground.o", "arm.tip"]

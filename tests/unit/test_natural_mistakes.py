@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.common.text_file import read_toml
@@ -110,13 +111,19 @@ NEW = [
     (STUDY, "run =", "subject_to = [{ mass = true }]\nrun =", "in quotes: name of a body"),
     (STUDY, '["bodies.arm.ply_angle_deg"]', '"bodies.arm.x"', 'expected a list: ["bodies.arm.x"]'),
     (STUDY, "arm.ply_angle_deg", "arm.angle", "did you mean 'ply_angle_deg'?"),
-    (ROTOR, "axis", 'table = "a.csv"\naxis', "rotor.table: "),
+    (ROTOR, "axis", 'table = "a.csv"\naxis', 'rotor.table = "a.csv": '),
     (ROTOR, "{ constant = 10 }", "10", "expected a table, such as { constant = ... }"),
     (FLOOR, "between", "mu = 0.3\nbetween", "did you mean 'coefficient'?"),
     (FLOOR, "between", "friction = 0.3\nbetween", "did you mean 'coefficient'?"),
     (FLOOR, "between", "damping = 3\nbetween", "did you mean 'restitution'?"),
     (FLOOR, "between", "normal = [0, 0, 1]\nbetween", "did you mean 'axis'?"),
     (FLOOR, '"contact"', '"plane"', "did you mean 'contact'?"),
+    (FLOOR, "between", 'axis = "z"\nbetween', "expected a list of 3 numbers, such as [0.0"),
+    (ROTOR, "blades", 'table = "a.csv"\nblades', "a.csv: cannot be read"),
+    (ROTOR, "axis", 'table = "a.csv"\naxi', "rotor.axis: missing"),  # beside the missing file
+    (ROTOR, '"arm"', '"arm", "arm"', "blades = ['arm', 'arm']: expected each blade once"),
+    (STUDY, "run =", 'subject_to = [{ mass = "arm", min = 2, max = 1 }]\nrun =', "at most max = 1"),
+    (STUDY, '"rms"', '"rms", from = 60', "studies.s.minimise.from = 60: expected at most solver.t"),
     (PID, "proportional", "kp", "did you mean 'proportional'?"),
     (PID, "setpoint", "target", "did you mean 'setpoint'?"),
 ]
@@ -163,3 +170,14 @@ def test_the_only_coordinate_of_a_joint_needs_no_name(tmp_path: Path) -> None:
     file.write_text(text.replace('kind = "revolute"', 'kind = "cylindrical"'))
     with pytest.raises(InputError, match="joint hinge is cylindrical; expected one of angle, z"):
         load_case(file)
+
+
+def test_check_names_an_unknown_driver(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(STARTERS / "arm", tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "case.toml"
+    study = STUDY.replace("run =", 'driver = "slqsp"\nrun =')
+    file.write_text(file.read_text().replace("[runs.base]", f"{study}[runs.base]"))
+    assert main(["check", str(file)]) == 2
+    assert "design.studies.s.driver = \"slqsp\": no such driver; did you mean 'slsqp'?" in (
+        capsys.readouterr().err
+    )

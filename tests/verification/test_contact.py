@@ -51,6 +51,23 @@ def test_a_bouncing_ball(tmp_path, radius):
     assert summary["warnings"] == []
 
 
+@pytest.mark.parametrize("times", [1.0, 30.0])
+def test_a_ball_that_begins_in_the_floor_is_not_held_there(tmp_path, times):
+    """At its static depth it rests; from a larger depth it leaves, with less than its energy."""
+    k, mass = 1e6, 2.0
+    depth = times * (mass * G / k) ** (1.0 / 1.5)
+    text = FLOOR + body("ball", mass, 8e-3, position=[0.0, 0.0, 0.1 - depth])
+    text += contact("ground.floor", "ball.c", radius=0.1, stiffness=k, restitution=0.8)
+    text += signals("ball", "position")
+    _, s, _ = run(tmp_path, text, 0.1, 1e-3)
+    z = s["ball_position_z"] - 0.1
+    if times == 1.0:
+        np.testing.assert_allclose(z, -depth, rtol=1e-6)
+    else:
+        height = k * depth**2.5 / 2.5 / (mass * G) - depth  # of an elastic contact
+        assert 0.05 * height < z.max() < height
+
+
 def test_two_spheres_exchange_their_velocities(tmp_path):
     """Hertz: the deepest indentation is (5 m u^2 / (4 k))^(2/5), m being both masses in series."""
     k, mass, u, r = 1e6, 0.5, 2.0, 0.05

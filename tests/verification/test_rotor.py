@@ -15,6 +15,7 @@ from plymotion.solver.dynamics.analysis.recovery import Recording
 from plymotion.solver.dynamics.evaluation.accelerations import derivative
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.model import N_SECTION_STATE, QUASI, spare_work
+from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.rotor import Polar
 from plymotion.solver.inputs.case.write import write_case
@@ -231,6 +232,24 @@ def test_the_hub_takes_the_torque(tmp_path):
     rate = np.gradient(found["speed"], result.t, edge_order=2)
     np.testing.assert_allclose(inertia * rate[1:-1], found["torque"][1:-1], rtol=1e-3)
     np.testing.assert_allclose(found["power"], found["torque"] * found["speed"], rtol=1e-12)
+
+
+def test_strips_that_do_not_fit_the_axis_are_refused(tmp_path):
+    """Another axis, or strips in mm, and the numbers that show it."""
+    file = write_rotor(tmp_path)
+    text = file.read_text()
+    wrong = text.replace("axis = [1.0, 0.0, 0.0]\nblades", "axis = [0, 0, 1]\nblades")
+    strips = [line.split(",") for line in (tmp_path / "aero.csv").read_text().splitlines()]
+    in_mm = [[a, f"{b}e3", f"{c}e3", *rest] for a, b, c, *rest in strips[1:]]
+    for content, rows, words in (
+        (wrong, strips, r"rotor.axis = \[0.0, 0.0, 1.0\]: the strips of b0"),
+        (text, [strips[0], *in_mm], "widths of the strips of b0 add up to 19000 m.*in m"),
+    ):
+        file.write_text(content)
+        (tmp_path / "aero.csv").write_text("\n".join(map(",".join, rows)))
+        case = load_case(file)
+        with pytest.raises(InputError, match=words):
+            build(case.runs["all"], {})
 
 
 def test_lift_is_made_of_attached_and_separated_flow():

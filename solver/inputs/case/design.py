@@ -155,8 +155,9 @@ def check_study(
                     "or bounds around it"
                 )
             start.append(float(np.clip(value, low, high)))
+    sense = "maximise" if study.minimise is None else "minimise"
     for k, quantity in enumerate(study.quantities()):
-        key = f"{where}.subject_to.{k - 1}" if k else f"{where}.objective"
+        key = f"{where}.subject_to.{k - 1}" if k else f"{where}.{sense}"
         found += _unknown_subject(key, quantity, base)
     refuse(found)
     checked = CheckedStudy(
@@ -192,7 +193,10 @@ def _misplaced(
 
 def _unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
     """Return what a quantity names and the run does not have, or cannot give."""
-    name = quantity.name
+    name, end = quantity.name, base.solver.t_end
+    for time, at in ((quantity.time, "time"), (quantity.low, "from")):
+        if time is not None and time > end:
+            return [f"{key}.{at} = {time:g}: expected at most solver.t_end = {end:g} s"]
     if quantity.subject == "signal":
         return list(unknown(f"{key}.signal", name, "signal", base.signals))
     whole = quantity.subject in ("frequency", "mass", "deformation_energy")

@@ -22,6 +22,7 @@ from .bodies.descriptions import described
 from .bodies.specifications import BodySpec, BodySpecs
 from .checks import in_parts
 from .record import needed, with_parts
+from .tables.kinds import ALONG, CURVE
 from .tables.laws import RESOLVED
 from .tables.schema import Mechanism, Sweep, mechanism_of, number_of, put
 
@@ -224,8 +225,9 @@ def _number(model: BaseModel, key: str, shown: str, units: str) -> tuple[str, fl
             raise Misplaced(f"{shown}: unknown key {'.'.join(way)}{meant(part, known)}")
         if isinstance(here, BaseModel):
             unit = unit_of(type(here).model_fields[part])
-            apart = (*here.more_lengths, *here.lengths_or_angles) if isinstance(here, Table) else ()
-            if units != "m" and any(part == each.partition(".")[0] for each in apart):
+            more = (*here.more_lengths, CURVE) if isinstance(here, Table) else ()
+            apart = unit == ALONG or part in {each.partition(".")[0] for each in more}
+            if units != "m" and apart:
                 raise Misplaced(f'{shown}: is in {units} here; expected units = "m" to vary it')
             here = getattr(here, part)
         else:

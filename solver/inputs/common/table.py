@@ -77,10 +77,8 @@ class Table(BaseModel):
         extra="forbid", allow_inf_nan=False, frozen=True, strict=True, defer_build=True
     )
 
-    # Keys within that are lengths, such as "table.values", though not by their own unit; those
-    # that are, if their table acts along one.
+    # Keys within that are lengths, such as "table.values", though not by their own unit.
     more_lengths: ClassVar[tuple[str, ...]] = ()
-    lengths_or_angles: ClassVar[tuple[str, ...]] = ()
     one_of: ClassVar[tuple[str, ...]] = ()  # keys of which exactly one is given
 
     @model_validator(mode="before")
@@ -317,7 +315,7 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         return f"{key}.{inner[1]}", text[inner.end() :]
     if item["type"] == "list_type":
         text = f"expected a list{_of_numbers(field)}"
-        text += f': ["{value}"]' if isinstance(value, str) else ""
+        text += f': ["{value}"]' if isinstance(value, str) and "numbers" not in text else ""
         text += ", such as [{ ... }]" if isinstance(value, dict) else ""
     elif item["type"] == "string_type" and field is not None and field.description:
         text = f"expected a text in quotes: {field.description.partition(';')[0]}"
@@ -349,11 +347,16 @@ def _unit(field: FieldInfo | None) -> str:
 
 def _of_numbers(field: FieldInfo | None) -> str:
     """Return how many numbers a list of a fixed length has, with an example."""
-    least = [m.min_length for m in field.metadata if isinstance(m, MinLen)] if field else []
-    most = [m.max_length for m in field.metadata if isinstance(m, MaxLen)] if field else []
-    if field is None or least != most or not most:
+    if field is None:
         return ""
-    if field.annotation != list[float]:
+    of_an_option = [a for kind in get_args(field.annotation) for a in get_args(kind)[1:]]
+    inner = [m for a in of_an_option if isinstance(a, FieldInfo) for m in a.metadata]
+    bounds = [*field.metadata, *inner]
+    least = [m.min_length for m in bounds if isinstance(m, MinLen)]
+    most = [m.max_length for m in bounds if isinstance(m, MaxLen)]
+    if least != most or not most:
+        return ""
+    if without_annotations(field.annotation) != list[float]:
         return f" of {most[0]}"
     return f" of {most[0]} numbers, such as {[0.0] * (most[0] - 1) + [1.0]}"
 

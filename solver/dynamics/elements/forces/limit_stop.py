@@ -19,6 +19,8 @@ from ....errors import InputError
 from .contract import CoordinateForce, Number, State, Terms
 
 SLOWEST = 1e-6  # impact: slower ones lose more than the restitution says [m/s, rad/s]
+# A contact in which a run begins had no impact: it takes the speed of a fall through its depth.
+FALL = 2.0 * 9.81
 
 
 def damping(restitution: float) -> float:
@@ -61,8 +63,9 @@ def _terms(values: Mapping[str, Any]) -> Terms:
         u = f"{end}_speed" if speed is None else repr(speed)
         if speed is None and ratio:
             hit = f"max(abs(v), {SLOWEST!r})"
+            start = f"hypot({hit}, sqrt({FALL!r} * max({sign or '+'}({limit!r} - x), 0)))"
             states.append(
-                State(u, None, start=hit, update=hit, level=limit, upwards=end == "upper")
+                State(u, None, start=start, update=hit, level=limit, upwards=end == "upper")
             )
         harder = f"max(1 + {ratio!r} * ({rate}) / {u}, 0)" if ratio else "1"
         parts.append(f"{sign}stiffness * max({depth}, 0) ** exponent * {harder}")

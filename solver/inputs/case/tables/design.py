@@ -157,6 +157,8 @@ class Limit(Quantity):
     def _limited(self) -> Self:
         if self.least is None and self.most is None:
             raise ValueError("expected `min`, `max` or both")
+        if None not in (self.least, self.most) and self.least > self.most:  # type: ignore[operator]
+            raise ValueError(f"min = {self.least:g}: expected at most max = {self.most:g}")
         wrong = {"max": "least", "min": "most"}.get(self.of or "")
         wrong = "most" if self.subject in ("strength", "frequency") else wrong
         if wrong and getattr(self, wrong) is not None:

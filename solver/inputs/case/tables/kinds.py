@@ -40,6 +40,8 @@ from .laws import CurveTable, LoadLaw, PythonCode, RotationDrive, TranslationDri
 from .signals import JointCoordinate
 
 Kind = TypeVar("Kind", bound=Table)
+ALONG = "m or rad"  # unit of keys that are lengths or angles, as the coordinate of a force is
+CURVE = "force_displacement.x"
 Z = [0.0, 0.0, 1.0]
 NONE = [0.0, 0.0, 0.0]
 
@@ -169,11 +171,17 @@ def by_freedoms(table: Any) -> Any:
     )
 
 
-def is_along_length(force: Any, joints: Mapping[str, Any]) -> bool:
-    """Whether a force, as a user wrote it, acts along a coordinate that is a length."""
+def lengths_along(force: Any, joints: Mapping[str, Any]) -> list[str]:
+    """Return the keys of a force, as a user wrote it, that are lengths as its coordinate is one."""
     kind = force.get("kind") if isinstance(force, dict) else None
-    if not isinstance(kind, str) or not isinstance(FORCES.get(kind), CoordinateForce):
-        return False
+    known = FORCES.get(kind) if isinstance(kind, str) else None
+    if not isinstance(known, CoordinateForce):
+        return []
+    keys = [key.name for key in known.keys if isinstance(key, Number) and key.unit == ALONG]
+    return [*keys, CURVE] if _is_along_length(force, joints) else []
+
+
+def _is_along_length(force: Mapping[str, Any], joints: Mapping[str, Any]) -> bool:
     if force.get("between") is not None:
         return True
     joint = joints.get(str(force.get("joint")))
@@ -239,8 +247,6 @@ class LoadTable(Table):
 
 class CoordinateTable(Table):
     """Keys of every force along a coordinate."""
-
-    lengths_or_angles = ("lower", "upper", "length", "force_displacement.x")
 
     joint: Name | None = optional("the joint whose coordinate it acts along; or `between`")
     coordinate: JointCoordinate | None = optional("of the joint; absent: the only one that it has")

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from pydantic import ValidationInfo, model_validator
+from pydantic import ValidationInfo, field_validator, model_validator
 
 from ...common.table import Axis, FilePath, Name, Table, entry, optional, usable_path
 from ...common.text_file import numbered_lines
@@ -14,6 +14,23 @@ from .laws import FOLDER, RESOLVED, WindLaw
 SECTION = ("chord", "width", "offset", "twist_deg")  # numbers of a row of `table`
 POLAR = ("alpha_deg", "cl", "cd", "cm")
 WIND = ("times", "speeds", "directions_deg")
+
+
+class _Unreadable(str):
+    """Name of a file that cannot be read."""
+
+    why: str
+
+    def __new__(cls, name: str, why: str) -> Self:
+        self = super().__new__(cls, name)
+        self.why = why
+        return self
+
+
+def _readable(value: Any) -> Any:
+    if isinstance(value, _Unreadable):
+        raise ValueError(value.why)
+    return value
 
 
 class RotorSection(Table):
@@ -67,12 +84,10 @@ class Wind(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
-        file = _file_of(data, info, "file")
-        if file is None:
-            return data
-        _check_alone(data, "file", WIND)
-        rows = [row for _, row in _rows(file, WIND, (), any_head=True)]
-        return {**data, **{key: [row[key] for row in rows] for key in WIND}}
+        found, rows = _of(data, info, "file", WIND, (), WIND)
+        return {**found, **{key: [row[key] for row in rows] for key in WIND}} if rows else found
+
+    _file = field_validator("file", mode="before")(_readable)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -115,57 +130,57 @@ class Rotor(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_files(cls, data: Any, info: ValidationInfo) -> Any:
-        found = dict(data) if isinstance(data, dict) else data
-        if (file := _file_of(data, info, "table")) is not None:
-            _check_alone(data, "table", ("sections",))
-            rows = _of("table", file, SECTION, ("place", "polar"))
-            found["sections"] = [row for _, row in rows]
-        if (file := _file_of(data, info, "polar_table")) is not None:
-            _check_alone(data, "polar_table", ("polars",))
+        found, rows = _of(data, info, "table", SECTION, ("place", "polar"), ("sections",))
+        if rows:
+            found["sections"] = rows
+        found, rows = _of(found, info, "polar_table", POLAR, ("polar",), ("polars",))
+        if rows:
             polars: dict[str, dict[str, list[float]]] = {}
-            for _, row in _of("polar_table", file, POLAR, ("polar",)):
+            for row in rows:
                 polar = polars.setdefault(row["polar"], {key: [] for key in POLAR})
                 for key in POLAR:
                     polar[key].append(row[key])
             found["polars"] = polars
         return found
 
+    _files = field_validator("table", "polar_table", mode="before")(_readable)
+
     @model_validator(mode="after")
     def _known(self) -> Self:
+        if len(set(self.blades)) < len(self.blades):
+            raise ValueError(f"blades = {self.blades}: expected each blade once")
         if not self.sections:
             raise ValueError("expected `table` or `sections`")
         return self
 
 
-def _file_of(data: Any, info: ValidationInfo, key: str) -> Path | None:
-    """Return the file that a table names by `key`, if it is to be read now."""
+def _of(
+    data: Any,
+    info: ValidationInfo,
+    key: str,
+    numbers: tuple[str, ...],
+    words: tuple[str, ...],
+    others: tuple[str, ...],
+) -> tuple[Any, list[dict[str, Any]]]:
+    """Return a table, and the rows of the file at its key; none if it is not to be read now.
+
+    In place of a file that cannot be read the table gets an `_Unreadable`, an error of this key.
+    """
     context = info.context or {}
     if context.get(RESOLVED) or not isinstance(data, dict) or not isinstance(data.get(key), str):
-        return None
-    return Path(context.get(FOLDER, ".")) / usable_path(data[key])
-
-
-def _of(
-    key: str, file: Path, numbers: tuple[str, ...], words: tuple[str, ...]
-) -> list[tuple[int, dict[str, Any]]]:
-    """Return the rows of the file at a key, which errors name."""
+        return data, []
     try:
-        return _rows(file, numbers, words)
+        if given := [other for other in others if other in data]:
+            raise ValueError(f"expected no `{given[0]}` beside `{key}`")
+        return dict(data), _rows(
+            Path(context.get(FOLDER, ".")) / usable_path(data[key]), numbers, words
+        )
     except ValueError as error:
-        raise ValueError(f"{key}: {error}") from error
+        return {**data, key: _Unreadable(data[key], str(error))}, []
 
 
-def _check_alone(data: dict[str, Any], key: str, others: tuple[str, ...]) -> None:
-    if given := [other for other in others if other in data]:
-        raise ValueError(f"expected no `{given[0]}` beside `{key}`")
-
-
-def _rows(
-    file: Path, numbers: tuple[str, ...], words: tuple[str, ...], *, any_head: bool = False
-) -> list[tuple[int, dict[str, Any]]]:
-    """Return the rows of a file by column, with their lines.
-
-    any_head : columns are in the order of `numbers`, whatever they are called
+def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Return the rows of a file by column; without words, columns are in order, under any names.
 
     Raises
     ------
@@ -174,7 +189,7 @@ def _rows(
     lines = numbered_lines(file)
     table = list(csv.reader(line for _, line in lines))
     columns = (*words, *numbers)
-    head = list(columns) if any_head else [name.strip() for name in table[0]] if table else []
+    head = [name.strip() for name in table[0]] if words and table else list(numbers)
     if missing := [name for name in columns if name not in head]:
         raise ValueError(f"{file}: column {missing[0]!r} is missing; expected {', '.join(columns)}")
     found = []
@@ -189,7 +204,7 @@ def _rows(
             raise ValueError(f"{file} line {line}: {text}") from error
         if len(row) != len(head) or not np.isfinite(list(values.values())).all():
             raise ValueError(f"{file} line {line}: expected {len(head)} finite values")
-        found.append((line, {**{key: cells[key] for key in words}, **values}))
+        found.append({**{key: cells[key] for key in words}, **values})
     return found
 
 

@@ -27,9 +27,8 @@ from .kinds import (
     CaseCoupling,
     CaseForce,
     CaseJoint,
-    CoordinateTable,
     by_freedoms,
-    is_along_length,
+    lengths_along,
 )
 from .laws import FOLDER, RESOLVED, StateEquation, TablePoints
 from .rotor import Rotor
@@ -252,13 +251,8 @@ class Mechanism(Table):
         unit, forces = unit_of(info), data.get("forces") if isinstance(data, dict) else None
         if unit == "m" or not isinstance(forces, dict):
             return data
-        joints = data.get("joints")
-        found = {
-            name: with_metres(force, unit, CoordinateTable.lengths_or_angles)
-            if is_along_length(force, joints if isinstance(joints, dict) else {})
-            else force
-            for name, force in forces.items()
-        }
+        joints = data.get("joints") if isinstance(data.get("joints"), dict) else {}
+        found = {k: with_metres(v, unit, lengths_along(v, joints)) for k, v in forces.items()}
         return {**data, "forces": found}
 
     @model_validator(mode="before")
