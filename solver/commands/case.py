@@ -240,7 +240,6 @@ def run_check(options: argparse.Namespace) -> int:
     """Check a case file; with --out, write the input of the other commands."""
     from ..inputs.case.load import load_case, load_whole_case
     from ..inputs.case.write import write_case
-    from ..studies.design.drivers.table import driver_of
 
     if options.reference:
         from ..inputs.manual import case_page
@@ -252,6 +251,8 @@ def run_check(options: argparse.Namespace) -> int:
     file = options.case
     case = load_case(file, coarse=True) if options.coarse else load_whole_case(file)
     for name, study in case.studies.items():
+        from ..studies.design.drivers.table import driver_of  # loads SciPy
+
         driver_of(study.table.driver, f"{file}: design.studies.{name}")
     if options.out is None:
         print(f"{file}: {counted(len(case.runs), 'run')}, no errors")
