@@ -414,6 +414,7 @@ $(EXUDYN): pyproject.toml $(LIGHT)
 .PHONY: structure
 structure: $(LIGHT) ## Measure lines, files and imports; write the table of docs/architecture.md
 	$(PY) tools/structure.py docs/architecture.md
+	$(PY) tools/capabilities.py docs/adr/0073-what-capabilities-cost.md
 
 .PHONY: release-check
 release-check: $(LIGHT) ## What a version lacks before it is tagged (docs/release.md)
