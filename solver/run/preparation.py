@@ -321,6 +321,7 @@ def histories_of(
     runs: Mapping[str, RunSpec],
     *,
     allow_python: bool = False,
+    integrate: "Callable[[str, Prepared], FinishedRun] | None" = None,
 ) -> Histories:
     """Return times and signals of the other runs that signals read.
 
@@ -330,6 +331,7 @@ def histories_of(
     ----------
     signals : of a case; those of them that are combined
     runs : the other runs by name
+    integrate : in place of `complete`, with the name of the run
 
     Raises
     ------
@@ -340,7 +342,7 @@ def histories_of(
     for run, names in needed(signals).items():
         other = runs[run]
         prepared = prepare(other.mechanism, other.packages, names, allow_python=allow_python)
-        finished = complete(prepared)
+        finished = complete(prepared) if integrate is None else integrate(run, prepared)
         recordings = recorded(prepared.measured, finished.model, finished.blocks)
         blocks = [(recording, dict(rows)) for recording, rows in recordings]
         values = {name: np.concatenate([v[name] for _, v in blocks]) for name in names}

@@ -2,6 +2,7 @@
 
 import copy
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ from scipy.optimize import minimize_scalar
 import plymotion as pm
 from plymotion.solver.errors import InputError
 from plymotion.solver.studies.design.memory import FILE
-from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, tube
+from plymotion.solver.studies.design.trials import Order, Trials
+from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, swung, tube
 
 
 def _case(table: dict[str, Any], name: str = "case") -> pm.Case:
@@ -64,7 +66,7 @@ def test_study_goes_on_where_it_was_stopped(monkeypatch: pytest.MonkeyPatch) -> 
     whole = pm.optimise(_case(oscillator(starts=1)), out="whole")
     total = whole.data["starts"][0]["computed"]
     assert total > 4
-    real, left = trials.Trials.values, [3]
+    real, left = trials.Trials.values, [4]  # the first one asks for exact derivatives
 
     def stopped(self: Any, p: Any) -> Any:
         if not left[0]:
@@ -198,8 +200,47 @@ def test_tube_that_twists_most_under_tension(fenicsx: str) -> None:
     assert found.data["optimum"]["shown"][0] == pytest.approx(twist, rel=0.02)
     ends = [start["best"]["p"][0] for start in found.data["starts"]]
     assert ends == pytest.approx([found.parameters["a"]] * 2, abs=0.1)
-    # Designs that are built anew beside the start: the step of 0.018 deg leaves 2e-6.
-    study |= {"gradient": "differences", "difference": 1e-4, "starts": 1, "iterations": 1}
-    rebuilt = pm.optimise(_case(tube(parameters=one, studies={"twist": study})), out="rebuilt")
-    slopes = [each.data["sensitivities"]["start"][0][0] for each in (found, rebuilt)]
-    assert slopes[0] == pytest.approx(slopes[1], rel=1e-5)
+
+
+def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Path) -> None:
+    """Tangent along derivatives of packages, against four designs beside for each parameter."""
+    study = {
+        "run": "base",
+        "minimise": {"signal": "error", "of": "rms"},
+        "subject_to": [
+            {"strength": "arm", "min": 1.5},
+            {"deformation_energy": "arm", "of": "at", "time": 0.03, "max": 1.0},
+            {"section": "arm", "entry": "S14", "max": 1.0},
+        ],
+        "rtol": 1e-9,
+    }
+    load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}
+    parameters = {"p0": angles(1)["p0"], "load": load}
+    table = swung(parameters=parameters, studies={"s": study})
+    order = Order(table, Path("tube.toml"), False, "s", tmp_path)
+    exact, p = Trials(replace(order, exact=True)), np.array([31.0, 1.0])
+    values, found = exact.values(p), exact.slopes(p)
+    assert not values.why
+    assert "tangent" in exact.words_of_gradient()
+    rebuilt = Trials(order)
+    assert rebuilt.values(p).values == values.values
+    for k, h in enumerate((0.1, 1e-3)):
+        at = [rebuilt.values(p + i * h * np.eye(2)[k]).values for i in (-2, -1, 1, 2)]
+        for m, slopes in enumerate(found):
+            far, near, next_, further = (np.array(v[m]) for v in at)
+            expected = (8.0 * (next_ - near) - (further - far)) / (12.0 * h)
+            size = np.abs(np.array(slopes)[:, k]).max()
+            # Differences of exposures see where another point of a ply begins to govern.
+            near_by = (1e-5, 3e-4, 1e-5, 1e-7)[m] * size
+            np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
+
+
+def test_run_without_a_tangent() -> None:
+    """Another integrator has differences; `exact` is refused by name."""
+    table = oscillator(starts=1, iterations=1)
+    table["solver"]["integrator"] = "rk8"
+    found = pm.optimise(_case(table))
+    assert found.data["gradient"].startswith("central differences")
+    table["design"]["studies"]["stop"]["gradient"] = "exact"
+    with pytest.raises(InputError, match=r'"exact".*solver\.integrator = "rk8"'):
+        pm.optimise(_case(table))

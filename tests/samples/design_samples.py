@@ -102,6 +102,26 @@ def tube(plies: int = 2, **design: Any) -> dict[str, Any]:
     }
 
 
+STRENGTH = {"Xt": 2280.0e6, "Xc": 1440.0e6, "Yt": 57.0e6, "Yc": 228.0e6, "S12": 71.0e6}
+
+
+def swung(plies: int = 2, **design: Any) -> dict[str, Any]:
+    """The tube with 1 kg at its tip, turned by a drive beside a rigid one that signals read."""
+    table = tube(plies, **design)
+    table["materials"] = {"carbon": {**CARBON, "strength": STRENGTH}}
+    table["gravity"] = [0.0, 0.0, -9.81]
+    table["masses"] = {"load": {"mass": 1.0, "at": "arm.tip"}}
+    step = {"smooth_step": {"start": 0.0, "duration": 0.05, "value": 0.3}}
+    table["joints"]["root"] |= {"kind": "revolute", "axis": [0.0, -1.0, 0.0], "drive": step}
+    rigid = {"kind": "difference", "of": "z", "run": "rigid"}
+    place = {"kind": "position", "at": "arm.tip", "component": "z"}
+    table["signals"] = {"z": place, "error": rigid}
+    table["solver"] = {"t_end": 0.06, "output_step": 0.002, "rtol": 1e-9}
+    table["runs"] = {"base": {}, "rigid": {"variants": ["rigid"]}}
+    table["variants"] = {"rigid": {"bodies": {"arm": {"rigid": True}}}}
+    return table
+
+
 def angles(plies: int, **more: Any) -> dict[str, Any]:
     """A parameter p0, p1, ... for the angle of each ply of the tube."""
     own = {"kind": "angle", "bounds": [-90.0, 90.0], **more}

@@ -3,24 +3,31 @@
 The specification of a body names the numbers that a parameter sets, and their derivatives, which
 are found by comparing specifications beside the design. So it does not matter how a ply is written
 in the case. The preprocessor adds derivatives of all arrays to the package (`/design`,
-docs/format.md). A run beside the design is then one with packages moved along them.
+docs/format.md). A run beside the design is then one with packages moved along them, and its motion
+that of the design moved along the tangent.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec
 from ...inputs.case.tables.schema import Mechanism
 from ...math.arrays import Array
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
+from ...run.preparation import Prepared
+from ..sensitivities.execution import Followed, Trace, followed, sensors_beside
+from ..sensitivities.parameters import Parameter
+from .measures import Made
 
-STEP = 1e-5  # of the range of a parameter, along derivatives and between specifications
+STEP = 1e-4  # of the range of a parameter, along derivatives and between specifications
 Specs = Mapping[str, BodySpec]
+Pair = tuple[RunSpec, RunSpec]
 
 
 def beside(p: Array, steps: Array) -> list[Array]:
@@ -86,7 +93,7 @@ def _leaves(table: Any, way: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...],
 
 def runs_beside(
     spec: RunSpec, names: Sequence[str], mechanisms: Sequence[Mechanism], steps: Array
-) -> list[tuple[RunSpec, ...]]:
+) -> list[Pair]:
     """Return the runs less and plus a step of each parameter, by derivatives of packages.
 
     Parameters
@@ -94,9 +101,59 @@ def runs_beside(
     mechanisms : of the designs of `beside`
     """
     return [
-        tuple(
-            replace(spec.moved(name, sign * h), mechanism=mechanism)
-            for sign, mechanism in zip((-1.0, 1.0), mechanisms[1 + 2 * k :], strict=False)
+        (
+            replace(spec.moved(name, -h), mechanism=mechanisms[1 + 2 * k]),
+            replace(spec.moved(name, h), mechanism=mechanisms[2 + 2 * k]),
         )
         for k, (name, h) in enumerate(zip(names, steps.tolist(), strict=True))
     ]
+
+
+@dataclass(frozen=True)
+class Traced:
+    """A run of a design with its trace: the run itself, or one that its signals read.
+
+    Attributes
+    ----------
+    signals : that are read of it
+    """
+
+    prepared: Prepared
+    finished: FinishedRun
+    trace: Trace
+    signals: Collection[str]
+
+    def followed(self, names: Sequence[str], steps: Array, pairs: Sequence[Pair]) -> Followed:
+        """Return it with its tangent; `pairs` are the runs beside it, by parameter."""
+        parameters = [
+            Parameter(name, "", 0.0, h, *pair)
+            for name, h, pair in zip(names, steps.tolist(), pairs, strict=True)
+        ]
+        y = np.asarray(self.finished.solution.y[:])
+        return followed(self.prepared, parameters, self.trace.steps, y)
+
+
+def made_beside(
+    own: str, traced: Mapping[str, Traced], motions: Mapping[str, Followed], k: int, pair: Pair
+) -> Iterator[Made]:
+    """Yield the designs less and plus the step of parameter k, by the tangents of their runs.
+
+    Parameters
+    ----------
+    own : name of the run; those that its signals read have others
+    pair : the run itself beside the design
+    """
+    if own not in traced:
+        yield from (Made(spec, None, {}, None) for spec in pair)
+        return
+    histories: tuple[dict[str, Any], dict[str, Any]] = ({}, {})
+    for run, motion in motions.items():
+        if run == own:
+            continue
+        for found, (each, recording) in zip(histories, motion.beside(k), strict=True):
+            read = sensors_beside(motion.prepared, each, recording, traced[run].signals)
+            found[run] = recording.t, {n: s.values(recording) for n, s in read.items()}
+    one, motion = traced[own], motions[own]
+    for spec, (each, recording), known in zip(pair, motion.beside(k), histories, strict=True):
+        read = sensors_beside(motion.prepared, each, recording, one.signals, known)
+        yield Made(spec, replace(one.finished, built=each.built), read, recording)

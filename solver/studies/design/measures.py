@@ -238,7 +238,9 @@ class Strength(Measure):
         for region, ply in _plies(package):
             table: dict[str, Any] = {"kind": "exposure", "body": name, "region": region, "ply": ply}
             try:
-                values = strength_values("strength", body, package, StrengthSignal(**table))
+                values = strength_values(
+                    f"{name}, {region}, ply {ply}", body, package, StrengthSignal(**table)
+                )
             except InputError:  # a ply without strengths
                 continue
             found.append(values(recording))

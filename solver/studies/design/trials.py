@@ -4,7 +4,7 @@ import logging
 import os
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from plymotion import __version__
 
-from ...checks.finished import Look
+from ...checks.finished import FinishedRun, Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError, few
 from ...inputs.case.bodies.segments import in_segments
@@ -20,7 +20,7 @@ from ...inputs.case.bodies.specifications import BodySpec, model_and_check
 from ...inputs.case.design import CheckedStudy
 from ...inputs.case.load import checked_case
 from ...inputs.case.messages import ERRORS
-from ...inputs.case.record import solver_sha256, with_parts
+from ...inputs.case.record import needed, solver_sha256, with_parts
 from ...inputs.case.sweeps import Members
 from ...inputs.case.tables.bodies import PackageBody
 from ...inputs.case.tables.schema import Mechanism, changed_mechanism
@@ -32,19 +32,20 @@ from ...package.common.plain_data import data_sha256
 from ...package.specification import fingerprint
 from ...run.execution import package_of
 from ...run.inputs import RunSpec
-from ...run.preparation import histories_of, integrated, prepare
+from ...run.preparation import Prepared, histories_of, integrated, prepare
 from ...signals import Recording
 from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
-from .exact import STEP, beside, runs_beside, with_targets
+from ..sensitivities.execution import Trace, change_of
+from .exact import STEP, Pair, Traced, beside, made_beside, runs_beside, with_targets
 from .measures import Made, Measure, measure_of
 from .problem import Values
 
 LOGGER = logging.getLogger(__name__)
 LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)  # as in a sweep
 BODIES = "bodies"  # folder of packages, a folder for each process
-STATE = 1  # version of what is kept of a design: raised when its numbers change their meaning
+STATE = 2  # version of what is kept of a design: raised when its numbers change their meaning
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,10 @@ class Trials:
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
         self._plan, self.exact = order.plan, order.exact
-        self._beside: list[tuple[RunSpec, ...]] = []  # of the last design, by parameter
+        self._beside: list[dict[str, Pair]] = []  # of the last design, by parameter and run
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._last: tuple[bytes, Made, list[Array]] | None = None
+        self._traces: dict[str, Traced] = {}  # of the last design, by run
         keep_preprocessors()
 
     def digest(self) -> str:
@@ -116,7 +118,7 @@ class Trials:
         assert self._last is not None
         _, made, raws = self._last
         weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
-        columns = self._exact() if self.exact else self._differences(p)
+        columns = self._columns(p)
         return [
             np.stack(
                 [np.tensordot(w, column[k], axes=column[k].ndim) for column in columns], axis=1
@@ -124,10 +126,23 @@ class Trials:
             for k, w in enumerate(weights)
         ]
 
+    def _columns(self, p: Array) -> list[list[Array]]:
+        """Return the derivatives of the arrays of all measures, by parameter."""
+        if not self.exact:
+            return self._differences(p)
+        try:
+            return self._exact()
+        except InputError as error:  # such as an impact that has no derivative
+            if self.study.table.gradient == "exact":
+                raise
+            LOGGER.warning("%s: differences of this design: %s", self.study.name, _line(error))
+            return self._differences(p)
+
     def words_of_gradient(self) -> str:
         """Return how derivatives are computed, and how exact they are."""
         if self.exact:
-            return "exact: by the derivatives that packages carry"
+            run = ", and the tangent of the run" if self.runs else ""
+            return f"exact: by the derivatives that packages carry{run}"
         steps = ", ".join(
             f"{name} {h:.3g}" for name, h in zip(self.study.parameters, self.steps(), strict=True)
         )
@@ -175,22 +190,41 @@ class Trials:
 
     def _exact(self) -> list[list[Array]]:
         """Return derivatives of the arrays of all measures, by parameter."""
+        assert self._last is not None
+        made = self._last[1]
+        names, steps, run = list(self.study.parameters), self.steps(STEP), self.study.table.run
+        motions = {
+            each: traced.followed(names, steps, [pair[each] for pair in self._beside])
+            for each, traced in self._traces.items()
+        }
+        if run in motions:  # plies govern beside a design where they govern in it
+            made = replace(made, recording=motions[run].recording())
+            for measure in self.measures:
+                measure.raw(made)
         columns = []
-        for h, pair in zip(self.steps(STEP), self._beside, strict=True):
+        for k, (h, pair) in enumerate(zip(steps, self._beside, strict=True)):
             low, high = (
-                [m.raw(Made(spec, None, {}, None)) for m in self.measures] for spec in pair
+                [measure.raw(made) for measure in self.measures]
+                for made in made_beside(run, self._traces, motions, k, pair[run])
             )
-            columns.append([(b - a) / (2.0 * h) for a, b in zip(low, high, strict=True)])
+            columns.append(
+                [
+                    change_of(a, b, m.unit) / (2.0 * h)
+                    for m, a, b in zip(self.measures, low, high, strict=True)
+                ]
+            )
         return columns
 
     def why_not_exact(self) -> str:
         """Return what has no exact derivative; "" if all quantities have one."""
-        for measure in self.measures:
-            if measure.runs:
-                return f"{measure.quantity.words()}: no exact derivative of a run is available"
+        if self.runs and self._plan is not None:
+            return "a run with [fidelity] has no exact derivative"
         self.exact = True
         try:
-            return self.values(self.study.start).why
+            why = self.values(self.study.start).why
+            if not why:
+                self._exact()
+            return why
         except InputError as error:
             return _line(error)
         finally:
@@ -204,20 +238,29 @@ class Trials:
         try:
             designs = self.study.designs(beside(p, steps))
             own, count = designs.own, 1 + 2 * p.size
-            bodies = [model_and_check(own.bodies[k])[0] for k in range(count)]
-            specs = with_targets(names, bodies, steps)
-            own.bodies[0] = dict(specs)
-            others = [s for m in designs.others.values() for s in m.bodies[0].items()]
-            files = self.build([*specs.items(), *others])
+            runs = {self.study.table.run: own, **designs.others}
+            built: list[tuple[str, BodySpec]] = []
+            for members in runs.values():
+                bodies = [model_and_check(members.bodies[k])[0] for k in range(count)]
+                members.bodies[0] = with_targets(names, bodies, steps)
+                built += members.bodies[0].items()
+            files = self.build(built)
         except InputError as error:
             return _line(error)
         try:
-            made = self._run(own, designs.others, 0, files)
+            self._traces.clear()
+            made = self._run(own, designs.others, 0, files, self._traces)
+            if isinstance(made, Made):
+                pairs = {
+                    run: runs_beside(
+                        made.spec if members is own else self.spec(run, members, 0, files),
+                        names, [self.mechanism(members, k) for k in range(count)], steps,
+                    )
+                    for run, members in runs.items()
+                }  # fmt: skip
+                self._beside = [{r: pair[k] for r, pair in pairs.items()} for k in range(p.size)]
         finally:
             self.forget(files)
-        if isinstance(made, Made):
-            mechanisms = [self.mechanism(own, k) for k in range(count)]
-            self._beside = runs_beside(made.spec, names, mechanisms, steps)
         return made
 
     def _made(self, points: Sequence[Array]) -> list[Made | str]:
@@ -270,13 +313,18 @@ class Trials:
         return files
 
     def _run(
-        self, own: Members, others: Mapping[str, Members], k: int, files: Mapping[str, Path]
+        self,
+        own: Members,
+        others: Mapping[str, Members],
+        k: int,
+        files: Mapping[str, Path],
+        traces: dict[str, Traced] | None = None,
     ) -> Made | str:
         """Return the design k of some, run; why if that is impossible or invalid."""
         try:
             spec = self.spec(self.study.table.run, own, k, files)
             elsewhere = {run: self.spec(run, m, k, files) for run, m in others.items()}
-            return self.run(spec, elsewhere)
+            return self.run(spec, elsewhere, traces)
         except (InputError, PackageError, *ERRORS) as error:
             return _line(error)
 
@@ -301,8 +349,15 @@ class Trials:
         changes = {**members.changes[k], "solver.rtol": rtol}
         return in_segments(changed_mechanism(members.base, changes))
 
-    def run(self, spec: RunSpec, others: Mapping[str, RunSpec]) -> Made | str:
+    def run(
+        self,
+        spec: RunSpec,
+        others: Mapping[str, RunSpec],
+        traces: dict[str, Traced] | None = None,
+    ) -> Made | str:
         """Integrate a run if a measure needs it; return why it is invalid if it is.
+
+        `traces` gets what tangents need, of the run and of those that its signals read.
 
         Raises
         ------
@@ -317,12 +372,21 @@ class Trials:
             spec = member_spec(spec, self._plan)
         kept = {q.name for q in self.study.table.quantities() if q.subject == "signal"}
         read = with_parts(kept, spec.mechanism.signals)
-        prepared = prepare(
-            spec.mechanism, spec.packages, kept, histories=histories_of(read, dict(others))
-        )
-        finished = integrated(prepared, look=LOOK)
-        if finished.solution.status == "interrupted":
-            raise KeyboardInterrupt
+
+        def taken(run: str, prepared: Prepared) -> FinishedRun:
+            trace = None if traces is None else Trace(prepared)
+            look = LOOK if run == spec.run else None
+            finished = integrated(prepared, trace, look, stages=trace is not None)
+            if finished.solution.status == "interrupted":
+                raise KeyboardInterrupt
+            if traces is not None and trace is not None:
+                names = kept if run == spec.run else needed(read)[run]
+                traces[run] = Traced(prepared, finished, trace, names)
+            return finished
+
+        histories = histories_of(read, others, integrate=taken)
+        prepared = prepare(spec.mechanism, spec.packages, kept, histories=histories)
+        finished = taken(spec.run, prepared)
         if finished.solution.status != "finished":
             return f"the run ended at {finished.solution.t[-1]:.4g} s: {finished.solution.message}"
         wrong = [f.text for f in judge(finished).findings if f.level == "error"]

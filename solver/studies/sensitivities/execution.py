@@ -1,7 +1,7 @@
 """A run with the derivatives of its motion, and from them those of its signals."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from ...run.inputs import RunSpec
 from ...run.outcome import collect
 from ...run.preparation import Prepared, integrated, output_times, prepare
 from ...run.timing import Stopwatch
-from ...signals import HELD, Recording, sensors
+from ...signals import HELD, Histories, Recording, Sensor, sensors
 from .kinematics import displaced
 from .parameters import Parameter, Variant, check_variant, start_tangent, variant
 from .tangent import Column, Tangent
@@ -37,16 +37,23 @@ class _Follower:
     def __init__(self, prepared: Prepared, tangent: Tangent, times: Array, y: Array) -> None:
         self._watch, self._tangent, self._functions = prepared.watch, tangent, prepared.functions
         self.note = self._watch.note
-        self._times = times
-        self.S = np.empty((self._times.size, *tangent.S.shape))
+        self.times = times
+        self.S = np.zeros((self.times.size, *tangent.S.shape))
         self.S[0] = tangent.S
+        self._still = tangent.is_still
+        self._until = float(times[0])  # to where S is known [s]
         self._last, self._sampled = y, float(times[0])  # state; instant of the last sampling [s]
         self._instants = Instants(prepared.model, float(times[-1]))
         self._first = prepared.model.n_pos + prepared.model.n_vel
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         request = self._watch(steps)
-        if len(steps):
+        self.take(steps)
+        return request
+
+    def take(self, steps: Steps) -> None:
+        """Carry the tangent over steps that follow those before."""
+        if len(steps) and not self._still:
             t, y = steps.t, steps.y
             moved, due = not np.array_equal(y[0], self._last), self._instants.sampled_at(t[0]).any()
             if moved or (due and self._sampled < t[0]):
@@ -57,7 +64,6 @@ class _Follower:
                     self._follow(steps, begin, end)
                 begin = end
             self._last = y[-1].copy()
-        return request
 
     def _follow(self, steps: Steps, begin: int, end: int) -> None:
         """Carry the tangent over some steps, and the sampling at their end within the loop."""
@@ -67,8 +73,10 @@ class _Follower:
         part = replace(
             steps, t=t, y=y, Z=steps.Z[begin:end], multipliers=steps.multipliers[begin:end]
         )
-        own = (self._times > t[0]) & (self._times <= t[-1])
-        self.S[own] = self._tangent.follow(part, self._times[own])
+        # Behind a bend of a law of time, steps begin a bit later than those before it ended.
+        own = (self.times > self._until) & (self.times <= t[-1])
+        times = np.maximum(self.times[own], np.nextafter(t[0], np.inf))
+        self.S[own], self._until = self._tangent.follow(part, times), t[-1]
         before = y[-1].copy()
         before[self._first :] = y[-2, self._first :] + steps.Z[end - 1, 2, self._first :]
         which = self._instants.sampled_at(t[-1])
@@ -101,6 +109,88 @@ class _Follower:
         self._tangent.jump(t, before, after, event)
 
 
+class Trace:
+    """Watch that keeps the steps of a run with their stages, for a tangent that follows later.
+
+    Raises InputError if the tangent of the run is not implemented.
+    """
+
+    def __init__(self, prepared: Prepared) -> None:
+        require_derivatives(prepared)
+        self._watch = prepared.watch
+        self.note = self._watch.note
+        self.steps: list[Steps] = []
+
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Keep steps; return what the monitors say of them."""
+        request = self._watch(steps)
+        assert steps.Z is not None
+        assert steps.multipliers is not None
+        kept = replace(steps, Z=steps.Z.copy(), multipliers=steps.multipliers.copy())
+        self.steps.append(kept)
+        return request
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A run with the tangent of its motion at the output times.
+
+    Attributes
+    ----------
+    t, y : (n_t,) [s], (n_t, n)
+    S : (n_t, 2 n_vel + n_aux, P) derivatives by the parameters
+    pairs : the mechanisms with each parameter less and plus its h
+    held : points of plies that govern in the motion itself
+    """
+
+    prepared: Prepared
+    parameters: Sequence[Parameter]
+    t: Array
+    y: Array
+    S: Array
+    pairs: Sequence[tuple[Variant, Variant]]
+    held: dict[str, Any]
+
+    def recording(self) -> Recording:
+        """Return the motion itself; what governs in it is noted."""
+        return Recording(self.prepared.model, self.t, self.y, {HELD: self.held})
+
+    def beside(self, p: int) -> Iterator[tuple[Variant, Recording]]:
+        """Yield the mechanisms less and plus the h of a parameter, and the motions along S."""
+        yield from _beside(
+            self.prepared, self.t, self.y, self.S[:, :, p], self.parameters[p].h, self.pairs[p],
+            self.held,
+        )  # fmt: skip
+
+
+def followed(
+    prepared: Prepared, parameters: Sequence[Parameter], steps: Iterable[Steps], y: Array
+) -> Followed:
+    """Return a run with its tangent along the steps of its trace; y (n_t, n): at the outputs."""
+    follower, pairs = _following(prepared, parameters)
+    for each in steps:
+        follower.take(each)
+    return Followed(prepared, parameters, follower.times, y, follower.S, pairs, {})
+
+
+def _following(
+    prepared: Prepared, parameters: Sequence[Parameter]
+) -> tuple[_Follower, list[tuple[Variant, Variant]]]:
+    """Return what carries the tangent of a run, and the mechanisms beside it by parameter."""
+    model, y0, solver = prepared.model, prepared.y0, prepared.mechanism.solver
+    pairs, columns, S = [], [], []
+    for parameter in parameters:
+        minus, plus = (variant(each, model) for each in (parameter.minus, parameter.plus))
+        for found in (minus, plus):
+            check_variant(parameter, found, model, solver.t_end)
+        pairs.append((minus, plus))
+        columns.append(Column(minus.built.model, plus.built.model, parameter.h))
+        S.append(start_tangent(model, y0, minus.y0, plus.y0, parameter.h))
+    tangent = Tangent(model, columns, y0, np.array(S).T, bends_of(prepared))
+    times = output_times(solver.t_end, solver.output_step)
+    return _Follower(prepared, tangent, times, y0), pairs
+
+
 def with_sensitivities(
     spec: RunSpec,
     parameters: Sequence[Parameter],
@@ -124,19 +214,8 @@ def with_sensitivities(
     clock = Stopwatch()
     prepared = prepare(spec.mechanism, spec.packages)
     require_derivatives(prepared)
-    model, y0, solver = prepared.model, prepared.y0, spec.mechanism.solver
-    pairs, columns, S = [], [], []
-    for parameter in parameters:
-        minus, plus = (variant(each, model) for each in (parameter.minus, parameter.plus))
-        for found in (minus, plus):
-            check_variant(parameter, found, model, solver.t_end)
-        pairs.append((minus, plus))
-        columns.append(Column(minus.built.model, plus.built.model, parameter.h))
-        S.append(start_tangent(model, y0, minus.y0, plus.y0, parameter.h))
-    tangent = Tangent(model, columns, y0, np.array(S).T, bends_of(prepared))
-    times = output_times(solver.t_end, solver.output_step)
-    follower = _Follower(prepared, tangent, times, y0)
-    shown = Progress(follower, solver.t_end, spec.run, progress)
+    follower, pairs = _following(prepared, parameters)
+    shown = Progress(follower, spec.mechanism.solver.t_end, spec.run, progress)
     try:
         finished = integrated(prepared, shown, stages=True)
     finally:
@@ -149,13 +228,13 @@ def with_sensitivities(
         raise InputError(f"{spec.run}: sensitivities need a run that finishes: {solution.message}")
     result, summary = collect(spec, prepared.measured, finished, clock.seconds["integrate"])
     y, found_ = np.asarray(solution.y[:]), list[Derivative]()
-    held: dict[str, object] = {}
-    recording = Recording(model, solution.t, y, {HELD: held})
+    motion = Followed(prepared, parameters, solution.t, y, follower.S, pairs, {})
+    recording = motion.recording()
     for name, asked in spec.mechanism.signals.items():
         if asked.kind in ("strength_ratio", "exposure") and name in prepared.measured:
             prepared.measured[name].values(recording)
-    for p, (parameter, pair) in enumerate(zip(parameters, pairs, strict=True)):
-        changes = _of_signals(prepared, solution.t, y, follower.S[:, :, p], parameter.h, pair, held)
+    for p, parameter in enumerate(parameters):
+        changes = _of_signals(prepared, motion.beside(p), parameter.h)
         for signal in result.signals:
             unit = _quotient(signal.unit, parameter.unit)
             values = changes[signal.name]
@@ -206,7 +285,8 @@ def step_derivatives(stepper: Stepper) -> Array:
             Variant(replace(prepared.built, model=stepper.inputs_at(model, k, by)), y[0])
             for by in (-h, h)
         ]
-        changes = _of_signals(prepared, times[1:], y, S, h, (pair[0], pair[1]), held)
+        beside = _beside(prepared, times[1:], y, S, h, (pair[0], pair[1]), held)
+        changes = _of_signals(prepared, beside, h)
         rows[:, k] = [changes[name][0] for name in stepper.outputs]
     return rows
 
@@ -272,29 +352,55 @@ def bends_of(prepared: Prepared) -> list[tuple[int, float]]:
     return found
 
 
-def _of_signals(
+def _beside(
     prepared: Prepared,
     t: Array,
     y: Array,
     S: Array,
     h: float,
     pair: tuple[Variant, Variant],
-    held: dict[str, object],
-) -> dict[str, Array]:
-    """Return the derivatives (k,) of signals by a parameter, with its direct effect on them."""
-    values = list[dict[str, Array]]()
+    held: dict[str, Any],
+) -> Iterator[tuple[Variant, Recording]]:
+    """Yield mechanisms beside a run, and their motions along a column of its tangent."""
     for sign, each in zip((-1.0, 1.0), pair, strict=True):
         moved = displaced(prepared.model, y, sign * h * S)
-        recording = Recording(each.built.model, t, moved, {HELD: held})
-        own = sensors(each.built, prepared.mechanism.signals, prepared.mechanism.materials)
-        for sensor in own.values():
-            if sensor.look is not None:
-                sensor.look(recording)
-        values.append({name: sensor.values(recording) for name, sensor in own.items()})
-    found = {}
-    for name, sensor in prepared.measured.items():
-        change = values[1][name] - values[0][name]
-        if sensor.unit == "rad":  # the same turn of both
-            change = (change + np.pi) % (2.0 * np.pi) - np.pi
-        found[name] = change / (2.0 * h)
-    return found
+        yield each, Recording(each.built.model, t, moved, {HELD: held})
+
+
+def sensors_beside(
+    prepared: Prepared,
+    each: Variant,
+    recording: Recording,
+    wanted: Container[str] | None = None,
+    histories: Histories | None = None,
+) -> dict[str, Sensor]:
+    """Return the sensors of a mechanism beside a run, which have looked at its motion."""
+    signals, materials = prepared.mechanism.signals, prepared.mechanism.materials
+    own = sensors(each.built, signals, materials, wanted=wanted, histories=histories)
+    for sensor in own.values():
+        if sensor.look is not None:
+            sensor.look(recording)
+    return own
+
+
+def change_of(low: Array, high: Array, unit: str) -> Array:
+    """Return high - low; of angles [rad] that of the same turn."""
+    change = high - low
+    return (change + np.pi) % (2.0 * np.pi) - np.pi if unit == "rad" else change
+
+
+def _of_signals(
+    prepared: Prepared, beside: Iterable[tuple[Variant, Recording]], h: float
+) -> dict[str, Array]:
+    """Return the derivatives (k,) of signals by a parameter, with its direct effect on them."""
+    low, high = (
+        {
+            name: sensor.values(recording)
+            for name, sensor in sensors_beside(prepared, each, recording).items()
+        }
+        for each, recording in beside
+    )
+    return {
+        name: change_of(low[name], high[name], sensor.unit) / (2.0 * h)
+        for name, sensor in prepared.measured.items()
+    }

@@ -102,6 +102,11 @@ class Tangent:
         self._batch = int(np.clip(BATCH // per_step, 1, 500))
         self._partials = [_Partial(model, column) for column in columns]
 
+    @property
+    def is_still(self) -> bool:
+        """Whether no parameter changes anything: S stays zero."""
+        return not self.S.any() and not any(each.changes for each in self._partials)
+
     def follow(self, steps: Steps, times: Array) -> Array:
         """Carry S over steps without a jump between them.
 
@@ -254,18 +259,18 @@ class Tangent:
 
     def _stages(self, linear: "Linear", h: Array) -> Array:
         """Return the independent coordinates at the stages of steps h (k,), (3 k, m, P)."""
-        k, m = h.size, linear.J.shape[1]
-        J, g = linear.J.reshape(k, 3, m, m), linear.g.reshape(k, 3, m, -1)
+        k, m, columns = h.size, linear.J.shape[1], linear.g.shape[2]
+        J, g = linear.J.reshape(k, 3, m, m), linear.g.reshape(k, 3, m, columns)
         hA = h[:, None, None] * A
         matrix = np.eye(3 * m) - np.einsum("kab,kbij->kaibj", hA, J).reshape(k, 3 * m, 3 * m)
-        load = np.einsum("kab,kbip->kaip", hA, g).reshape(k, 3 * m, -1)
+        load = np.einsum("kab,kbip->kaip", hA, g).reshape(k, 3 * m, columns)
         start = np.broadcast_to(np.tile(np.eye(m), (3, 1)), (k, 3 * m, m))
         answer = np.linalg.solve(matrix, np.concatenate([start, load], axis=2))
         w, last = np.empty_like(load), self.S[linear.kept]
         for i in range(k):
             w[i] = answer[i, :, :m] @ last + answer[i, :, m:]
             last = w[i, 2 * m :]
-        return w.reshape(3 * k, m, -1)
+        return w.reshape(3 * k, m, columns)
 
     def _linear(
         self, t: Array, y: Array, a: Array, multipliers: Array, *, last: bool
@@ -383,6 +388,7 @@ class _Partial:
         self._minus, self._plus, self._h = column
         one, two = _arrays(self._minus), _arrays(self._plus)
         changed = {name for name in one if not np.array_equal(one[name], two[name])}
+        self.changes = bool(changed)
         self._matrices: list[tuple[int, int, Array, Array]] | None = None
         if changed <= {"K_qq", "D_qq"}:  # forces of the modes alone
             K, D = ((two[name] - one[name]) / (2.0 * self._h) for name in ("K_qq", "D_qq"))
