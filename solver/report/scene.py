@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.elements.forces.table import FORCES
 from ..math.arrays import Array, IntArray
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
@@ -229,9 +230,11 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
     field_rows = frame_rows(t, _peaks(story), sites, share)
     points = np.asarray(result.node_positions_G[rows])
     usable = points.reshape(-1, 3)[np.isfinite(points).all(axis=2).ravel()]
+    own = list(result.links)
+    ground = [side.position_B[None] for link in own for side in link.sides if side.body < 0]
+    usable = np.concatenate([usable, *ground])
     low, high = usable.min(axis=0), usable.max(axis=0)
     origin, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) or 1.0
-    own = list(result.links)
     bodies = [
         _body(blob, result, i, body, body.view, rows, field_rows, origin, own, size)
         | {"exposure": _largest_exposure(story, body.name)}
@@ -427,5 +430,6 @@ def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str
                 sides[-1]["at"] = side.position_B.tolist()
             elif side.body in counts:
                 counts[side.body] += 1
-        found.append({"name": link.name, "kind": link.kind, "sides": sides})
+        coil = link.kind in FORCES
+        found.append({"name": link.name, "kind": link.kind, "sides": sides, "coil": coil})
     return found

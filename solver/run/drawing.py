@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.elements.joints.contract import FREEDOMS
 from ..dynamics.elements.joints.table import JOINTS
 from ..dynamics.evaluation.series import loads_of_markers
@@ -145,14 +146,18 @@ def _size(nodes_B: Array) -> float:
     return float(np.linalg.norm(np.ptp(nodes_B, axis=0)))
 
 
-def links(built: BuiltMechanism) -> tuple[Link, ...]:
-    """Return the joints of the case with the markers on both sides."""
+def links(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Link, ...]:
+    """Return joints, and forces that are drawn as coils, with the markers on both sides."""
     found = []
     for name, joint in built.joints.items():
         if joint.rows:
             one, two = built.model.joint_marker[joint.rows[0]].tolist()
             free = tuple(f for f in FREEDOMS if f not in JOINTS[joint.kind].removes)
             found.append(Link(name, joint.kind, (_side(built, one), _side(built, two)), free))
+    for name, (one, two) in zip(built.force_names, built.model.force_marker.tolist(), strict=False):
+        force = mechanism.forces.get(name)
+        if force is not None and FORCES[force.kind].coil:
+            found.append(Link(name, force.kind, (_side(built, one), _side(built, two))))
     return tuple(found)
 
 

@@ -102,7 +102,7 @@ def collect(
         bodies=geometry,
         node_positions_G=points,
         violations={n: rows.all() for (group, n), rows in kept.items() if group == "violations"},
-        links=links(finished.built),
+        links=links(finished.mechanism, finished.built),
         loads=drawn_loads(finished.built, t, y, multipliers),
         provenance=provenance(spec.packages),
     )

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from harness.chromium import SOFTWARE, Browser
+from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.results import read_result
@@ -278,3 +279,38 @@ def test_the_motion_is_on_the_first_screen(
                 "axe.run(document).then((r) => r.violations.map((v) => [v.impact, v.id]))"
             )
             assert [each for each in found if each[0] in ("serious", "critical")] == []
+
+
+def test_a_spring_is_a_coil_between_its_places(browser: Browser, crank: Path, tmp_path) -> None:
+    """Its ends follow the ground and the body; the place on the ground is in the picture."""
+    text = (
+        rigid("box", 2.0, 0.02, {"c": (0, 0, 0)}, position=(0, -0.5, 0))
+        + "[ground.top]\nposition = [0.0, 0.0, 0.0]\n"
+        '[forces.hanging]\nkind = "spring"\nbetween = ["ground.top", "box.c"]\n'
+        "stiffness = 200.0\nlength = 0.4\n"
+    )
+    (tmp_path / "case.toml").write_text(HEAD + text + SOLVER.format(t_end=0.5, step=0.05, more=""))
+    out = tmp_path / "build"
+    assert main([str(tmp_path / "case.toml"), "--quiet", "--out", str(out)]) == 0
+    result = read_result(out / "base/result.vtkhdf")
+    browser.open(out / "report.html")
+    try:
+        browser.run("plymotion.clock.set(0.25)")
+        (spring,) = browser.run(COILS)
+        assert spring["coil"]
+        np.testing.assert_allclose(spring["ends"][0], [0.0, 0.0, 0.0], atol=1e-6)
+        np.testing.assert_allclose(spring["ends"][1], result.q[5, :3], atol=1e-6)
+        drawn = browser.run(OVERLAY)
+        browser.run("plymotion.page.runs[0].scene.joints.length = 0")
+        browser.run("plymotion.drawView()")
+        assert browser.run(OVERLAY) != drawn
+    finally:
+        browser.open(crank / "report.html")
+
+
+COILS = """(() => {
+  const { scene } = plymotion.page.runs[0], { t } = plymotion.clock;
+  const states = scene.bodies.map((body) => plymotion.bodyState(scene, body, t, -1));
+  return plymotion.jointLines(scene, states, 1).map(({ coil, ends }) =>
+    ({ coil, ends: ends.map((p) => p.map((v, a) => v + scene.origin[a])) }));
+})()"""

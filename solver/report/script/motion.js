@@ -77,13 +77,12 @@ function pointsAt(body, state, scale) {
   return found;
 }
 
-// Ends of the lines that join both sides of each joint.
+// Ends of the lines that join both sides of each joint; of a spring, which is a coil.
 function jointLines(scene, states, scale) {
-  return scene.joints.map(({ sides }) =>
+  return scene.joints.map(({ sides, coil }) => ({ coil, ends:
     sides.map((side) => {
       if (side.body < 0) return side.at.map((v, a) => v - scene.origin[a]);
       const body = scene.bodies[side.body];
       return body ? pointAt(body, states[side.body], side.node, [0, 0, 0], scale) : null;
-    }),
-  ).filter((ends) => ends[0] && ends[1]);
+    }) })).filter(({ ends }) => ends[0] && ends[1]);
 }

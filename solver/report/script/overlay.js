@@ -9,9 +9,10 @@ function drawOverlay(canvas, scene, states, camera, shown, mark, [left, , width,
   pen.strokeStyle = shade('--bad');
   // What a joint keeps together, the scale of the deformation parts; what slides is apart anyway.
   const joined = jointLines(scene, states, 1);
-  jointLines(scene, states, shown.scale).forEach((ends, k) => {
-    const apart = Math.hypot(...joined[k][0].map((v, a) => v - joined[k][1][a]));
+  jointLines(scene, states, shown.scale).forEach(({ ends, coil }, k) => {
+    const [one, two] = joined[k].ends, apart = Math.hypot(...one.map((v, i) => v - two[i]));
     const [a, b] = ends.map((p) => projected(matrix, p, width, height));
+    if (coil) return drawCoil(pen, a, b, ratio);
     if (apart > 0.002 * scene.size || Math.hypot(a[0] - b[0], a[1] - b[1]) < 2 * ratio) return;
     pen.beginPath();
     pen.moveTo(a[0], a[1]);
@@ -29,6 +30,21 @@ function drawOverlay(canvas, scene, states, camera, shown, mark, [left, , width,
     pen.stroke();
   }
   if (!left) drawAxes(pen, camera, height, ratio);
+  pen.restore();
+}
+
+const TURNS = 6, WIDTH_PX = 5; // of the coil of a spring
+
+function drawCoil(pen, a, b, ratio) {
+  const way = [b[0] - a[0], b[1] - a[1]], long = Math.hypot(...way) || 1, side = (WIDTH_PX * ratio) / long;
+  const at = (s, up) => pen.lineTo(a[0] + s * way[0] - up * side * way[1], a[1] + s * way[1] + up * side * way[0]);
+  pen.save();
+  pen.strokeStyle = shade('--ink');
+  pen.beginPath();
+  at(0, 0);
+  for (let k = 0; k <= 2 * TURNS; k++) at(0.15 + (0.7 * k) / (2 * TURNS), k % 2 ? 1 : k && k < 2 * TURNS ? -1 : 0);
+  at(1, 0);
+  pen.stroke();
   pen.restore();
 }
 

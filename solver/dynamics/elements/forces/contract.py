@@ -92,6 +92,7 @@ class ForceElement:
     meaning, remark : title and text for docs/case-reference.md; no full stop behind the title
     order : place in the manual and in lists; those of equal order follow by name
     steep : what a user can change where Newton's iteration does not converge because of this kind
+    coil : whether pictures show a coil between its places
     """
 
     kind: str
@@ -99,6 +100,7 @@ class ForceElement:
     remark: str = ""
     order: int = 100
     steep: str = ""
+    coil: bool = False
 
 
 @dataclass(frozen=True)

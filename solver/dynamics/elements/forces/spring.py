@@ -99,4 +99,5 @@ ELEMENT = Element(
     most_rows=4,
     rows_in_use=_rows_in_use,
     order=1,
+    coil=True,
 )
