@@ -325,11 +325,14 @@ def test_stopped_batch_goes_on_where_it_was(
     for path in kept:
         read_section(path)
 
+    # The others are left out but a few; names have two digits.
+    left = values[: max(9, *(int(path.stem[-2:]) for path in kept)) + 3]
+    (folder / "study.toml").write_text(STUDY.format(values=left))
     again = run(*batch, "--json")
     assert again.returncode == 0, again.stderr
     status = [row["status"] for row in json.loads(again.stdout).values()]
     assert status.count("unchanged") == len(kept)
-    assert status.count("built") == many - len(kept)
+    assert status.count("built") == len(left) - len(kept) > 0
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
 
 

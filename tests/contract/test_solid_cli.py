@@ -1,13 +1,14 @@
 """Solids as a user meets them: `plymotion solid`, and a case with a solid beside a beam."""
 
 import json
-import subprocess
-import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+
+from plymotion.solver.__main__ import main
 
 BOX = """
 SetFactory("OpenCASCADE");
@@ -101,10 +102,14 @@ variants = ["solid"]
 """
 
 
-def plymotion(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-    """Run a command in a folder."""
-    command = [sys.executable, "-m", "plymotion.solver", *words]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """A command in the folder: exit code, output, errors. The FEniCSx side is a process."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: (main(list(words)), *capsys.readouterr())
 
 
 @pytest.fixture
@@ -116,24 +121,24 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_command_tells_inertia_frequencies_and_load_cases(folder: Path) -> None:
-    done = plymotion(folder, "solid", "bar.toml", "--json")
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
+def test_command_tells_inertia_frequencies_and_load_cases(folder: Path, run: Run) -> None:
+    code, out, errors = run("solid", "bar.toml", "--json")
+    assert code == 0, errors
+    found = json.loads(out)
     assert found["mass"] == pytest.approx(2700.0 * 0.2 * 0.012 * 0.008, rel=1e-9)
     root = 1.8751**2 * np.sqrt(70e9 / 2700.0) * 0.008 / np.sqrt(12.0) / 0.2**2 / (2.0 * np.pi)
     assert found["held_hz"][0] == pytest.approx(root, rel=1e-2)
     case = found["cases"]["end"]
     assert case["reactions"]["root"] == pytest.approx([0, 0, -100, 0, 20, 0], abs=1e-4)
     assert case["strength_ratio"] == pytest.approx(250e6 / case["mises"])
-    again = plymotion(folder, "solid", "bar.toml")
-    assert "unchanged" in again.stdout
-    assert "Held" in again.stdout
+    _, again, _ = run("solid", "bar.toml")
+    assert "unchanged" in again
+    assert "Held" in again
 
 
-def test_solid_moves_as_the_beam_does(folder: Path) -> None:
-    done = plymotion(folder, "case.toml")
-    assert done.returncode == 0, done.stderr
+def test_solid_moves_as_the_beam_does(folder: Path, run: Run) -> None:
+    code, _, errors = run("case.toml")
+    assert code == 0, errors
     signals = {}
     for run in ("beam", "solid"):
         (file,) = (folder / "build").glob(f"*/{run}/result.vtkhdf")
@@ -184,31 +189,33 @@ WRONG = {
     ("file", "old", "new", "words"),
     [(file, *each) for file, changes in WRONG.items() for each in changes],
 )
-def test_wrong_input_is_refused(folder: Path, file: str, old: str, new: str, words: str) -> None:
+def test_wrong_input_is_refused(
+    folder: Path, run: Run, file: str, old: str, new: str, words: str
+) -> None:
     text = (folder / file).read_text()
     assert old in text
     (folder / file).write_text(text.replace(old, new))
     command = ["check"] if file == "case.toml" else ["solid", "--check"]
-    done = plymotion(folder, *command, file)
-    assert done.returncode == 2
-    assert words in done.stderr, done.stderr
+    code, _, errors = run(*command, file)
+    assert code == 2
+    assert words in errors, errors
     assert not list(folder.glob("build/**/*.json"))
 
 
-def test_a_bore_that_is_not_there_fails_the_body(folder: Path) -> None:
+def test_a_bore_that_is_not_there_fails_the_body(folder: Path, run: Run) -> None:
     """The FE side refuses it: file, key, value and what was found; no package is written."""
     bore = "{ bore = { radius = 3e-3, point = [0, 0, 0], direction = [1, 0, 0] } }"
     (folder / "bar.toml").write_text(SOLID.replace('{ at = "left" }', bore))
-    done = plymotion(folder, "solid", "bar.toml")
-    assert done.returncode == 2
-    assert "bar.toml: solid.interfaces.root.bore: no face lies on the cylinder" in done.stderr
+    code, _, errors = run("solid", "bar.toml")
+    assert code == 2
+    assert "bar.toml: solid.interfaces.root.bore: no face lies on the cylinder" in errors
     assert not list(folder.glob("build/**/*.vtkhdf"))
 
 
-def test_a_cad_file_needs_a_material(tmp_path: Path) -> None:
+def test_a_cad_file_needs_a_material(tmp_path: Path, run: Run) -> None:
     (tmp_path / "part.step").write_text("ISO-10303-21;")
-    done = plymotion(tmp_path, "solid", "part.step")
-    assert done.returncode == 2
-    assert "part.step: --material: missing; expected aluminium, steel, titanium" in done.stderr
-    done = plymotion(tmp_path, "solid", "part.step", "--material", "70e9,0.33")
-    assert "--material 70e9,0.33: expected" in done.stderr
+    code, _, errors = run("solid", "part.step")
+    assert code == 2
+    assert "part.step: --material: missing; expected aluminium, steel, titanium" in errors
+    _, _, errors = run("solid", "part.step", "--material", "70e9,0.33")
+    assert "--material 70e9,0.33: expected" in errors

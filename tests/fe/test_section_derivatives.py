@@ -175,6 +175,7 @@ OTHERS: dict[str, tuple[dict[str, Any], Design, float]] = {
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_sections(name: str) -> None:
     spec, design, steps = OTHERS[name]

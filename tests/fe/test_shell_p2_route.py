@@ -23,6 +23,7 @@ from plymotion.solver.math.arrays import Array
 
 # The numbers of the elements are those of both DOLFINx: test_shell_benchmarks.py.
 ONE_END = pytest.mark.one_end
+CELLS = [{}, pytest.param({"element": "quadrilateral"}, marks=ONE_END)]
 
 
 class Second:
@@ -115,7 +116,7 @@ def analysed(spec: dict[str, Any]) -> tuple[str, list[str]]:
     return str(found.provenance["verification"]), [w["code"] for w in found.warnings]
 
 
-@pytest.mark.parametrize("cells", [{}, {"element": "quadrilateral"}])
+@pytest.mark.parametrize("cells", CELLS)
 def test_two_routes_agree(cells: dict[str, str]) -> None:
     supports = CLAMPED | {"right": {"at": "right", "fixed": ["uz"], "only": "loads"}}
     spec = plate(12, 0.02, supports=supports, loads=LOADS, frequencies={"count": 4})
@@ -181,7 +182,7 @@ def linked(kind: str, cells: dict[str, str] | None = None) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("kind", ["rigid", "average"])
-@pytest.mark.parametrize("cells", [{}, {"element": "quadrilateral"}])
+@pytest.mark.parametrize("cells", CELLS)
 def test_links_and_stiffeners_agree(kind: str, cells: dict[str, str]) -> None:
     words, codes = analysed(linked(kind, cells))
     assert words.startswith(("frequency", "strain energy")), words

@@ -50,6 +50,7 @@ def turned(layup: str, kind: str) -> np.ndarray:
     return found.link_motions_G[range(5), 0, rows]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("layup", ["0", "cas15", "cus15"])
 def test_twist_of_an_open_box(layup: str) -> None:
     """The rigid link holds the section in shape; the averaging link distorts it."""
