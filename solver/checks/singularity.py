@@ -226,11 +226,8 @@ class SingularityMonitor:
         """Choose independent rows, as many as count, in state y; start from its pivot."""
         rows = self._observation.rows
         if self.model.redundant:
-            from scipy.linalg import qr
-
-            order = qr(self._rank.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
             rows.kept[:] = 0
-            rows.kept[order[: self._rank.count]] = 1
+            rows.kept[self._rank.independent(t, y)] = 1
         pivot = begin(self.model, self._observation.work, rows, float(t), y)
         self._largest_pivot = pivot
         self._limit(LOOK * pivot, RISE * max(pivot, CERTAIN))
