@@ -262,9 +262,12 @@ def text(kinds: tuple[Any, ...]) -> str | None:
 
 
 def door(address: int, kinds: tuple[Any, ...], result: Any) -> Callable[..., Any]:
-    """Return what calls the code at an address with words, and makes a result of its words."""
+    """Return what calls the code at an address with words, and makes a result of its words.
+
+    `kinds` are those of `described`: reading the long texts of structures would take 2 ms each.
+    """
     call = ctypes.PYFUNCTYPE(None, ctypes.c_char_p, ctypes.c_void_p)(address)
-    form = [_LETTERS[k.code] if isinstance(k, Number) else "q" for k in kinds]
+    form = [_LETTERS[_NUMBERS[k]] if isinstance(k, type) else "q" for k in kinds]
     packed = struct.Struct("=" + "".join(form)).pack
     codes = leaves(result)
     if not codes:

@@ -18,7 +18,7 @@ from typing import Any
 
 from ..disk_cache import DiskCache, sources_sha256
 from . import doors
-from .doors import array_head_is_known, parse, parse_all
+from .doors import array_head_is_known, parse
 from .parts import (
     FAST_MATH,
     Part,
@@ -82,7 +82,7 @@ def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., A
         address = _door_address(found)
     except Exception as error:
         return _fallback(part, error)
-    return doors.door(address, parse_all(text), parse(found.result))
+    return doors.door(address, kinds, parse(found.result))
 
 
 def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
