@@ -24,7 +24,6 @@ import solver_chain
 import solver_exudyn
 import solver_limit
 import solver_memory
-import solver_processes
 from exudyn_plane import FULL, MODIFIED
 from solver_curves import cpu_at, ratios
 from solver_methods import DEFAULT, INTEGRATOR_METHODS, available
@@ -171,7 +170,6 @@ def main() -> None:
     # By part, the measurement: a function of when it stops to repeat its runs.
     measures: dict[str, Callable[[float], Any]] = {
         "double_pendulum": lambda end: measure_double_pendulum(rounds, arguments.budget, end),
-        "processes": lambda end: solver_processes.measure(rounds, TARGETS, end),
         "ensemble": lambda _: ensemble.measure(),
         "chain": lambda end: solver_chain.measure(rounds, arguments.chain_budget, end),
         "limit": lambda _: solver_limit.measure(),

@@ -14,7 +14,6 @@ def write_tables(found: dict[str, Any], document: Path) -> None:
     """Renew every table of the document that there are numbers for."""
     for name, lines in {
         "double_pendulum": _double_pendulum,
-        "processes": _processes,
         "ensemble": _ensemble,
         "chain": _chain,
         "memory": _memory,
@@ -102,27 +101,6 @@ def _phases(rows: list[dict[str, Any]]) -> list[str]:
             ]
         )
     return _table(head, cells)
-
-
-def _processes(rows: list[dict[str, Any]]) -> list[str]:
-    names = list(rows[0]["seconds"])
-    head = ["ours", "rtol", "error [m]", *names, "**all [s]**"]
-    theirs = list(rows[0]["exudyn_seconds"])
-    peer_head = ["Exudyn", "steps", "error [m]", *theirs, "**all [s]**", "ours / Exudyn"]
-    own, peer = [], []
-    for row in rows:
-        what = f"{row['t_end']:g} s, {row['target']} m"
-        cells = [what, f"{row['rtol']:g}", f"{row['error']:.1e}"]
-        cells += [_seconds(row["seconds"][k]) for k in names]
-        own.append([*cells, f"**{row['cpu_s']:.3g}**"])
-        if "exudyn_seconds" not in row:
-            peer.append([what, *["–"] * (len(theirs) + 4)])
-            continue
-        cells = [what, str(row["exudyn_steps"]), f"{row['exudyn_error']:.1e}"]
-        cells += [_seconds(row["exudyn_seconds"][k]) for k in theirs]
-        ratio = f"{row['cpu_s'] / row['exudyn_cpu_s']:.2g}"
-        peer.append([*cells, f"**{row['exudyn_cpu_s']:.3g}**", f"**{ratio}**"])
-    return [*_table(head, own), "", *_table(peer_head, peer)]
 
 
 def _memory(rows: list[dict[str, Any]]) -> list[str]:

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 # Of the whole time, by part. The first round of a part is always done.
 SHARES = {
-    "double_pendulum": 0.35,
-    "processes": 0.3,
+    "double_pendulum": 0.65,
     "ensemble": 0.08,
     "chain": 0.2,
     "limit": 0.02,
