@@ -4,12 +4,12 @@ import numpy as np
 
 BETA, GAMMA, DELTA = -0.0617138900142764, 0.4552798191630704, 0.4873649795438426
 PHI, EPSILON = 0.2226683901658859, 1.230547444549821
-O, A, B, C = (0.0, 0.0), (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
+GROUND, A, B, C = (0.0, 0.0), (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
 AXIS = np.array([np.cos(BETA), np.sin(BETA)])
 PIN, E = 0.007 * AXIS, -0.021 * AXIS
 # mass, inertia about the centre, angle of x, origin, centre, interfaces
 BODIES = {
-    "k1": (0.04325, 2.194e-6, BETA, O, (0.00092, 0.0), {"o": (0.0, 0.0), "pin": (0.007, 0.0)}),
+    "k1": (0.04325, 2.194e-6, BETA, GROUND, (0.00092, 0.0), {"o": (0.0, 0.0), "pin": (0.007, 0.0)}),
     "k2": (0.00365, 4.41e-7, BETA, PIN, (-0.0115, 0.0), {"pin": (0.0, 0.0), "e": (-0.028, 0.0)}),
     "k3": (0.02373, 5.255e-6, GAMMA, B, (0.01043, -0.01874),
            {"b": (0.0, 0.0), "e": (0.0, -0.035), "d": (0.02, -0.018)}),
@@ -31,12 +31,13 @@ def case(name: str) -> str:
         return f"position = [{point[0]!r}, {point[1]!r}, 0.0]"
 
     lines = ["format = 1", f'title = "{name}"']
-    for place, point in zip("oabc", (O, A, B, C), strict=True):
+    for place, point in zip("oabc", (GROUND, A, B, C), strict=True):
         lines += [f"[ground.{place}]", at(point)]
     for body, (mass, inertia, angle, origin, centre, points) in BODIES.items():
         lines += [f"[bodies.{body}]", 'kind = "rigid"', f"mass = {mass}"]
-        lines += [f"inertia = [[{inertia}, 0.0, 0.0], [0.0, {inertia}, 0.0], [0.0, 0.0, {inertia}]]"]
-        lines += [f"centre = [{centre[0]}, {centre[1]}, 0.0]", at((float(origin[0]), float(origin[1])))]
+        rows = ([inertia, 0.0, 0.0], [0.0, inertia, 0.0], [0.0, 0.0, inertia])
+        lines += [f"inertia = {[*rows]}", f"centre = [{centre[0]}, {centre[1]}, 0.0]"]
+        lines += [at((float(origin[0]), float(origin[1])))]
         lines += [f"rotation_deg = [0.0, 0.0, {float(np.degrees(angle))!r}]"]
         lines += [f"interfaces.{name} = {{ {at(point)} }}" for name, point in points.items()]
     for k, between in enumerate(HINGES):
