@@ -109,8 +109,10 @@ def find_interpreter() -> str:
     InputError
         None has FEniCSx; the message names the missing parts of each, and the remedy.
     """
+    folders = checkouts()
+    known = [python for folder in folders if (python := recorded(folder))]
     if python := os.environ.get("FENICSX_PYTHON"):
-        if python in _usable:
+        if python in _usable or python in known:  # a probe takes 0.8 s
             return python
         report = probe(python)
         if not usable(report):
@@ -120,10 +122,8 @@ def find_interpreter() -> str:
             )
         _usable.add(python)
         return python
-    folders = checkouts()
-    for folder in folders:
-        if python := recorded(folder):
-            return python  # it was checked when it was recorded
+    if known:
+        return known[0]  # it was checked when it was recorded
     found, refused = present(folders)
     if found is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
