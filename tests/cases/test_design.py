@@ -120,6 +120,7 @@ def test_best_design_as_variant_and_as_case() -> None:
     ("change", "words"),
     [
         ({"of": ["forces.bufer.stiffness"]}, "did you mean 'buffer'"),
+        ({"of": ["solver.max_step"]}, "solver.max_step is absent in this run; expected `start`"),
         ({"kind": "angle"}, 'has the unit "N/m"; expected deg'),
         ({"bounds": [900.0, 50.0]}, "expected the lower bound first"),
         ({"bounds": [200.0, 900.0]}, "the case has 100, outside 200 to 900"),

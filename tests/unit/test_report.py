@@ -164,9 +164,11 @@ def test_only_figures_of_other_data_are_drawn_again(case_dir: Path, tmp_path: Pa
 
 
 def test_figures_are_also_svg_and_pdf_the_same_each_time(case_dir: Path, tmp_path: Path) -> None:
-    shutil.copytree(case_dir, tmp_path / "case", ignore=shutil.ignore_patterns("*.png", "*.json"))
-    for run in RUNS:
-        shutil.copy(case_dir / run / "summary.json", tmp_path / "case" / run)
+    (tmp_path / "case/long").mkdir(parents=True)
+    shutil.copy(case_dir / "long/summary.json", tmp_path / "case/long")
+    result, _ = RUNS["long"]
+    drawn = tuple(s for s in result.signals if s.name == "angle")  # others take time only
+    write_result(tmp_path / "case/long/result.vtkhdf", dataclasses.replace(result, signals=drawn))
     found = []
     for _ in range(2):
         make_report(tmp_path / "case", ["long"], CASE, figures=True, formats=("svg", "pdf"))
