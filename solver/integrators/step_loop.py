@@ -290,8 +290,9 @@ class StepLoop(StrideMemory):
                 return reached
             self._go_back(begun)
             self._stop_also(unseen)
-            # The next stop is about as many steps ahead: few are taken again for it.
-            self._pace = max(FEW, int(np.searchsorted(t, unseen[0])))
+            # The steps before it are taken again once. The next stop is about as many ahead.
+            steps = int(np.searchsorted(t, unseen[0]))
+            most, self._pace = max(steps - 1, 1), max(steps, FEW)
             broken = unseen if len(unseen) > 1 else []  # forces have other rates behind it
             sharp = np.append(self._options.kinks[self._options.sharp], broken)
             sharp = np.isin(self._kinks, sharp)

@@ -28,7 +28,7 @@ from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_penc
 from ..integrators.explicit import RungeKutta8, RungeKutta8Loop
 from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic.drive import integrate
-from ..integrators.hidden import first_break, first_hidden, watched_expression
+from ..integrators.watched import bend, first_break, first_hidden, watched_expression
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop, right_hand_side
 from ..math.arrays import Array

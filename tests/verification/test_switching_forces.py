@@ -5,9 +5,13 @@ Motions between jumps are parabolas or harmonic, so all numbers are closed forms
 
 from math import asin, atan2, cos, exp, hypot, log, pi, sqrt
 
+import numpy as np
 import pytest
 from samples.case_samples import rigid
-from samples.coordinate_samples import carriage, force, run
+from samples.coordinate_samples import carriage, force, prepared, run
+
+from plymotion.solver.dynamics.evaluation.series import quantities
+from plymotion.solver.integrators.watched import first_break, watched_expression
 
 RTOL = 1e-5  # the default
 INTEGRATORS = ("radau", "rk8", "rk5", "gear")
@@ -43,6 +47,58 @@ def test_dry_friction_on_a_spring(tmp_path, integrator):
         tmp_path, f"-{k} * x - {c} * sign(v)", v, begin + 2.3 * pi / w, integrator
     )
     assert x == pytest.approx(middle + (third - middle) * cos(0.3 * pi), abs=20 * RTOL * first)
+    assert not summary["warnings"]
+
+
+@pytest.mark.parametrize("ways", [(0.5, 1.5), (1.5, 0.5)])
+@pytest.mark.parametrize("law", ["3 * (x > 1)", "3 * (x >= 1)", "2 * max(x - 1, 0) + 3 * (x > 1)"])
+def test_jumps_are_jumps_in_both_directions(tmp_path, law, ways):
+    """Where x = 1 exactly, for some last digits of time, the law has not jumped yet in one of them:
+    a jump that was passed upwards was taken for a bend.
+    """
+    text = carriage(force("law", "coordinate_force", joint="rail", expression=law))
+    model, y0 = prepared(tmp_path, text)
+    y = np.stack([y0, y0])
+    y[:, 0], y[:, model.n_pos] = ways, ways[1] - ways[0]
+    t = np.array([3.0, 4.0])
+    watched = watched_expression(model, 0, np.array([0.0, 1.0]), np.zeros((2, 1, 2)))
+    i, part, jump, *_ = first_break(watched, t, quantities(model, t, y), 0, 0.0)
+    assert i == 0
+    assert part == pytest.approx(0.5, abs=1e-12)
+    assert jump == pytest.approx(3.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("integrator", ["rk5", "rk8", "radau"])
+@pytest.mark.parametrize(
+    ("k", "v", "ramps", "width"),
+    [
+        (13.2, 5.3, {-0.97: -2.3, 0.03: 2.6, 0.27: 2.0}, 1e-5),
+        (6.4, 5.6, {-0.5: -0.7, 0.2: 1.8, 0.9: -2.4}, 7e-3),
+    ],
+)
+def test_steep_parts_of_a_table_keep_the_energy(tmp_path, k, v, ramps, width, integrator):
+    """Bends in pairs: behind one at which a step had begun the next one was not looked for (150
+    times rtol with rk5).
+    """
+    x, y, rise = [-10.0], [10.0 * k], 0.0
+    for at, step in ramps.items():
+        x += [at, at + width]
+        y += [-k * at + rise, -k * (at + width) + rise + step]
+        rise += step
+    x, y = [*x, 10.0], [*y, -10.0 * k + rise]
+    text = f'[tables.c]\nx = {x}\ny = {y}\ninterpolation = "linear"\n'
+    law = force("law", "coordinate_force", joint="rail", expression="c(x)")
+    _, found, summary = run(
+        tmp_path, carriage(law, text, speed=v), 8.0, 0.2, f'integrator = "{integrator}"'
+    )
+    at = np.append(x, found["x"])
+    order = np.argsort(at)
+    forces = np.interp(at[order], x, y)
+    rises = np.diff(at[order]) * (forces[1:] + forces[:-1]) / 2
+    work = np.empty(at.size)
+    work[order] = np.append(0.0, np.cumsum(rises))
+    energy = 0.5 * found["v"] ** 2 - work[len(x) :]
+    assert np.ptp(energy) < 10 * RTOL * v**2
     assert not summary["warnings"]
 
 

@@ -138,8 +138,8 @@ def bound_parts(
             if code in (op.LESS, op.LESS_EQUAL, op.MINIMUM, op.MAXIMUM):
                 # not where they are the same throughout, as of two numbers
                 may = u <= x and w <= v and (u < v or w < x)
-                if point:
-                    branch = 2 if u > w else 1 if u == w else 0
+                if point:  # that of the value: where both are the same it has not jumped yet
+                    branch = int(u <= w if code == op.LESS_EQUAL else u < w)
         stack[k, 0], stack[k, 1] = bounds[part, 0], bounds[part, 1] = low, high
         breaks[part] = 1 if may else branch
         part += 1
