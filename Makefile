@@ -14,6 +14,8 @@ endif
 
 # The matrices are small: more than one thread of the linear algebra costs time.
 export OPENBLAS_NUM_THREADS := 1
+# Without bytecode each of many processes compiles our sources: 1.2 instead of 0.45 CPU s for `check`.
+unexport PYTHONDONTWRITEBYTECODE
 
 VENV := .venv
 PY := $(VENV)/bin/python

@@ -1,11 +1,11 @@
 """The blade of cases/rotor-blade: its table, its frequencies at rest and in a spin, its motion."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
 from samples.beam_tables import rod_frequencies
+from samples.blade_samples import rows_of
 from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
@@ -31,15 +31,10 @@ def case(repository):
 def test_the_shipped_table_is_that_of_the_description(fenicsx, case, tmp_path):
     words = ["blade", str(case / "blade.yaml"), "--at", "0.5,1", "-o", str(tmp_path), "--quiet"]
     assert main([*words, "--no-estimate"]) == 0
-    shipped, found = (rows(folder / "beam.csv") for folder in (case, tmp_path))
+    shipped, found = (rows_of(folder / "beam.csv") for folder in (case, tmp_path))
     for row, known in zip(found, (shipped[10], shipped[20]), strict=True):
         for key in ("x_m", "y_m", "twist_deg", "K11", "K44", "K55", "K66", "M11", "M44", "A1"):
             assert float(row[key]) == pytest.approx(float(known[key]), rel=1e-6), key
-
-
-def rows(file):
-    with file.open(newline="") as stream:
-        return list(csv.DictReader(line for line in stream if not line.startswith("#")))
 
 
 def test_first_flap_and_edge_frequencies_are_those_of_the_rod(case, repository):

@@ -1,12 +1,14 @@
-"""`plymotion shell` as a user calls it: the real command, the real FEniCSx of this machine."""
+"""`plymotion shell` as a user calls it, with the real FEniCSx of this machine."""
 
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.package.shell.io import read_shell
 
@@ -72,9 +74,14 @@ count = 2
 pytestmark = pytest.mark.usefixtures("fenicsx")
 
 
-def shell(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "plymotion.solver", "shell", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=folder)
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def shell(strip: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """The command in the folder and in this process: exit code, output, errors."""
+    monkeypatch.chdir(strip)
+    return lambda *words: (main(["shell", *words]), *capsys.readouterr())
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +89,8 @@ def strip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("strip")
     (folder / "strip.geo").write_text(STRIP)
     (folder / "strip.toml").write_text(DESCRIPTION)
-    done = shell("strip.toml", folder=folder)
+    command = [sys.executable, "-m", "plymotion.solver", "shell", "strip.toml"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
     assert done.returncode == 0, done.stderr
     (folder / "screen.txt").write_text(done.stdout)
     return folder
@@ -105,11 +113,11 @@ def test_from_text_to_files(strip: Path) -> None:
     assert all(f"build/shells/strip/{name}" in text for name in made - {"strip.json", RECORD})
 
 
-def test_numbers_of_a_cantilever(strip: Path) -> None:
+def test_numbers_of_a_cantilever(shell: Run) -> None:
     """Without contraction (nu12 = 0) the strip is a beam: w = F L^3 / 3 E I + F L / (k G A)."""
-    done = shell("strip.toml", "--json", folder=strip)
-    assert done.returncode == 0, done.stderr
-    table = json.loads(done.stdout)
+    code, out, errors = shell("strip.toml", "--json")
+    assert code == 0, errors
+    table = json.loads(out)
     length, width, ply, force = 0.4, 0.04, 0.5e-3, 2.0
     inner, outer = ply**3, (2 * ply) ** 3 - ply**3  # EI = 2 width int E z^2 dz over the upper half
     EI = width * 2.0 / 3.0 * (142e9 * outer + 9.8e9 * inner)
@@ -127,27 +135,27 @@ def test_numbers_of_a_cantilever(strip: Path) -> None:
     assert table["frequencies_hz"][0] == pytest.approx(first, rel=5e-3)
 
 
-def test_second_method(strip: Path) -> None:
-    done = shell("strip.toml", "--verify", "--no-figures", "--out", "judged", folder=strip)
-    assert done.returncode == 0, done.stderr
-    assert "\nSecond method   " in done.stdout
-    done = shell("judged/strip/strip.vtkhdf", "--json", folder=strip)
-    assert "of which meshes explain" in json.loads(done.stdout)["verification"]
+def test_second_method(shell: Run) -> None:
+    code, out, errors = shell("strip.toml", "--verify", "--no-figures", "--out", "judged")
+    assert code == 0, errors
+    assert "\nSecond method   " in out
+    _, out, _ = shell("judged/strip/strip.vtkhdf", "--json")
+    assert "of which meshes explain" in json.loads(out)["verification"]
 
 
-def test_what_is_there_is_shown_again(strip: Path) -> None:
+def test_what_is_there_is_shown_again(strip: Path, shell: Run) -> None:
     file = strip / "build" / "shells" / "strip" / "strip.vtkhdf"
     assert read_shell(file).name == "strip"
-    done = shell(str(file), "--no-figures", folder=strip)
-    assert done.returncode == 0, done.stderr
-    assert "strip.vtkhdf (unchanged)" in done.stdout
+    code, out, errors = shell(str(file), "--no-figures")
+    assert code == 0, errors
+    assert "strip.vtkhdf (unchanged)" in out
 
 
-def test_names_that_only_gmsh_knows(strip: Path) -> None:
+def test_names_that_only_gmsh_knows(strip: Path, shell: Run) -> None:
     (strip / "wrong.toml").write_text(DESCRIPTION.replace('at = "root"', 'at = "rot"'))
-    done = shell("wrong.toml", folder=strip)
-    assert done.returncode == 2
-    assert "error: wrong.toml: " in done.stderr
-    assert "rot" in done.stderr
-    assert "did you mean 'root'" in done.stderr
-    assert "Traceback" not in done.stderr
+    code, _, errors = shell("wrong.toml")
+    assert code == 2
+    assert "error: wrong.toml: " in errors
+    assert "rot" in errors
+    assert "did you mean 'root'" in errors
+    assert "Traceback" not in errors

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from peers.vabs_peer import orthotropic, stiffness, turned
+from peers.vabs_peer import orthotropic, relative, stiffness, turned
 
 from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.inputs.section.vabs import is_of_another_code, spec_of_another_code
@@ -102,11 +102,6 @@ def vabs_text(points: Any, cells: list[dict[str, Any]], *, new: bool, k: Any = N
         lines += [f"{i} 1", *(" ".join(map(repr, values[j : j + 3])) for j in (0, 3, 6)), "1600."]
     assert used
     return "\n".join(lines) + "\n"
-
-
-def relative(K: Any, other: Any) -> float:
-    size = np.sqrt(np.outer(np.diag(other), np.diag(other)))
-    return float((np.abs(K - other) / size).max())
 
 
 def solved(file: Path, folder: Path) -> Any:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from peers.vabs_peer import relative
 from samples.section_cases import section
 
 from plymotion.preprocess.section.analysis import analyse
@@ -24,11 +25,6 @@ from plymotion.solver.report.section.codes import (
 @pytest.fixture(scope="module")
 def box() -> Any:
     return analyse(section("21", 0.5), estimate=False)
-
-
-def relative(K: Any, other: Any) -> float:
-    size = np.sqrt(np.outer(np.diag(other), np.diag(other)))
-    return float((np.abs(K - other) / size).max())
 
 
 def test_vabs_round_trip(box: Any, tmp_path: Path) -> None:

@@ -161,3 +161,9 @@ def _central(E: Any, H: Any, L: Any, points: Any) -> Any:
     Q = W @ T + Z @ S
     flexibility = W.T @ E @ W + W.T @ H @ Q + Q.T @ H.T @ W + Q.T @ L @ Q
     return np.linalg.inv(0.5 * (flexibility + flexibility.T))
+
+
+def relative(K: Any, other: Any) -> float:
+    """The largest difference of two stiffness matrices, over the diagonal of the second one."""
+    size = np.sqrt(np.outer(np.diag(other), np.diag(other)))
+    return float((np.abs(K - other) / size).max())

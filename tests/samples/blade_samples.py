@@ -1,5 +1,6 @@
 """A windIO file of a small blade: a round root, an airfoil, spar caps, a sandwich and two webs."""
 
+import csv
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -108,3 +109,9 @@ def areas(mesh: Any) -> Counter[str]:
     for cell, region in zip(mesh.cells, mesh.regions, strict=True):
         found[region] += area(nodes[list(cell)])
     return found
+
+
+def rows_of(file: Path) -> list[dict[str, str]]:
+    """Rows of a table with commas; lines with # are comments."""
+    with file.open(newline="") as stream:
+        return list(csv.DictReader(line for line in stream if not line.startswith("#")))

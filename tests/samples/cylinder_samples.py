@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from samples.shell_model import laminate
 
-E1_OVER_E2 = 40.0
 LAMINA = {
     "kind": "orthotropic",
     "E1": 40.0, "E2": 1.0, "E3": 1.0, "G12": 0.6, "G13": 0.6, "G23": 0.5,

@@ -152,3 +152,9 @@ def simulate(model: Model, y: np.ndarray, times, f=None, rtol: float = 1e-11, na
     solution = integrate(integrator, times)
     assert solution.status == "finished", solution.message
     return solution.y
+
+
+def difference(f, h: float = 1e-3) -> np.ndarray:
+    """Sixth-order central difference at zero."""
+    c = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
+    return sum(ci * f(i * h) for ci, i in zip(c, range(-3, 4), strict=True)) / h

@@ -1,14 +1,22 @@
 """Stations of a blade from a windIO file: contours, layers, meshes, messages."""
 
 import contextlib
-import csv
 import io
 import shutil
 from collections import Counter
 
 import numpy as np
 import pytest
-from samples.blade_samples import along, anchor, area, areas, blade_table, layer, write_blade
+from samples.blade_samples import (
+    along,
+    anchor,
+    area,
+    areas,
+    blade_table,
+    layer,
+    rows_of,
+    write_blade,
+)
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
@@ -213,11 +221,6 @@ def built(fenicsx, tmp_path_factory):
             assert main(["blade", str(file), *WORDS, "-o", str(out), "--to", code]) == 0
     assert "3 unchanged" in told.getvalue()  # a second call analyses nothing again
     return read_blade(file), out
-
-
-def rows_of(file):
-    with file.open(newline="") as stream:
-        return list(csv.DictReader(line for line in stream if not line.startswith("#")))
 
 
 def matrix(row, letter):

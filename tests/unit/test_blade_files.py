@@ -34,10 +34,6 @@ def blade_with(tmp_path, change):
     return write_blade(tmp_path, table)
 
 
-def anchors_of(*more):
-    return lambda blade, _: blade["structure"]["anchors"].extend(more)
-
-
 def checked(file, tmp_path, at="0.3,0.8"):
     return main(["blade", str(file), "--at", at, "-o", str(tmp_path / "out"), "--check"])
 

@@ -13,9 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-import scipy.linalg
 import scipy.optimize
-from samples.beam_samples import straight_line
+from samples.beam_samples import coupled_stiffness, dense, straight_line
 
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine
@@ -31,22 +30,6 @@ G, AREA = E / (2 * (1 + NU)), WIDTH * HEIGHT
 I2, I3 = WIDTH * HEIGHT**3 / 12, HEIGHT * WIDTH**3 / 12
 ISOTROPIC = np.diag([E * AREA, 5 / 6 * G * AREA, 5 / 6 * G * AREA, G * 9.9e-8, E * I2, E * I3])
 MASS = RHO * np.diag([AREA, AREA, AREA, I2 + I3, I2, I3])
-
-
-def coupled() -> np.ndarray:
-    """The isotropic stiffness with strong couplings of every kind."""
-    A = np.random.default_rng(7).normal(size=(6, 6))
-    C = A @ A.T + 6.0 * np.eye(6)
-    d = np.sqrt(np.diag(C))
-    scale = np.sqrt(np.diag(ISOTROPIC))
-    return C / np.outer(d, d) * np.outer(scale, scale)
-
-
-def dense(K: np.ndarray, M: np.ndarray, n_mode: int) -> tuple[np.ndarray, np.ndarray]:
-    # the inverse pencil gives the lowest frequencies to round-off
-    inverse, X = scipy.linalg.eigh(M.toarray(), K.toarray())
-    values = 1.0 / inverse[::-1][:n_mode]
-    return values, X[:, ::-1][:, :n_mode] * np.sqrt(values)
 
 
 def cantilever_modes(
@@ -111,7 +94,7 @@ def test_exact_solution_has_the_textbook_limit() -> None:
 
 @pytest.mark.parametrize("stiffness", ["isotropic", "coupled"])
 def test_lowest_frequencies_converge_to_the_exact_ones(stiffness: str) -> None:
-    K = ISOTROPIC if stiffness == "isotropic" else coupled()
+    K = ISOTROPIC if stiffness == "isotropic" else coupled_stiffness(ISOTROPIC)
     request = [ModeRequest("lowest", 4)]
     meshes = (8, 16, 32)
     found = np.array([np.sqrt(cantilever_modes(K, n, request)[1].values) for n in meshes])

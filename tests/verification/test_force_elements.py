@@ -2,7 +2,13 @@
 
 import numpy as np
 import pytest
-from samples.flexible_samples import body_of, random_marker, random_points, random_state
+from samples.flexible_samples import (
+    body_of,
+    difference,
+    random_marker,
+    random_points,
+    random_state,
+)
 
 from plymotion.solver.dynamics.elements.forces.table import FIRST_LOAD, KINDS, N_PARAMETER
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative, energies
@@ -34,11 +40,6 @@ def _model(kind, parameters, rng, grounded=False):
     return assemble_model([body_of(p) for p in points], [one, two], [], forces=forces)
 
 
-def _difference(f, h=1e-3):
-    c = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
-    return sum(ci * f(i * h) for ci, i in zip(c, range(-3, 4), strict=True)) / h
-
-
 def _along(model, y, y_d, s):
     """State after s seconds on a smooth curve with tangent y_d, Euler parameters kept unit."""
     state = y + s * y_d
@@ -63,7 +64,7 @@ def test_rate_of_energy_is_the_power(kind, grounded):
 
     power = assemble(model, t, y).power[0]
     assert abs(power) > 1e-3
-    assert _difference(energy) == pytest.approx(power, rel=1e-8)
+    assert difference(energy) == pytest.approx(power, rel=1e-8)
     assert y_d[-1] == pytest.approx(power)
 
 

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 from samples.case_samples import rigid, run_text
-from samples.flexible_samples import body_of, random_marker, random_points, random_state
+from samples.flexible_samples import (
+    body_of,
+    difference,
+    random_marker,
+    random_points,
+    random_state,
+)
 
 from plymotion.solver.dynamics.elements.joints.contract import FREEDOMS
 from plymotion.solver.dynamics.elements.joints.table import CONSTRAINTS, DRIVES, KINDS
@@ -50,12 +56,6 @@ def _moved(model, y, a, h):
     return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def _difference(f, h=1e-3):
-    """Sixth-order central difference at zero."""
-    c = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
-    return sum(ci * f(i * h) for ci, i in zip(c, range(-3, 4), strict=True)) / h
-
-
 @pytest.mark.parametrize("grounded", [False, True])
 @pytest.mark.parametrize("kind", list(KINDS))
 def test_jacobian_and_gamma_against_differences(kind, grounded):
@@ -75,9 +75,9 @@ def test_jacobian_and_gamma_against_differences(kind, grounded):
 
     equations = assemble(model, t, y)
     scale = np.abs(equations.Phi_q).max() * np.abs(y[model.n_pos :]).max()
-    np.testing.assert_allclose(velocity(y, equations), _difference(Phi), atol=1e-9 * scale)
+    np.testing.assert_allclose(velocity(y, equations), difference(Phi), atol=1e-9 * scale)
     np.testing.assert_allclose(
-        equations.Phi_q @ a - equations.gamma, _difference(Phi_d), atol=1e-8 * scale
+        equations.Phi_q @ a - equations.gamma, difference(Phi_d), atol=1e-8 * scale
     )
 
 

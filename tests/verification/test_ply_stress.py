@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from peers.ply_stresses import beam_ply_stress, body_strength
-from samples.beam_samples import straight_line
+from samples.beam_samples import coupled_stiffness, dense, straight_line
 from samples.body_specs import beam_body
 from samples.recovery_samples import (
     PLY,
@@ -46,22 +46,6 @@ LAMINATE = rectangle_recovery(
 PLY_CRITERIA = criteria_of(strengths(LAMINATE)["cfrp"])
 
 
-def coupled() -> np.ndarray:
-    """The isotropic stiffness with strong couplings of every kind."""
-    A = np.random.default_rng(7).normal(size=(6, 6))
-    C = A @ A.T + 6.0 * np.eye(6)
-    d = np.sqrt(np.diag(C))
-    scale = np.sqrt(np.diag(ISOTROPIC))
-    return C / np.outer(d, d) * np.outer(scale, scale)
-
-
-def dense(K: Any, M: Any, n_mode: int) -> tuple[np.ndarray, np.ndarray]:
-    # the inverse pencil gives the lowest frequencies to round-off
-    inverse, X = scipy.linalg.eigh(M.toarray(), K.toarray())
-    values = 1.0 / inverse[::-1][:n_mode]
-    return values, X[:, ::-1][:, :n_mode] * np.sqrt(values)
-
-
 def static(line: BeamLine, held: int, load: np.ndarray) -> np.ndarray:
     """Displacements (6 n, k) under nodal loads, one node held."""
     free = np.setdiff1d(np.arange(len(load)), 6 * held + np.arange(6))
@@ -82,7 +66,9 @@ def tip_loads(line: BeamLine) -> np.ndarray:
 def test_static_resultants_are_those_of_statics(held: int) -> None:
     """All couplings, uneven elements, turned axes: F(x) = (1 + (x - L) Q) F_tip to round-off."""
     x = LENGTH * np.array([0.0, 0.13, 0.3, 0.55, 1.0])
-    line = straight_line(x, coupled(), MASS, section_axes(np.array([0.0, 0.6, 0.8])))
+    line = straight_line(
+        x, coupled_stiffness(ISOTROPIC), MASS, section_axes(np.array([0.0, 0.6, 0.8]))
+    )
     columns = static(line, held, tip_loads(line))
     found = mode_resultants(line, columns, np.zeros(6), "consistent", (held,))
     places = [*x[: held + 1], *x[held:]] if held else [*x]
@@ -143,9 +129,9 @@ def mode_error(stiffness: np.ndarray, elements: int, mass_form: str, mode: int) 
         (ISOTROPIC, "lumped", 0, 2, 1e-3),
         # rotary inertia, twist and extension in it
         (ISOTROPIC, "consistent", 3, 2, 2e-6),
-        (coupled(), "consistent", 0, 2, 1e-7),
-        (coupled(), "consistent", 2, 2, 4e-6),
-        (coupled(), "lumped", 2, 2, 5e-3),
+        (coupled_stiffness(ISOTROPIC), "consistent", 0, 2, 1e-7),
+        (coupled_stiffness(ISOTROPIC), "consistent", 2, 2, 4e-6),
+        (coupled_stiffness(ISOTROPIC), "lumped", 2, 2, 5e-3),
     ],
 )
 def test_resultants_of_modes_converge(
