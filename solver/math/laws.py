@@ -315,6 +315,8 @@ def _through(
 
 
 def _slope(law: Law, s: float) -> float:
-    """Return the slope of the last piece but one at s."""
-    c = law.coefficients[-2]
-    return float(sum(i * c[i] * s ** (i - 1) for i in range(1, N_COEFFICIENT)))
+    """Return the slope of the last piece but one at s; no power of s overflows."""
+    slope = 0.0
+    for i in range(N_COEFFICIENT - 1, 0, -1):
+        slope = slope * s + i * float(law.coefficients[-2, i])
+    return slope
