@@ -170,3 +170,15 @@ def number_of(kind: str) -> int:
     """Return the signal of a kind of fault; 0 of a full disk."""
     name = kind.split()[-1]
     return 0 if name == "full" else int(getattr(signal, name))
+
+
+def narrow_pipe(room: int) -> tuple[int, int]:
+    """Return both ends of a pipe that takes `room` bytes more, then waits for its reader.
+
+    A command that tells its progress there cannot end before the test reads.
+    """
+    import fcntl  # of POSIX
+
+    reader, writer = os.pipe()
+    os.write(writer, b"." * (fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096) - room))
+    return reader, writer

@@ -12,6 +12,7 @@ import sys
 import time
 
 import pytest
+from harness.struck_samples import narrow_pipe
 from samples.blade_samples import write_blade
 
 from plymotion.solver.__main__ import main
@@ -27,20 +28,23 @@ def test_a_stopped_blade_goes_on_where_it_was(repository, tmp_path, capsys):
     def made():
         return {path: path.stat().st_mtime_ns for path in out.glob("sections/*/r*.vtkhdf")}
 
+    reader, writer = narrow_pipe(120)  # the batch cannot end before the signal
     with subprocess.Popen(
         [sys.executable, "-m", "plymotion", *words],
-        stderr=subprocess.PIPE,
+        stderr=writer,
         stdout=subprocess.DEVNULL,
-        text=True,
         env={**os.environ, "PYTHONPATH": str(repository)},
     ) as process:
+        os.close(writer)
         end = time.monotonic() + 240.0
         while len(made()) < 2:
             assert time.monotonic() < end
             assert process.poll() is None
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=120)
+        with open(reader, encoding="utf-8") as stream:
+            errors = stream.read()
+        process.wait(120)
     assert "[1/6] r00000: built" in errors  # progress
     assert process.returncode == 130
     assert f"of {COUNT} sections are complete and kept" in errors
