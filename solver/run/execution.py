@@ -32,8 +32,9 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
 # To complete the files of a run after a signal: wall time, of the second within which a program
-# answers at once (Nielsen, Usability Engineering, 1993, 5.5), or part of that of its integration.
-PATIENCE_S, PATIENCE = 0.8, 0.05
+# answers at once (Nielsen, Usability Engineering, 1993, 5.5), less the end of a large process; or
+# part of that of its integration.
+PATIENCE_S, PATIENCE = 0.6, 0.05
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
