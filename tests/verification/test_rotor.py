@@ -84,6 +84,16 @@ def test_a_rotor_turned_with_its_wind_has_the_same_loads(tmp_path):
     np.testing.assert_allclose(turned.loads, expected, atol=1e-6 * np.abs(expected).max())
 
 
+def test_a_rotor_in_mm_has_the_same_loads(tmp_path):
+    """Lengths of the case are in mm, those of its tables of strips in m."""
+    file = write_rotor(tmp_path, "speed = { constant = 9.0 }\nshear_exponent = 0.2")
+    loads = Steady(file).loads
+    text = file.read_text().replace("[rotor.wind]", "[rotor.wind]\nreference_height = 1e5")
+    text = re.sub(r"position = \[([^,]*),", lambda m: f"position = [{1e3 * float(m[1])!r},", text)
+    file.write_text(f'units = "mm"\n{text}')
+    np.testing.assert_allclose(Steady(file).loads, loads, rtol=1e-12, atol=1e-9)
+
+
 def test_wind_grows_with_height_by_a_power_law(tmp_path):
     """A blade at 2.5 times the reference height has the load of 10 m/s times 2.5^0.2."""
     sheared = "speed = { constant = 10.0 }\nshear_exponent = 0.2\nreference_height = 4.0"

@@ -9,6 +9,7 @@ from pydantic import ValidationInfo, field_validator, model_validator
 
 from ...common.table import Axis, FilePath, Name, Table, entry, optional, usable_path
 from ...common.text_file import numbered_lines
+from ...common.units import LENGTHS, unit_of
 from .laws import FOLDER, RESOLVED, WindLaw
 
 SECTION = ("chord", "width", "offset", "twist_deg")  # numbers of a row of `table`
@@ -131,8 +132,10 @@ class Rotor(Table):
     @classmethod
     def _from_files(cls, data: Any, info: ValidationInfo) -> Any:
         found, rows = _of(data, info, "table", SECTION, ("place", "polar"), ("sections",))
-        if rows:
-            found["sections"] = rows
+        if rows:  # files are in SI, what is checked below in the unit of the case
+            per_metre = 1.0 / LENGTHS[unit_of(info)]
+            lengths = ({key: row[key] * per_metre for key in SECTION[:3]} for row in rows)
+            found["sections"] = [{**row, **each} for row, each in zip(rows, lengths, strict=True)]
         found, rows = _of(found, info, "polar_table", POLAR, ("polar",), ("polars",))
         if rows:
             polars: dict[str, dict[str, list[float]]] = {}
