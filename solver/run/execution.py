@@ -260,6 +260,7 @@ def _solved(
             prepared,
             follow,
             on_stall=lambda stall: follow.tell(stall_finding(prepared.built, stall).text),
+            on_note=lambda finding: follow.tell(finding.text),
             folder=folder,
         )
     finally:

@@ -218,6 +218,7 @@ def integrated(
     watch: Watch | None = None,
     look: Look | None = None,
     on_stall: Callable[[Stall], None] | None = None,
+    on_note: Callable[[Finding], None] | None = None,
     folder: Path | None = None,
     *,
     stages: bool = False,
@@ -231,6 +232,7 @@ def integrated(
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
     on_stall : called at once when a run has come to a stall
+    on_note : called at once when a law chatters
     folder : for states that are too many for memory; None: that of temporary files
     stages : of `radau`, whether the steps that `watch` sees have their stages
     """
@@ -251,17 +253,27 @@ def integrated(
             prepared.notes.append(_unsearched(integrator.unsearched))
         times = output_times(solver.t_end, solver.output_step)
         prepared.turns.times = times
+
+        def on_chatter(program: int, t: float) -> None:
+            prepared.notes.append(_chatters(prepared.built, program, t))
+            if on_note is not None:
+                on_note(prepared.notes[-1])
+
         solution = integrate(
             integrator,
             times,
             watch=watch or prepared.watch,
             on_stall=on_stall,
+            on_chatter=on_chatter,
             folder=folder,
         )
         if integrator.most_hidden <= 0:
             prepared.notes.append(_unseen(type(integrator).most_hidden))
-        for program, t in integrator.chattering.items():
-            prepared.notes.append(_chatters(prepared.built, program, t))
+        if solution.code == CHATTERS.name:
+            k = [note.code for note in prepared.notes].index(CHATTERS.name)
+            first = prepared.notes[k]
+            text = f"{first.text}. {solution.message}"
+            prepared.notes[k] = replace(first, level="error", text=text)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 

@@ -7,11 +7,14 @@ from math import asin, atan2, cos, exp, hypot, log, pi, sqrt
 
 import numpy as np
 import pytest
-from samples.case_samples import rigid
+from samples.case_samples import HEAD, rigid
 from samples.coordinate_samples import carriage, force, prepared, run
 
 from plymotion.solver.dynamics.evaluation.series import quantities
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.watched import first_break, watched_expression
+from plymotion.solver.run.execution import execute, read_run
 
 RTOL = 1e-5  # the default
 INTEGRATORS = ("radau", "rk8", "rk5", "gear")
@@ -187,3 +190,24 @@ def test_dry_friction_that_holds_at_rest_is_named(tmp_path, integrator, later):
     assert x == pytest.approx(0.25, rel=20 * RTOL)
     (told,) = [w for w in summary["warnings"] if w["code"] == "law-chatters"]
     assert told["t"] == pytest.approx(0.5, abs=later)
+
+
+@pytest.mark.provokes("law-chatters")
+def test_a_run_that_cannot_get_on_ends(tmp_path, caplog):
+    """At rest on the jump radau would take 4e7 steps: an error at a bounded price, said at once."""
+    law = force("law", "coordinate_force", joint="rail", expression="-2.0 * sign(v)")
+    text = HEAD + carriage(law, speed=1.0)
+    file = tmp_path / "case.toml"
+    solver = '[solver]\nt_end = 1.0\noutput_step = 0.1\nintegrator = "radau"\n[runs.base]\n'
+    file.write_text(text + solver)
+    write_case(load_case(file), tmp_path, None)
+    with caplog.at_level("INFO"):
+        result, summary = execute(read_run(tmp_path / "runs/base.json"), progress=True)
+    (found,) = [w for w in summary["warnings"] if w["code"] == "law-chatters"]
+    assert found["level"] == "error"
+    assert found["t"] == pytest.approx(0.5, abs=1e-5)
+    assert "expected fewer than 1,000,000" in found["message"]
+    assert result.t[-1] == pytest.approx(0.5, abs=0.01)
+    cost = summary["cost"]
+    assert cost["steps"] + cost["rejected"] < 25_000
+    assert any("law: from t = 0.5" in record.getMessage() for record in caplog.records)

@@ -24,6 +24,10 @@ class StopRequest:
     code: str = ""
 
 
+# Attempts at steps while a law chatters, after which the run ends if it would need so many more.
+SLIDING, TOO_MANY = 20_000, 1_000_000
+
+
 @dataclass(frozen=True)
 class Steps:
     """k steps: step i goes from t[i], y[i] to t[i + 1], y[i + 1]."""
@@ -239,6 +243,7 @@ def integrate(
     *,
     watch: Watch | None = None,
     on_stall: Callable[[Stall], None] | None = None,
+    on_chatter: Callable[[int, float], None] | None = None,
     folder: Path | None = None,
 ) -> Solution:
     """Step to the end; the solution at t_out comes from dense output, not the nearest step.
@@ -252,6 +257,7 @@ def integrate(
     watch : sees all accepted steps, many at a time; may return a StopRequest. The run ends with
         the step that it names; steps beyond are dropped
     on_stall : called at once when a run has come to a stall, and what was done about it
+    on_chatter : called at once with the number of an expression that chatters, and its time [s]
     folder : where rows are kept that are too many for memory; None: that of temporary files
 
     Raises
@@ -262,7 +268,7 @@ def integrate(
     times = requested_times(t_out, integrator.t, integrator.t_end)
     # Of one kind in memory, for a loop that is compiled for it.
     times = np.require(times, requirements=("C", "A", "W"))
-    drive = _Drive(integrator, Output(times, integrator.n, folder), on_stall)
+    drive = _Drive(integrator, Output(times, integrator.n, folder), on_stall, on_chatter)
     interrupted = False
     try:
         if on_step is not None:
@@ -280,13 +286,18 @@ class _Drive:
     """A run under way: what is kept of it."""
 
     def __init__(
-        self, integrator: Any, output: Output, on_stall: Callable[[Stall], None] | None
+        self,
+        integrator: Any,
+        output: Output,
+        on_stall: Callable[[Stall], None] | None,
+        on_chatter: Callable[[int, float], None] | None,
     ) -> None:
         self.integrator, self.output = integrator, output
         self.t_last, self.y_last = integrator.t, integrator.y
         self.request: StopRequest | None = None
         pace = Pace(integrator.t, integrator.t_end, output.times)
-        self._pace, self._on_stall = pace, on_stall
+        self._pace, self._on_stall, self._on_chatter = pace, on_stall, on_chatter
+        self._slides: list[tuple[float, int]] = []  # laws that chatter: since when, attempts
         if output.times[0] == self.t_last:
             output.rows[0] = self.y_last
             output.filled = 1
@@ -352,6 +363,25 @@ class _Drive:
             integrator.follow(self._pace)
             if self._on_stall is not None and integrator.stalls != known:
                 self._on_stall(integrator.stalls[-1])
+            self._slide()
+
+    def _slide(self) -> None:
+        """Say that a law has begun to chatter; end a run that would grind on because of it."""
+        integrator, counters = self.integrator, self.integrator.counters
+        attempts = counters.steps + counters.rejected
+        for program, t in list(integrator.chattering.items())[len(self._slides) :]:
+            self._slides.append((t, attempts))
+            if self._on_chatter is not None:
+                self._on_chatter(program, t)
+        since, begin = self._slides[0] if self._slides else (0.0, attempts)
+        taken, gone = attempts - begin, integrator.t - since
+        if taken > SLIDING and (integrator.t_end - integrator.t) * taken > TOO_MANY * gone:
+            text = (
+                f"The run was ended at t = {integrator.t:.9g} s: since t = {since:.6g} s it has "
+                f"taken {taken} attempts at steps for {gone:.2g} s; expected fewer than "
+                f"{TOO_MANY:,} to its end"
+            )
+            self.request = StopRequest(integrator.t, text, "law-chatters")
 
     def _reach(self, t: float, y: Array, filled: int) -> None:
         self.t_last, self.y_last, self.output.filled = t, y, filled
