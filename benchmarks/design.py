@@ -4,8 +4,12 @@ python benchmarks/design.py build/benchmarks/design.json
 """
 
 import json
+import os
 import sys
 import tempfile
+import time
+import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -20,6 +24,9 @@ from plymotion.solver.workers.executors import Here
 from tests.samples.design_samples import BEST, CARBON, angles, oscillator, tube
 
 PLIES = 12
+BEAM = Path("cases/actuated-beam/case.toml").absolute()
+ANGLE = 0.2  # step of differences [deg]
+SIX, SIX_WEIGHTS = (-3, -2, -1, 1, 2, 3), (-1, 9, -45, 45, -9, 1)
 
 
 def extension_twist(folder: Path) -> dict[str, Any]:
@@ -85,12 +92,86 @@ def frequency_slopes(folder: Path) -> dict[str, Any]:
     }
 
 
+def beam(**study: Any) -> dict[str, Any]:
+    """The actuated beam of the paper, its flanges and webs of six plies each: 12 angles."""
+    table = tomllib.loads(BEAM.read_text("utf-8"))
+    box = tomllib.loads((BEAM.parent / "../sections/box-layup-2.toml").read_text("utf-8"))
+    ply = {"material": "as4-3501-6", "thickness": 0.000127}
+    plies = [{**ply, "angle_deg": a} for a in (0.0, 30.0) * 3]
+    box["laminates"] = {"flange": {"plies": plies}, "web": {"plies": plies}}
+    walls = {"top": "flange", "bottom": "flange", "left": "web", "right": "web"}
+    box["regions"] = {wall: {"laminate": name} for wall, name in walls.items()}
+    key = "sections.box:laminates.{}.plies.{}.angle_deg"
+    parameters = {
+        f"{name}{k}": {"of": [key.format(name, k)], "kind": "angle", "bounds": [-90.0, 90.0]}
+        for name in ("flange", "web")
+        for k in range(6)
+    }
+    for unused in ("variants", "figures", "coarse"):
+        table.pop(unused)
+    table["bodies"]["beam"]["damping_ratio"] = 0.02  # so that steps follow the motion
+    table["solver"] |= {"integrator": "radau", "t_end": 0.5, "output_step": 0.01}
+    tip = {"run": "base", "minimise": {"signal": "tip_deflection", "of": "rms"}, **study}
+    return table | {
+        "runs": {"base": {}},
+        "sections": {"box": {"description": box}},
+        "signals": {"tip_deflection": table["signals"]["tip_deflection"]},
+        "design": {"parameters": parameters, "studies": {"tip": tip}},
+    }
+
+
+def actuated_beam(folder: Path) -> dict[str, Any]:
+    """Its gradient by 12 angles against six-point differences of three, and what it costs."""
+    rng = np.random.default_rng(35)
+    p, found = 60.0 * rng.uniform(-1.0, 1.0, PLIES), dict[str, Any]()
+    for rtol in (1e-6, 1e-10):
+        table = beam(rtol=rtol)
+        table["solver"]["rtol"] = rtol
+        order = Order(table, BEAM, False, "tip", folder)
+        exact, plain = Trials(replace(order, exact=True)), Trials(order)
+        for each in (exact, plain):
+            each.values(p)  # loads what it needs
+        slopes = np.array(exact.slopes(p)[0][0])
+        if rtol == 1e-6:
+            found["design_cpu_s"] = _seconds(plain.values, p)
+            found["design_with_derivatives_cpu_s"] = _seconds(exact.values, p)
+            found["slopes_cpu_s"] = _seconds(exact.slopes, p)
+            found["two_designs_beside_each_cpu_s"] = 2 * PLIES * found["design_cpu_s"]
+    errors = []
+    for k in (0, 4, 9):
+        ways = [plain.values(p + i * ANGLE * np.eye(PLIES)[k]).values[0][0] for i in SIX]
+        expected = float(np.dot(SIX_WEIGHTS, ways)) / (60.0 * ANGLE)
+        errors.append(abs(slopes[k] - expected) / float(np.abs(slopes).max()))
+    return {**found, "largest_error": max(errors)}
+
+
+def _seconds(call: Callable[[Any], object], p: Any) -> float:
+    """Return the processor time of a call [s], that of the preprocessor that it keeps included."""
+    begin = _processor_time()
+    call(p)
+    return _processor_time() - begin
+
+
+def _processor_time() -> float:
+    """Return the processor time of this process and of its living children [s]."""
+    own, found = os.getpid(), time.process_time()
+    ticks = os.sysconf("SC_CLK_TCK")
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:  # has ended
+            continue
+        if int(fields[1]) == own:
+            found += (int(fields[11]) + int(fields[12])) / ticks
+    return found
+
+
 def main() -> None:
     """Compute all and write the file that the command line names."""
     with tempfile.TemporaryDirectory() as folder:
         found = {
             each.__name__: each(Path(folder) / each.__name__)
-            for each in (extension_twist, oscillating, frequency_slopes)
+            for each in (extension_twist, oscillating, frequency_slopes, actuated_beam)
         }
     out = Path(sys.argv[1])
     out.parent.mkdir(parents=True, exist_ok=True)

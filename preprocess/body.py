@@ -110,7 +110,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
         return beam_model(changed, *(one.line for one in found)), sections.data(found)
 
     design = derivatives(
-        parameters,
+        [p.linear() if sections.is_analysed(p) else p for p in parameters],
         beam_input(model)[0],
         modes,
         at,
@@ -150,6 +150,16 @@ class BeamSections:
                 file = moved(file, {parameter.name: distance})
         return given_section(table) if file is None else analysed_section(file, self._theory)
 
+    def is_analysed(self, parameter: Parameter) -> bool:
+        """True if the parameter moves analysed sections only, along their derivatives."""
+        own = zip(self._places, self._files, strict=True)
+        count = sum(len(parameter.below(place)) for place, file in own if file is not None)
+        return count == len(parameter.targets)
+
+    @functools.cached_property
+    def _texts(self) -> list[str]:
+        return [toml_text(table) for table in self._tables]
+
     def data(
         self,
         results: Sequence[StationSection],
@@ -163,11 +173,11 @@ class BeamSections:
                 name,
                 result.line.K,
                 result.line.mass,
-                toml_text(table),
+                text,
                 stored(result.recovery),
                 result.end_compliance,
             )
-            for name, result, table in zip(self._names, results, self._tables, strict=True)
+            for name, result, text in zip(self._names, results, self._texts, strict=True)
         ]
 
 

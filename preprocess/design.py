@@ -18,7 +18,7 @@ from ..solver.errors import did_you_mean
 from ..solver.math.arrays import Array
 from ..solver.package.body.schema import ModalPackage
 from ..solver.package.common.dataset import all_values
-from ..solver.package.common.design import PLACES, Derivative, difference, differenced
+from ..solver.package.common.design import PLACES, TWO_PLACES, Derivative, difference, differenced
 from ..solver.package.common.plain_data import SpecError, expected
 from .modes.rates import Change, ModeRates, mode_rates
 from .modes.reduced import Modes, StaticLoad
@@ -27,6 +27,7 @@ from .modes.reference import Condition
 Model = TypeVar("Model")
 ANGLE_DEG = 0.2  # distance of the places of the five-point rule
 RELATIVE = 3e-3  # the same of other numbers, relative to their scale
+NEAR = 0.01  # times these distances, where the model moves along its derivatives
 MOST_TURNED = 1e-2  # change of a mode from place to place, relative
 KINDS = {"angle_deg": "angle", "thickness": "thickness"}
 # Numbers of a specification that may be design parameters.
@@ -75,6 +76,11 @@ class Parameter:
     name: str
     targets: tuple[Target, ...]
     step: float
+    places: tuple[float, ...] = PLACES
+
+    def linear(self) -> "Parameter":
+        """The same of a model that moves along its derivatives: two near places are enough."""
+        return replace(self, step=NEAR * self.step, places=TWO_PLACES)
 
     def changed(self, spec: Any, distance: float, below: Sequence[str] = ()) -> Any:
         """A specification with the parameter moved, or the part of it below some keys."""
@@ -192,7 +198,7 @@ def derivatives(
     ------
     ModeError : a parameter couples a mode with one that is not selected.
     """
-    models = [[at(p, place * p.step) for place in PLACES] for p in parameters]
+    models = [[at(p, place * p.step) for place in p.places] for p in parameters]
     changes = [change(p, row) for p, row in zip(parameters, models, strict=True)]
     found = []
     rates = mode_rates(condition, modes, changes)
@@ -203,10 +209,10 @@ def derivatives(
         share = min(1.0, MOST_TURNED / max(float(np.sqrt(turn)) * p.step, MOST_TURNED))
         step = share * p.step
         if share < 1.0:
-            row = [at(p, place * step) for place in PLACES]
+            row = [at(p, place * step) for place in p.places]
         packages = [
             all_values(package(model, _moved(modes, rate, place * step)))
-            for model, place in zip(row, PLACES, strict=True)
+            for model, place in zip(row, p.places, strict=True)
         ]
         values = differenced(packages, step)
         values |= _modal(modes, rate, damping_ratio, values)

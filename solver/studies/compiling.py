@@ -20,7 +20,7 @@ from ..dynamics.evaluation.accelerations import (
 )
 from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
 from ..dynamics.evaluation.laws import law_at
-from ..dynamics.evaluation.variations import residuals
+from ..dynamics.evaluation.variations import along_directions, residuals
 from ..dynamics.model.coordinates import move_rows, moved, position_rates
 from ..dynamics.model.model import Model, spare_work, state_size
 from ..inputs.case.record import solver_sha256
@@ -100,14 +100,21 @@ def _hinge() -> tuple[Model, Array]:
 
 
 def _compile_matrices() -> None:
-    """Newton's matrices, real and complex, and their solution."""
-    model, _ = _hinge()
+    """Newton's matrices, real and complex, and their solution; tangents of runs."""
+    model, y = _hinge()
     frozen = new_frozen(model)
     frozen.M[:], frozen.J[:] = np.eye(6), 1.0
     for one in (1.0, 1.0 + 0.0j):
         pencil = new_pencil(model, one)
         factorise_pencil(model, frozen, pencil, one, one, 1.0)
         solve_pencil(model, frozen, pencil, one)
+    t, states, zero = np.zeros(1), y[None], np.zeros((1, model.n_vel))
+    ways = np.zeros((1, 1, 2 * model.n_vel + model.n_aux))
+    along = t, states, zero, np.zeros((1, model.n_constraint)), ways, np.ones((1, 1))
+    residuals(model, *along[:4])
+    along_directions(model, *along)
+    masses_and_jacobians(model, t, states)
+    move_rows(model, states, zero)
 
 
 def _compile_radau() -> None:
@@ -122,11 +129,8 @@ def _compile_planning() -> None:
     """What plans of [fidelity] and checks call outside of runs."""
     model, y = _hinge()
     n, t = model.n_vel, np.arange(2.0)
-    states, zero = np.tile(y, (2, 1)), np.zeros((2, n))
-    residuals(model, t, states, zero, np.zeros((2, model.n_constraint)))
-    M, _ = masses_and_jacobians(model, t, states)
-    move_rows(model, states, zero)
-    newmark(t, zero, M, np.arange(2), np.eye(n), np.eye(n), None)
+    M, _ = masses_and_jacobians(model, t, np.tile(y, (2, 1)))
+    newmark(t, np.zeros((2, n)), M, np.arange(2), np.eye(n), np.eye(n), None)
 
 
 def _step_loop(kind: type[StepLoop]) -> None:

@@ -245,3 +245,14 @@ def test_run_without_a_tangent() -> None:
     table["design"]["studies"]["stop"]["gradient"] = "exact"
     with pytest.raises(InputError, match=r'"exact".*solver\.integrator = "rk8"'):
         pm.optimise(_case(table))
+
+
+def test_plan_that_makes_the_designed_body_rigid_is_refused(fenicsx: str) -> None:
+    """An accuracy so coarse that the tube may be rigid: the tip would not depend on its plies."""
+    study = {"run": "base", "minimise": {"signal": "z", "of": "rms"}, "starts": 1}
+    table = swung(parameters=angles(1), studies={"s": study})
+    table["signals"].pop("error")
+    table["fidelity"] = {"accuracy": 0.9}
+    with pytest.raises(InputError, match=r"accuracy = 0\.9 makes the designed body arm rigid"):
+        pm.optimise(_case(table))
+    assert not list(Path().rglob("design.json"))

@@ -66,17 +66,20 @@ def moved(item: Object, steps: Mapping[str, float]) -> Object:
 
 
 # Five-point rule: exact for polynomials of degree 4, error h^4 f^(5) / 30.
-PLACES = (-2.0, -1.0, 1.0, 2.0)
+# Two places: error h^2 f^(3) / 6.
+PLACES, TWO_PLACES = (-2.0, -1.0, 1.0, 2.0), (-1.0, 1.0)
 
 
 def difference(at: Sequence[Any], step: float) -> Any:
-    """Derivative from the values at `PLACES` times a step."""
+    """Derivative from the values at `PLACES` or `TWO_PLACES` times a step."""
+    if len(at) == len(TWO_PLACES):
+        return (at[1] - at[0]) / (2.0 * step)
     before_2, before, after, after_2 = at
     return (8.0 * (after - before) - (after_2 - before_2)) / (12.0 * step)
 
 
 def differenced(at: Sequence[Mapping[Any, Any]], step: float) -> dict[Any, Array]:
-    """Derivatives of arrays by path, from those at `PLACES` times a step; zeros are left out."""
+    """Derivatives of arrays by path, from those at the places times a step; zeros are left out."""
     found = {}
     for path, first in at[0].items():
         if np.asarray(first).dtype.kind == "f":
