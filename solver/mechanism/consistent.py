@@ -251,11 +251,13 @@ def consistent_state(
     joint_names: list[str],
     *,
     deforming: bool = False,
+    moved: bool = False,
 ) -> Array:
     """Return the state y (n,) at the start that satisfies position and velocity constraints.
 
     `deforming`: bodies may deform, and have modal rates, where frames alone do not close the
-    joints; otherwise only to close the small gaps of tilted hinges.
+    joints; otherwise only to close the small gaps of tilted hinges. `moved`: the velocities were
+    given for other positions, and may change as little as the joints need.
 
     Raises
     ------
@@ -266,7 +268,7 @@ def consistent_state(
     y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     if model.n_constraint:
         y = _assembled(model, y, joint_names, deforming=deforming)
-    v = _velocities(model, start, y, joint_names, deforming=deforming)
+    v = _velocities(model, start, y, joint_names, deforming=deforming or moved)
     y[model.n_pos : model.n_pos + model.n_vel] = v
     return started(model, 0.0, y)
 

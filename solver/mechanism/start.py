@@ -122,7 +122,7 @@ def quasi_static_state(
             joined, y, rigid = True, before, motions_without_strain(model, 0.0, before)
             continue
         deformed = replace(start, positions=y[: model.n_pos])
-        y = consistent_state(model, deformed, joint_names, deforming=joined)
+        y = consistent_state(model, deformed, joint_names, deforming=joined, moved=True)
         if energies.sum() <= _TOLERANCE**2 * whole:
             break
     else:

@@ -17,7 +17,14 @@ from ..system.platform import cores, processes
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
 from .design.page import design_sections, study_files
 from .fidelity import fidelity_section, ladder_file, with_ladder
-from .figures import draw_balance, draw_comparison, draw_exposure, draw_motion, draw_spectrum
+from .figures import (
+    draw_balance,
+    draw_comparison,
+    draw_exposure,
+    draw_motion,
+    draw_orbit,
+    draw_spectrum,
+)
 from .inline import NUMBERS as HISTORIES
 from .inline import Blob, document, histories, json_for_script, markup, script
 from .scene import NUMBERS, scene
@@ -281,7 +288,8 @@ def make_report(
     if is_up_to_date(case_dir, PAGE, key):
         return target
     titles = case.get("runs", {})
-    drawn = {figure["signal"] for figure in (case.get("figures") or {}).values()}
+    figures_of = (case.get("figures") or {}).values()
+    drawn = {f[key] for f in figures_of for key in ("signal", "against") if f.get(key)}
     stories = [
         read_story(case_dir, run, str(titles.get(run) or run), digests[run], drawn) for run in runs
     ]
@@ -290,7 +298,8 @@ def make_report(
     by_name = {story.name: story for story in stories}
     for wanted in shown:
         for run in wanted.runs:
-            by_name[run].signal(wanted.signal)
+            for name in filter(None, (wanted.signal, wanted.against)):
+                by_name[run].signal(name)
     if drawn_as:
         found = _drawings(case_dir, stories, shown)
         same = [
@@ -311,7 +320,8 @@ def _drawings(case_dir: Path, stories: list[Story], shown: list[Comparison]) -> 
         chosen = [by_name[run] for run in wanted.runs]
         content = repr((wanted, [story.content for story in chosen]))
         file = case_dir / f"{wanted.name}.png"
-        draw = draw_spectrum if wanted.spectrum else draw_comparison
+        draw = draw_orbit if wanted.against else draw_comparison
+        draw = draw_spectrum if wanted.spectrum else draw
         compared.append(Drawing(file, draw, (wanted, chosen), content))
     motions = [_of_run(case_dir, story, "motion", draw_motion) for story in stories]
     balances = [_of_run(case_dir, story, "balance", draw_balance) for story in stories]

@@ -316,6 +316,23 @@ def _words(axes: Any, story: Story, path: Array) -> None:
         )
 
 
+def draw_orbit(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
+    """Draw one signal against another, a curve for each run; one scale if they have one unit."""
+    canvas = Canvas(5.4, 5.0)
+    (axes,) = canvas.panels(1)
+    for i, story in enumerate(stories):
+        along, up = story.signal(wanted.against), story.signal(wanted.signal)
+        axes.plot(along.values, up.values, label=story.title, color=colour(i), linewidth=0.8)
+        axes.plot(along.values[-1], up.values[-1], "o", color=colour(i), markersize=4)
+    if along.unit == up.unit:
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.set_title(wanted.title)
+    axes.set_xlabel(_label(along))
+    axes.set_ylabel(_label(up))
+    canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
+    return canvas.save(path)
+
+
 # The amplitude spectrum of one signal of several runs.
 
 SMALLEST = 1e-4  # of the largest amplitude: the lower end of the picture

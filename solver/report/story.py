@@ -84,6 +84,7 @@ class Comparison(NamedTuple):
     runs: tuple[str, ...]
     spectrum: bool = False  # amplitudes over frequency, not values over time
     more: bool = False  # beside the figures of the case
+    against: str = ""  # the signal along the horizontal axis, in place of time
 
 
 def read_story(
@@ -146,8 +147,8 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
         runs = tuple(run for run in figure["runs"] if run in there)
         if runs:
             title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
-            more = bool(figure.get("more"))
-            found.append(Comparison(name, title, figure["signal"], runs, spectrum, more))
+            more, against = bool(figure.get("more")), str(figure.get("against") or "")
+            found.append(Comparison(name, title, figure["signal"], runs, spectrum, more, against))
     return found
 
 

@@ -134,7 +134,9 @@ class BeamSearch:
 
     def found(self) -> BodyStrength | None:
         """Return what was found so far."""
-        return ranked(self._stations.station_x, self.exposure, self._peaks)
+        there = np.isin(self._stations.section, list(self._searches))  # others have no plies
+        exposure = {name: values[there] for name, values in self.exposure.items()}
+        return ranked(self._stations.station_x[there], exposure, self._peaks)
 
 
 def _recovery(package: ModalPackage) -> BodyRecovery:

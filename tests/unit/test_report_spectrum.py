@@ -1,4 +1,4 @@
-"""Figures with `spectrum = true`: amplitudes over frequency in place of values over time."""
+"""Figures with `spectrum` or `against`: amplitudes over frequency, one signal over another."""
 
 import dataclasses
 
@@ -7,7 +7,7 @@ import pytest
 from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.report.figures import draw_spectrum
+from plymotion.solver.report.figures import draw_orbit, draw_spectrum
 from plymotion.solver.report.story import Comparison, Story
 from plymotion.solver.report.style import Canvas, house_style
 from plymotion.solver.results import Signal
@@ -38,3 +38,19 @@ def test_a_signal_without_values_is_named(tmp_path):
     wanted = Comparison("f", "F", "hum", ("rod",), True)
     with house_style(), pytest.raises(InputError, match=r"figures\.f: run rod: .*finite"):
         draw_spectrum(tmp_path / "f.png", wanted, [_story(lambda t: np.full(len(t), np.inf))])
+
+
+def test_an_orbit_is_one_signal_against_another(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(Canvas, "save", lambda canvas, path: drawn.append(canvas) or path)
+    story = _story(lambda t: np.sin(t))
+    across = Signal("swing", "m", "across", np.cos(story.result.t))
+    signals = (*story.result.signals, across)
+    story = dataclasses.replace(story, result=dataclasses.replace(story.result, signals=signals))
+    wanted = Comparison("o", "Orbit", "hum", ("rod",), against="swing")
+    with house_style():
+        draw_orbit(tmp_path / "o.png", wanted, [story])
+    (axes,) = drawn[0].figure.axes
+    np.testing.assert_allclose(np.hypot(*axes.lines[0].get_data()), 1.0)
+    assert axes.get_xlabel() == "across [m]"
+    assert axes.get_aspect() == 1.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from samples.beam_samples import CHORD, reduced
 from samples.case_samples import HEAD
-from samples.modes_samples import modes_at
+from samples.modes_samples import modes_at, rates
 from scipy.integrate import solve_ivp
 
 from plymotion.preprocess.beam.line import SectionMass
@@ -126,6 +126,32 @@ def test_jeffcott_rotor_through_its_critical_speed(ratio, tmp_path, capsys):
         speeds = [x["speed"] for x in found["crossings"] if x["branch"] == branch["branch"]]
         assert any(abs(speed / damped - 1.0) < 1e-6 for speed in speeds)
     assert not found["notes"]
+
+
+@pytest.mark.parametrize("speed", [0.0, 100.0, 300.0])
+def test_bearings_of_two_stiffnesses(speed, tmp_path, capsys):
+    """A rigid rotor in axes at rest, four times as stiff along z: roots of its linear equations.
+
+    The line moves by y + x b and z - x a at x, with the tilts a and b about y and z:
+    I a'' + I_p W b' = sum x k_z (z - x a), I b'' - I_p W a' = -sum x k_y (y + x b).
+    """
+    m, across, polar, places, k = 4.0, 0.02, 0.036, (-0.3, 0.2), (1e4, 2e4)
+    text = f'[bodies.shaft]\nkind = "rigid"\nmass = {m}\nangular_velocity = [{speed}, 0.0, 0.0]\n'
+    text += f"inertia = {np.diag([polar, across, across]).tolist()}\n[bodies.shaft.interfaces]\n"
+    for name, x, stiffness in zip(("root", "tip"), places, k, strict=True):
+        text = text.replace("interfaces]\n", f"interfaces]\n{name}.position = [{x}, 0.0, 0.0]\n")
+        text += bushing(name, x, (1e4, stiffness, 4.0 * stiffness), (0, 0, 0))
+    found = modes_at(tmp_path, text, "start", capsys=capsys)
+    K, G = np.zeros((4, 4)), np.zeros((4, 4))  # y, z, a, b
+    for x, stiffness in zip(places, k, strict=True):
+        up, side = np.array([0.0, 1.0, -x, 0.0]), np.array([1.0, 0.0, 0.0, x])
+        K += 4.0 * stiffness * np.outer(up, up) + stiffness * np.outer(side, side)
+    G[2, 3], G[3, 2] = polar * speed, -polar * speed
+    M = np.diag([m, m, across, across])
+    A = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.linalg.solve(M, K), -np.linalg.solve(M, G)]])
+    roots = np.linalg.eigvals(A)
+    expected = np.sort([*roots.imag[roots.imag > 0.0], np.sqrt(1e4 * 2.0 / m)])  # and along x
+    assert np.sort(rates(found)) == pytest.approx(expected, rel=1e-8)
 
 
 def by_speed(place, k, c, cross):

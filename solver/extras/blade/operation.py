@@ -29,7 +29,7 @@ STEEPEST = 45.0  # [deg] largest pitch that is looked for
 RPM = math.pi / 30.0
 MARGIN = 1.1  # by which the largest torque of a reference controller is above that at rated power
 STRIPS = 20  # of a blade
-WINDS = (5.0, 7.0, 8.0, 9.0, 10.0, 11.0, 13.0, 15.0, 17.0, 21.0, 25.0)  # [m/s]
+WINDS = (4.0, 5.0, 7.0, 8.0, 9.0, 10.0, 11.0, 13.0, 15.0, 17.0, 21.0, 25.0)  # [m/s]
 DENSE = 2001  # points along the line of a blade
 AERO, POLARS, OPERATION = "aero.csv", "polars.csv", "operation.csv"
 

@@ -21,7 +21,7 @@ from .tables import Tables
 from .windio import Blade, turbine_table
 
 ROTOR_CASE, TOWER = "rotor.toml", "tower.csv"
-MODES = 8  # lowest vibrations of a blade: with torsion
+MODES = 4  # lowest vibrations of a free blade, beside the shapes of its root
 TEMPLATES = Path(__file__).with_name("turbine_case.txt")
 FLAT = 5.0  # [deg] above the least pitch, where the change of the torque by pitch is not used
 BEARING = 2.0 * math.pi * 10.0  # [rad/s] of a blade on its pitch drive
@@ -128,7 +128,7 @@ def write_turbine(
             )
         )  # fmt: skip
     tail = part["TAIL"].format(
-        stiffening="false", wind=steady.wind, step=step.wind, step_speed=step.speed,
+        wind=steady.wind, step=step.wind, step_speed=step.speed,
         step_pitch=step.pitch, step_fine=math.radians(step.fine),
         winds=_list([p.wind for p in points]), speeds=_list([p.speed for p in points]),
         pitches=_list([p.pitch for p in points]),

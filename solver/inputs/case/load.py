@@ -247,7 +247,9 @@ def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:
         for run in figure.runs:
             yield from unknown(f"figures.{name}.runs", run, "run", top.runs)
         for mechanism in runs.values():
-            yield from unknown(f"figures.{name}.signal", figure.signal, "signal", mechanism.signals)
+            for key, signal in (("signal", figure.signal), ("against", figure.against)):
+                if signal is not None:
+                    yield from unknown(f"figures.{name}.{key}", signal, "signal", mechanism.signals)
 
 
 def source_files(case: Case) -> list[Path]:

@@ -291,6 +291,15 @@ class Figure(Table):
     spectrum: bool = entry(
         "amplitudes over frequency, with a Hann window, not over time", default=False
     )
+    against: Name | None = optional(
+        "name of another signal, along the horizontal axis in place of time: an orbit, a loop"
+    )
+
+    @model_validator(mode="after")
+    def _one_axis(self) -> "Figure":
+        if self.spectrum and self.against:
+            raise ValueError("expected either `spectrum` or `against`")
+        return self
 
 
 class CaseFile(Table):
