@@ -106,6 +106,11 @@ def _additions(
             yield "ringing", more, omitted[:, :, left].sum(axis=2)
 
 
+def lost(indicators: Indicators, plan: Plan) -> Array:
+    """Return the loss (o,) of all that a plan leaves out of the rich packages, of the scale."""
+    return indicators.loss(_omitted(indicators, plan).sum(axis=2))
+
+
 def _omitted(indicators: Indicators, plan: Plan) -> Array:
     """Return the contributions of the modes (o, k, m) that a plan leaves out."""
     parts = indicators.effects
