@@ -116,6 +116,14 @@ REFUSED = {
         Scene(carriage(force("c", "controller", upper=5.0, **PID)), ("bodies.car.mass",)),
         r"forces\.c: its force or state has a bend or jump",
     ),
+    "corner": (
+        Scene(
+            '[tables.c]\nx = [-9, 0.3, 9]\ny = [9, -0.3, -90]\ninterpolation = "linear"\n'
+            + carriage(force("c", "coordinate_force", joint="rail", expression="c(x)")),
+            ("bodies.car.mass",),
+        ),
+        r"forces\.c: its force or state has a bend or jump .* corners of a table",
+    ),
     "reaction": (
         Scene(
             wheel(force("f", "friction", joint="axle", coefficient=0.1, radius=0.1,

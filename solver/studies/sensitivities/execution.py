@@ -9,10 +9,12 @@ import numpy as np
 from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
 from ...errors import InputError
+from ...integrators.breakpoints import JUMPS
 from ...integrators.generic.drive import Steps, StopRequest
 from ...integrators.radau import Radau
 from ...math.arrays import Array
 from ...math.expressions import operations as op
+from ...math.expressions.program import Programs
 from ...results import Derivative, RunResult
 from ...run.coupled import Stepper
 from ...run.execution import Progress
@@ -328,17 +330,48 @@ def require_derivatives(prepared: Prepared) -> None:
         for p in used:
             if p < 0:
                 continue
-            codes = programs.code[programs.start[p] : programs.start[p + 1]].tolist()
-            if kind != STOP and op.LOAD in codes and not BENT.isdisjoint(codes):
+            if kind != STOP and _is_bent(programs, p):
                 raise InputError(
                     f"{key}: its force or state has a bend or jump where the motion passes a value "
-                    "(min, max, abs, sign, comparisons), which sensitivities do not locate"
+                    "(min, max, abs, sign, comparisons, corners of a table or curve), which "
+                    "sensitivities do not locate; expected a smooth law, as a table with "
+                    'interpolation = "pchip"'
                 )
     if reads_reactions(model):
         raise InputError(
             "forces that read reactions (coefficient of friction in a joint): sensitivities are "
             "not implemented"
         )
+
+
+def _is_bent(programs: Programs, p: int) -> bool:
+    """Tell whether an expression has a bend or jump where what it reads of the motion decides."""
+    stack: list[bool] = []  # whether a part reads the motion
+    for i in range(int(programs.start[p]), int(programs.start[p + 1])):
+        code = int(programs.code[i])
+        if code in op.PUSHES:
+            stack.append(code == op.LOAD)
+            continue
+        count = 3 if code == op.SELECT else 2 if code in op.BINARY else 1
+        stack, given = stack[:-count], stack[-count:]
+        corners = code == op.CURVE and _has_corners(programs, int(programs.argument[i]))
+        if any(given) and (code in BENT or corners):
+            return True
+        stack.append(any(given))
+    return False
+
+
+def _has_corners(programs: Programs, curve: int) -> bool:
+    """Tell whether a curve, or its slope, jumps between two of its pieces."""
+    own = slice(int(programs.curve_start[curve]), int(programs.curve_start[curve + 1]))
+    place, c = programs.curve_place[own], programs.curve_coefficient[own]
+    length, powers = np.diff(place)[:, None], np.arange(1, c.shape[1])
+    value = (c[:-1] * length ** np.arange(c.shape[1])).sum(axis=1)
+    slope = (c[:-1, 1:] * powers * length ** (powers - 1)).sum(axis=1)
+    return any(
+        bool((np.abs(c[1:, d] - before) > JUMPS * np.abs(c[:, d]).max()).any())
+        for d, before in enumerate((value, slope))
+    )
 
 
 def bends_of(prepared: Prepared) -> list[tuple[int, float]]:
