@@ -349,7 +349,9 @@ class StepLoop(StrideMemory):
 
         For a run that has finished, or not begun, after laws of time in the model have changed.
         """
-        self.t_end, self.status, self.message = float(t_end), "running", ""
+        stops = np.append(self._kinks, self._jumps[:, 0])  # none a rounding error behind the end
+        near = stops[(stops > t_end) & (stops <= t_end * (1.0 + ROUNDING))]
+        self.t_end, self.status, self.message = float(max(near, default=t_end)), "running", ""
         self._set_instants()
         self._options = self._options._replace(t_end=self.t)
 

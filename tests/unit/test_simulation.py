@@ -148,3 +148,22 @@ def test_the_accuracy_is_that_of_the_case_whatever_the_inputs_at_the_start(
         arm.step(1e-3, {"forces.shoulder_motor": 20.0})
         counts.append(arm._stepper._integrator._options.atol)  # type: ignore[union-attr]
     assert np.array_equal(*counts)
+
+
+def test_a_kink_a_rounding_error_behind_a_step(tmp_path):
+    """Ten steps of 0.02 s end at 0.2 s less one bit, where its law ends."""
+    case = pm.Case("rail", solver={"t_end": 1.0, "output_step": 0.1})
+    place = {"position": (0.0, 0.0, 0.0)}
+    case.bodies["b"] = {"kind": "rigid", "mass": 1.0, "inertia": np.eye(3)}
+    case.bodies["b"]["interfaces"] = {"c": place}
+    case.ground["o"] = place
+    case.joints["r"] = {"kind": "prismatic", "between": ["ground.o", "b.c"], "axis": (1, 0, 0)}
+    push = {"kind": "force", "at": "b.c", "direction": (1, 0, 0)}
+    push["law"] = {"smooth_step": {"value": 1.0, "duration": 0.2}}
+    stop = {"kind": "limit_stop", "joint": "r", "upper": 9.0, "stiffness": 1.0, "restitution": 0.5}
+    case.forces["push"], case.forces["stop"] = push, stop
+    case.signals["x"] = {"kind": "position", "at": "b.c", "component": "x"}
+    simulation = pm.simulate(case, out=tmp_path / "out")
+    for _ in range(20):
+        simulation.step(0.02, {"forces.push": 1.0})
+    assert simulation.signals["x"] == pytest.approx(0.5 * 0.4**2, rel=1e-6)
