@@ -1,6 +1,7 @@
 """Names in a case file run no command and keep make from nothing."""
 
 import shutil
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,8 @@ from harness.make_samples import Project
 from samples.case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case.load import checked_case
 
 SHIPPED = "tests/packages/double-pendulum"
 DONE = "build/one/report.html: up to date\n"
@@ -174,6 +177,11 @@ def test_control_characters_are_refused_with_words(tmp_path, capsys, name, key):
     assert all(ord(letter) >= 32 for letter in told.replace("\n", ""))
     assert len(told.splitlines()) == 1, told
     assert not (tmp_path / "o").exists()
+
+
+def test_a_control_character_of_an_unknown_key_is_printable(tmp_path):
+    with pytest.raises(InputError, match=r"case.toml: a\\x00b: unknown key"):
+        checked_case({**tomllib.loads(_ball("")), "a\0b": 1}, tmp_path / "case.toml")
 
 
 ODD = ["x`touch P`", "x$(touch P)", "two words", "a;touch P", "a#b", "-n"]

@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from ...errors import InputError, refuse, unknown
+from ...errors import InputError, printable, refuse, unknown
 from ..common.table import bare_lines, meant, members, validated, without_annotations
 from ..common.text_file import read_toml
 from ..section.description import shape
@@ -165,7 +165,7 @@ def checked_case(
     for key in base:
         if key not in Mechanism.model_fields:
             known = [*CaseFile.model_fields, *Mechanism.model_fields]
-            raise InputError(f"{file}: {key}: unknown key{meant(key, known)}")
+            raise InputError(f"{file}: {printable(key)}: unknown key{meant(key, known)}")
     findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
     quick = {k: v for k, v in top.coarse.items() if k not in _APART} if coarse else {}
 
