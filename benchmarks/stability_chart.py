@@ -18,13 +18,12 @@ import numpy as np
 from matplotlib.lines import Line2D
 from samples.constraint_runs import new_run, prepared
 from samples.flexible_samples import Points, body_of
-from samples.integrators import new_integrator
 from samples.mechanism_samples import Sample, pendulum
 
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, constraint_rates
 from plymotion.solver.integrators.generic.base import Integrator
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import FOR_EQUATIONS, new_integrator
 from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.built import Start
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable

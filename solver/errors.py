@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
+COMPILER = "DOLFINx needs a C compiler (gcc) and Python's headers (python3-dev)"
 HOW_TO_INSTALL_FENICSX = """\
 Run `make fenicsx` in a checkout to find or install FEniCSx, or install it by one of these lines:
   Debian, Ubuntu: apt-get install python3-dolfinx-real python3-slepc4py-real python3-gmsh \

@@ -31,6 +31,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import ufl
 
+from ...solver.errors import COMPILER
 from ...solver.math.arrays import Array
 from ...solver.math.disk_cache import DiskCache
 from .plain import NODES, order_of_nodes, reference_nodes
@@ -320,7 +321,7 @@ def _build(command: Sequence[str]) -> None:
     try:
         done = subprocess.run(command, input=SOURCE, text=True, capture_output=True, check=False)
     except OSError as error:
-        what = f"no C compiler {command[0]!r}, which DOLFINx needs ({error})"
+        what = f"no C compiler {command[0]!r} ({error}). {COMPILER}"
         raise MissingFenicsx(f"{what}. {HELP}") from None
     if done.returncode:
         raise MissingFenicsx(f"{command[0]} cannot compile the kernel of shells: {done.stderr}")

@@ -126,10 +126,12 @@ def _shown(schema: Json) -> Json:
 
 
 def _partial(schema: Json) -> Json:
-    """Return a schema whose tables may lack any key."""
+    """Return a schema whose tables may lack any key, and have expressions in place of numbers."""
 
     def change(schema: Json) -> Json:
         found = {key: value for key, value in schema.items() if key != "required"}
+        if found.get("type") in ("number", "integer"):
+            found["type"] = [found["type"], "string"]
         if "oneOf" in found:
             found["anyOf"] = found.pop("oneOf")
         return found

@@ -10,7 +10,7 @@ from typing import NotRequired, TypedDict
 
 import plymotion
 
-from ..errors import HOW_TO_INSTALL_FENICSX, InputError
+from ..errors import COMPILER, HOW_TO_INSTALL_FENICSX, InputError
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 PROBE = Path(__file__).with_name("fenicsx_probe.py")
@@ -59,7 +59,7 @@ def reasons(report: Report) -> str:
     missing = [name for name, why in problems.items() if "ModuleNotFoundError" in why]
     others = [f"{name}: {why}" for name, why in problems.items() if name not in missing]
     if "compiler" in problems:
-        others.append("DOLFINx needs a C compiler (gcc) and Python's headers (python3-dev)")
+        others.append(COMPILER)
     return "; ".join([*([f"no {', '.join(missing)}"] if missing else []), *others])
 
 

@@ -5,7 +5,6 @@ from functools import partial
 
 import numpy as np
 from ida_integrator import SundialsIda
-from samples.integrators import new_integrator
 from samples.mechanism_samples import Sample
 from scipy_integrators import SCIPY
 
@@ -24,6 +23,7 @@ from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.generic.drive import Solution, Steps, integrate
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.mechanism.consistent import consistent_state, redundancy
 
 

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from samples.integrators import new_integrator
 
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.step_loop import right_hand_side
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.math.rotations import rotation_matrix, skew, vector_to_matrix
 from plymotion.solver.mechanism.assembly import assemble_model

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from samples.constraint_runs import new_run, prepared
-from samples.integrators import new_integrator
 from samples.mechanism_samples import chain
 from samples.two_body_samples import two_bodies
 
@@ -11,6 +10,7 @@ from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.explicit import ExplicitLoop
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.math.laws import polynomial
 
 

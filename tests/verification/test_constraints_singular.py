@@ -5,7 +5,6 @@ import tomllib
 import numpy as np
 import pytest
 from samples.constraint_runs import new_run, prepared, run
-from samples.integrators import new_integrator
 from samples.mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
@@ -13,6 +12,7 @@ from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import by_blocks, derivative
 from plymotion.solver.integrators.generic.drive import integrate
+from plymotion.solver.integrators.table import new_integrator
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 

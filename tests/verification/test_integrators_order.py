@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from samples.integrators import new_integrator
 
 from plymotion.solver.integrators.explicit import RungeKutta5, RungeKutta8
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.generic.gear import Gear
+from plymotion.solver.integrators.table import new_integrator
 
 
 def exact(t):
