@@ -17,7 +17,6 @@ import ufl
 from cffi import VerificationError
 from numpy.typing import NDArray
 
-from ...solver.errors import COMPILER
 from ...solver.math.arrays import Array, IntArray
 from .plain import PlainMesh
 from .stack import MPI, dolfinx, refused
@@ -40,7 +39,7 @@ def quiet() -> Iterator[None]:
     try:
         yield
     except VerificationError as error:
-        raise refused(f"{COMPILER}: {error}") from error
+        raise refused(f"DOLFINx needs a C compiler and Python's headers: {error}") from error
     finally:
         logging.disable(previous)
 
