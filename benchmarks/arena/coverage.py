@@ -96,15 +96,14 @@ def planned(draw: Draw, folder: Path) -> tuple[float, float]:
     )
     side = str(draw.choice(["stiff", "soft"]))
     answer = checked(plan_of(*planned_run(scene, side)))
-    if answer.delivered is None:
+    if answer.estimate is None or answer.delivered is None:
         return math.nan, math.nan
     exact = true_signals(scene, side, 1e-8)
     values = np.array([exact[name] for name in answer.names])
     sizes = scales("pointwise", values)
     error = difference("pointwise", answer.delivered.signals, values) / sizes
-    bar = np.array([math.nan if b is None else b for b in answer.delivered_at_most.values()])
-    worst = int(np.argmax(error / bar))
-    return float(bar[worst]), float(error[worst])
+    worst = int(np.argmax(error / answer.estimate))
+    return float(answer.estimate[worst]), float(error[worst])
 
 
 def rigid(draw: Draw, folder: Path) -> tuple[float, float]:

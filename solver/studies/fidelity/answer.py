@@ -46,7 +46,6 @@ class Answer:
     ----------
     losses : (o,) by the indicators, of the scale
     estimate : (o,) error of the model of the plan, by the check; None: not checked
-    delivered_error : (o,) estimated error of the check that is delivered; None: only `estimate`
     verdict : "planned", "met", "not met"
     horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
@@ -63,7 +62,6 @@ class Answer:
     losses: Array
     cpu: dict[str, float]
     estimate: Array | None = None
-    delivered_error: Array | None = None
     verdict: str = "planned"
     shares: list[Share] = field(default_factory=list)
     trial: Trial | None = None
@@ -109,13 +107,11 @@ class Answer:
     def delivered_at_most(self) -> dict[str, float | None]:
         """What the error of the delivered run is at most, by signal; None: not estimated.
 
-        Without an estimate of its own, that of the model: the check has more of everything. A run
-        that no other one was compared with has no estimate.
+        The check has more of everything than the model, so that its error is smaller. How much
+        smaller, no run tells. A run that no other one was compared with has no estimate.
         """
         richer = self.finest is not None or self.delivered is self.check
         known = self.estimates if richer else {}
-        if self.delivered_error is not None and self.delivered is self.check:
-            known = dict(zip(self.names, self.delivered_error.tolist(), strict=True))
         return {
             name: known[name] if np.isfinite(known.get(name, np.inf)) else None
             for name in self.names

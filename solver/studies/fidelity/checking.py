@@ -9,7 +9,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...run.timing import work_s
 from .answer import Answer, not_compared
-from .choice import MOTIONS, accuracy_over_rtol, lost
+from .choice import accuracy_over_rtol
 from .motions import kind_of_signal
 from .plan import (
     STATIC,
@@ -115,12 +115,6 @@ def mesh_error(
 MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
 SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
 SECOND_COST = 4.0  # CPU time of a second check over that of the first: more modes, 0.3 of its rtol
-SMOOTH = (*MOTIONS, "deflection", "rotation")  # signals without the ringing of accelerations
-# Errors of the default integrator decrease with this power of the tolerance: local ones, which are
-# controlled, are of order 4 in the step, global ones of order 5.
-TOLERANCE_POWER = 1.25
-SAFE = 2.0  # the errors of single runs scatter about this law
-MESH = 1.0 / 3.0  # error of the finer mesh over the difference of both, of second order
 SPLIT_COST = 0.5  # of the budget that is left, for all runs of a split
 
 
@@ -149,7 +143,6 @@ class Checking:
         by_kind, by_size = accuracy_over_rtol(indicators, kinds)
         self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
         self.powers = np.array([power_of(kinds[name]) for name in self.answer.names])
-        self.smooth = np.array([kinds[name] in SMOOTH for name in self.answer.names])
         self.ranked = {name: indicators.ranked(name) for name in self.answer.plan.bodies}
         self._stuck = False  # nothing is left to promote towards the last check
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
@@ -297,37 +290,10 @@ class Checking:
             answer.reason = reason
             return True
         answer.verdict, answer.reason = "met", ""
-        self._judge_delivered(np.zeros(len(answer.names)) if more is None else more)
         if self.metric == "pointwise" and self.left() > 0.0:
             with self._timed("horizon"):
                 answer.horizon = horizon(model, answer.names, self.accuracy)
         return True
-
-    def _judge_delivered(self, above: Array) -> None:
-        """Estimate the error of the check, which is delivered, where signals are smooth.
-
-        Its tolerance and its mesh by two runs of the model, modes that it leaves out by the
-        indicators, those `above` (o,) both packages as they were estimated. Shells add the error
-        of their mesh to the estimate of the model, and joint forces ring in modes of any number:
-        there the estimate of the model remains.
-        """
-        answer = self.answer
-        model, check = answer.pair
-        bodies = answer.spec.mechanism.bodies
-        if any(bodies[name].kind == "shell" for name in answer.plan.bodies):
-            return
-        tight = fine = replace(model.plan, rtol=check.plan.rtol)
-        for name, body in tight.bodies.items():
-            fine = fine if body.rigid else fine.with_body(name, mesh="check")
-        with self._timed("check"):
-            coarse, finer = self.run(tight), self.run(fine)
-        if coarse is None or finer is None:
-            return
-        by_rtol = SAFE * (check.plan.rtol / model.plan.rtol) ** TOLERANCE_POWER
-        error = by_rtol * distance(self.metric, model, coarse) + above
-        error += MESH * distance(self.metric, coarse, finer)
-        error += lost(answer.study.indicators, check.plan)
-        answer.delivered_error = np.where(self.smooth, error, self._estimates)
 
     def _meshes(self) -> str:
         """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""

@@ -106,11 +106,6 @@ def _additions(
             yield "ringing", more, omitted[:, :, left].sum(axis=2)
 
 
-def lost(indicators: Indicators, plan: Plan) -> Array:
-    """Return the loss (o,) of all that a plan leaves out of the rich packages, of the scale."""
-    return indicators.loss(_omitted(indicators, plan).sum(axis=2))
-
-
 def _omitted(indicators: Indicators, plan: Plan) -> Array:
     """Return the contributions of the modes (o, k, m) that a plan leaves out."""
     parts = indicators.effects
@@ -180,7 +175,7 @@ def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
     Another plan of this name, which may have been edited, is kept as NAME.previous.toml.
     """
     lines = [*(f"# {printable(remark)}" for remark in remarks), "format = 1"]
-    lines += [f'inputs_sha256 = "{plan.inputs_sha256}"', f"rtol = {plan.rtol:.6g}"]
+    lines += [f'inputs_sha256 = "{plan.inputs_sha256}"', f"rtol = {float(plan.rtol)!r}"]
     lines += [f"geometric_stiffening = {str(plan.stiffening).lower()}"]
     lines += [] if plan.bodies else ["", "[bodies]"]
     for name, body in plan.bodies.items():
