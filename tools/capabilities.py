@@ -5,7 +5,6 @@ Usage: capabilities.py docs/capabilities.md
 
 import ast
 import io
-import sys
 import tokenize
 import tomllib
 from collections import Counter
@@ -129,14 +128,5 @@ def table(root: Path) -> str:
     return "\n".join([top, *out])
 
 
-def main() -> None:
-    """Write the table between its two marks in a page."""
-    page = Path(sys.argv[1])
-    before, _, rest = page.read_text("utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    text = f"{before}{BEGIN}\n{table(Path(__file__).resolve().parents[1])}\n{END}{after}"
-    page.write_text(text, "utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    structure.write(BEGIN, END, table)

@@ -7,7 +7,7 @@ import ast
 import io
 import sys
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 PARTS = ("solver", "preprocess", "plymotion")
@@ -138,14 +138,14 @@ def table(root: Path) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    """Write the table between its two marks in a page."""
+def write(begin: str, end: str, table: Callable[[Path], str]) -> None:
+    """Write a table of the repository between two marks in the page that the command names."""
     page = Path(sys.argv[1])
-    before, _, rest = page.read_text("utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    text = f"{before}{BEGIN}\n{table(Path(__file__).resolve().parents[1])}\n{END}{after}"
+    before, _, rest = page.read_text("utf-8").partition(begin)
+    _, _, after = rest.partition(end)
+    text = f"{before}{begin}\n{table(Path(__file__).resolve().parents[1])}\n{end}{after}"
     page.write_text(text, "utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    write(BEGIN, END, table)
