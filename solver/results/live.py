@@ -7,6 +7,7 @@ build/CASE/live/RUN and exits; the run itself goes on at once.
 
 import contextlib
 import os
+import signal
 import time
 import warnings
 from collections.abc import Iterator
@@ -90,11 +91,12 @@ class Copies:
 
     @contextlib.contextmanager
     def ending(self) -> Iterator[None]:
-        """End a copy with the block, whatever happens in it; a run waits for its last copy."""
+        """End a copy with the block, whatever happens in it; a run ends its last copy first."""
         try:
             yield
         finally:
             if self.is_copy:
                 os._exit(0)
-            if self._child:
+            if self._child:  # neither Ctrl-C nor the results wait for it
+                os.kill(self._child, signal.SIGKILL)
                 os.waitpid(self._child, 0)
