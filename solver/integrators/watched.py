@@ -100,7 +100,7 @@ def _curved(codes: IntArray) -> NDArray[np.bool_]:
         if code in op.PUSHES:
             stack.append(constant if code == op.CONSTANT else linear)
             continue
-        count = 3 if code == op.SELECT else 2 if code in op.BINARY else 1
+        count = op.operands(code)
         given, stack = stack[-count:], stack[:-count]
         scaled = (code == op.MULTIPLY and min(given) == constant) or (
             code == op.DIVIDE and given[1] == constant
@@ -182,8 +182,8 @@ def first_break(
             size = max(max(abs(size), abs(behind)), watched.span[last, 1] - watched.span[last, 0])
             jump = abs(behind - before)
             jump = jump if jump > JUMPS * size else 0.0
+            side = BESIDE * min(high, 1.0 - high)
             for m in range(5):
-                side = BESIDE * min(high, 1.0 - high)
                 watched.beside[m] = _value(watched, high + (m - 2.0) * side)
             _set_box(watched, 0.0, 1.0)
             _bound(watched)

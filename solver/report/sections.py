@@ -7,8 +7,7 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ..errors import counted
-from ..results.codes import UNDER_WAY
-from ..results.summary import invalid_words, verdict
+from ..results.summary import invalid_words, is_under_way, verdict
 from .story import Story
 from .table import measure, number
 
@@ -89,7 +88,7 @@ _RANK = {"good": 0, "doubt": 1, "bad": 2}
 
 def banner(stories: list[Story]) -> str:
     """Return one line on all runs, in the colour of the worst: how many completed, what stopped."""
-    going = [story for story in stories if _under_way(story)]
+    going = [story for story in stories if is_under_way(story.summary)]
     stopped = [story for story in stories if story.stopped and story not in going]
     worst = max((verdict(story.summary) for story in stories), key=lambda found: _RANK[found])
     completed = len(stories) - len(stopped) - len(going)
@@ -104,10 +103,6 @@ def banner(stories: list[Story]) -> str:
     found = _said([each for story in stories for each in _doubts(story)])
     words.append(f"<a href='#doubts'>{found}</a>" if found else "no warnings")
     return f"<p class='verdict {worst}'>{'; '.join(words)}.</p>"
-
-
-def _under_way(story: Story) -> bool:
-    return any(each["code"] == UNDER_WAY.name for each in _findings(story))
 
 
 def outcomes(stories: list[Story]) -> str:

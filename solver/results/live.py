@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ..math.rows import reopen_stored
 from ..system.interrupts import ignore
-from ..system.platform import context
+from ..system.platform import can_fork
 from .codes import UNDER_WAY
 
 FOLDER, REQUEST = "live", "request"
@@ -53,15 +53,14 @@ class Copies:
         self.out = out  # of this process: in a copy, build/CASE/live/RUN
         self.is_copy = False
         self._request = out.parent / FOLDER / REQUEST
-        self._forks = context().get_start_method() == "fork"
         self._child, self._begin, self._next = 0, 0.0, 0.0
 
     def code(self) -> str:
         """Return the code by which this process is to end the run; "" in the run itself."""
         now = time.monotonic()
-        if self._forks and now >= self._next:
+        if now >= self._next:
             self._next = now + LOOK_S
-            if not self._busy(now) and self._asked():
+            if not self._busy(now) and self._asked() and can_fork():
                 self._make(now)
         return UNDER_WAY.name if self.is_copy else ""
 

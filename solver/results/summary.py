@@ -129,11 +129,14 @@ def verdict(summary: dict[str, Any]) -> Verdict:
     warnings; "good": neither.
     """
     levels = {found.get("level", "warning") for found in summary.get("warnings", [])}
-    codes = {found.get("code") for found in summary.get("warnings", [])}
-    completed = summary.get("completed", False) or UNDER_WAY.name in codes
-    if not completed or "error" in levels:
+    if not (summary.get("completed", False) or is_under_way(summary)) or "error" in levels:
         return "bad"
     return "doubt" if "warning" in levels else "good"
+
+
+def is_under_way(summary: dict[str, Any]) -> bool:
+    """Tell whether a summary is that of the part so far of a run that goes on."""
+    return any(found.get("code") == UNDER_WAY.name for found in summary.get("warnings", []))
 
 
 def invalid_words(summary: dict[str, Any]) -> str:

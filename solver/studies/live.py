@@ -11,7 +11,7 @@ from ..package.common.files import write_text
 from ..report.build import PAGE, make_report
 from ..report.story import case_table
 from ..results.live import FOLDER, answers, ask
-from ..system.platform import context, locked
+from ..system.platform import can_fork, locked
 
 PERIOD_S = 1.0  # between looks for new results
 RELOAD_S = 5  # of the page in the browser
@@ -31,7 +31,7 @@ def live_page(case_dir: Path) -> Iterator[Path]:
     InputError
         Nothing is at work there; a system whose processes cannot be copied.
     """
-    if context().get_start_method() != "fork":
+    if not can_fork():
         raise InputError("--live: expected Linux, where a run can be copied while it goes on")
     if not at_work(case_dir):
         raise InputError(

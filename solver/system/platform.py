@@ -34,6 +34,11 @@ def cores() -> int:
 # Processes.
 
 
+def can_fork() -> bool:
+    """Tell whether this process can be copied where that is safe (Linux)."""
+    return POSIX and sys.platform == "linux"
+
+
 def context(*, fresh: bool = False) -> Any:
     """Return how `multiprocessing` starts processes.
 
@@ -44,8 +49,7 @@ def context(*, fresh: bool = False) -> Any:
     """
     from multiprocessing import get_context
 
-    forks = POSIX and sys.platform == "linux" and not fresh
-    return get_context("fork" if forks else "spawn")
+    return get_context("fork" if can_fork() and not fresh else "spawn")
 
 
 def processes(

@@ -14,7 +14,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.math.rows import StoredRows, reopen_stored
 from plymotion.solver.results import read_result
 from plymotion.solver.studies.live import live_page
-from plymotion.solver.system.platform import context
+from plymotion.solver.system.platform import can_fork
 
 PENDULUM = (
     HEAD
@@ -26,7 +26,7 @@ PENDULUM = (
 )
 
 
-@pytest.mark.skipif(context().get_start_method() != "fork", reason="no copies of processes")
+@pytest.mark.skipif(not can_fork(), reason="no copies of processes")
 @pytest.mark.provokes("run-under-way")
 def test_a_run_under_way_is_shown_and_not_changed(tmp_path):
     (tmp_path / "case.toml").write_text(PENDULUM + SOLVER.format(t_end=9e3, step=0.2, more=""))
@@ -60,7 +60,7 @@ def test_a_run_under_way_is_shown_and_not_changed(tmp_path):
     np.testing.assert_array_equal(np.asarray(part.q[:k]), np.asarray(whole.q[:k]))
 
 
-@pytest.mark.skipif(context().get_start_method() != "fork", reason="no copies of processes")
+@pytest.mark.skipif(not can_fork(), reason="no copies of processes")
 def test_a_copy_has_its_own_place_in_a_file_of_rows(tmp_path):
     """What a copy reads and adds does not move the place at which the other process reads."""
     rows, block = StoredRows((100,), tmp_path), np.arange(1e5).reshape(1000, 100)

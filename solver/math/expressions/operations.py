@@ -41,6 +41,12 @@
 BINARY = frozenset(range(ADD, OR + 1))
 PUSHES = frozenset((CONSTANT, TIME, LOAD))
 
+
+def operands(code: int) -> int:
+    """Return how many values an operation takes from the stack."""
+    return 0 if code in PUSHES else 3 if code == SELECT else 2 if code in BINARY else 1
+
+
 # Functions of a case file: operation and number of arguments.
 FUNCTIONS = {
     "sin": (SIN, 1),

@@ -352,7 +352,7 @@ def _is_bent(programs: Programs, p: int) -> bool:
         if code in op.PUSHES:
             stack.append(code == op.LOAD)
             continue
-        count = 3 if code == op.SELECT else 2 if code in op.BINARY else 1
+        count = op.operands(code)
         stack, given = stack[:-count], stack[-count:]
         corners = code == op.CURVE and _has_corners(programs, int(programs.argument[i]))
         if any(given) and (code in BENT or corners):
