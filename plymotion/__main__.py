@@ -3,14 +3,14 @@
 import sys
 
 try:
-    from .solver.system.interrupts import end_at_once
+    from .solver.system.interrupts import end_immediately
 except KeyboardInterrupt:
     sys.exit(130)
 
 
 def main() -> int:
     """Run the command line."""
-    end_at_once()
+    end_immediately()
     from .solver.__main__ import main as command
 
     return command()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..solver.errors import InputError, escape_control_characters
 from ..solver.package.common.plain_data import shard
-from ..solver.system.interrupts import INTERRUPTED, exit_code, heard
+from ..solver.system.interrupts import INTERRUPTED, exit_code, handled_signals
 from .mesh_input import scripts
 
 BODY_EPILOG = """\
@@ -57,7 +57,7 @@ at a time and keeps meshes and factorisations for the next."""
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     options = _parser().parse_args(arguments)
-    with heard():
+    with handled_signals():
         return exit_code(_guarded(options))
 
 

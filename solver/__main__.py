@@ -1,9 +1,9 @@
 """The command line: check, compile, packages, run, modes, report, section, shell, sweep, ..."""
 
 if __name__ == "__main__":
-    from .system.interrupts import end_at_once
+    from .system.interrupts import end_immediately
 
-    end_at_once()
+    end_immediately()
 
 import argparse
 import atexit
@@ -23,12 +23,12 @@ from .studies.exit_codes import INPUT
 from .studies.screen import shown
 from .system.interrupts import (
     INTERRUPTED,
-    asked,
     ending_words,
     exit_code,
-    heard,
+    handled_signals,
     ignore,
     of_a_signal,
+    stop_requested,
 )
 
 NO_READER = 141  # exit code: as of a program that SIGPIPE ends
@@ -104,13 +104,13 @@ def main(arguments: list[str] | None = None) -> int:
         words = ["run", *words]
     options = known.parsed(words)
     try:
-        with heard():
+        with handled_signals():
             code = exit_code(_guarded(options))
     except KeyboardInterrupt:  # while a message was printed, or between two handlers
         code = exit_code(_interrupted())
     if arguments is None:
         ignore()  # all is done: a signal while Python ends would only be a traceback
-        if asked() and "multiprocessing.resource_tracker" not in sys.modules:
+        if stop_requested() and "multiprocessing.resource_tracker" not in sys.modules:
             # At once: Python would free what was computed, object by object.
             for stream in filter(None, (sys.stdout, sys.stderr)):
                 with suppress(OSError, ValueError):
@@ -132,7 +132,7 @@ def _guarded(options: argparse.Namespace) -> int:
             named_by_user(_paths(options)),
         ):
             code = run_command(options)
-            sys.stdout.flush()  # a full disk or a closed pipe is told here
+            sys.stdout.flush()  # a full disk or a closed pipe raises here
             return code
     except (InputError, PackageError) as error:
         if of_a_signal(error):

@@ -369,7 +369,7 @@ def import_body(file: str | Path, out: str | Path, *, source: str | None = None)
     plymotion.solver.errors.InputError: nothing.toml: no such file...
     """
     with named(out):
-        _refused(*import_from(Path(file), Path(out), source, quiet=True, heard=False))
+        _refused(*import_from(Path(file), Path(out), source, quiet=True, show=False))
     return Package(out)
 
 
@@ -411,7 +411,7 @@ def export(
         if isinstance(what, Case):
             raise InputError(f'export(): {what!r}: expected a modal package, or to="fmu", "fmu3"')
         with named(out):
-            _refused(*export_body(Path(what), to, Path(out), heard=False))
+            _refused(*export_body(Path(what), to, Path(out), show=False))
         return Path(out)
     from ..solver.studies.fmu.write import write_fmu
 

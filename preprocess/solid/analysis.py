@@ -1,4 +1,4 @@
-"""What the command `solid` tells: inertia, frequencies with their errors, load cases."""
+"""Results of the command `solid`: inertia, frequencies with their errors, load cases."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple

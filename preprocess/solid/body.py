@@ -62,9 +62,9 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
     n = len(model.body.nodes)
     connectivity, offsets, types = vtk_cells(model.mesh.corners)
     cases: dict[str, Array] = {}
-    told = package.provenance["source"]
+    source = package.provenance["source"]
     if "analysis" in table:
-        told, cases = findings(model, package, table["analysis"])
+        source, cases = findings(model, package, table["analysis"])
     shapes = np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
     stresses = face_stresses(model, table["solid"]["materials"], shapes, cases)
     seconds = {"solid": assembled - start, "modes": time.perf_counter() - assembled}
@@ -78,7 +78,7 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
         offsets=offsets,
         cell_types=types,
         face_stresses=stresses,
-        provenance={**provenance, "solid": told},
+        provenance={**provenance, "solid": source},
     )
 
 

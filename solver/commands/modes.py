@@ -112,8 +112,8 @@ def _whirl(mode: dict[str, Any]) -> str:
 
 def _bodies(mode: dict[str, Any]) -> str:
     shares = sorted(mode["bodies"].items(), key=lambda item: -item[1])
-    told = [f"{name} {100 * share:.0f} %" for name, share in shares if share >= _SHARE]
-    return ", ".join(told[:_BODIES])
+    parts = [f"{name} {100 * share:.0f} %" for name, share in shares if share >= _SHARE]
+    return ", ".join(parts[:_BODIES])
 
 
 def _constraints(content: dict[str, Any]) -> list[str]:

@@ -21,7 +21,7 @@ ENDED = 70  # exit code of a process that a signal has ended
 
 
 def import_body(
-    file: Path, out: Path, source: str | None = None, *, quiet: bool = False, heard: bool = True
+    file: Path, out: Path, source: str | None = None, *, quiet: bool = False, show: bool = True
 ) -> tuple[int, str]:
     """Make a modal package from a body of another code; return as `exchange`.
 
@@ -41,7 +41,7 @@ def import_body(
         return 0, f"{out}: {package.body}, {package.n_mode} measured modes"
     words = ["import", str(file), "--out", str(out)]
     words += ["--from", source] if source else []
-    code, text = exchange([*words, *(["--quiet"] if quiet else [])], heard=heard)
+    code, text = exchange([*words, *(["--quiet"] if quiet else [])], show=show)
     for line in text.splitlines():
         if line.startswith("warning"):
             LOGGER.warning("%s", line)
@@ -49,26 +49,26 @@ def import_body(
 
 
 def export_body(
-    package: Path, target: str, out: Path | None = None, *, heard: bool = True
+    package: Path, target: str, out: Path | None = None, *, show: bool = True
 ) -> tuple[int, str]:
     """Write a modal package in the format of another code; return as `exchange`."""
     words = ["export", str(package), "--to", target]
-    return exchange([*words, *(["--out", str(out)] if out else [])], heard=heard)
+    return exchange([*words, *(["--out", str(out)] if out else [])], show=show)
 
 
-def exchange(words: Sequence[str], *, heard: bool = True) -> tuple[int, str]:
+def exchange(words: Sequence[str], *, show: bool = True) -> tuple[int, str]:
     """Run `python -m plymotion.preprocess.exchange`; return its exit code and its messages.
 
     Parameters
     ----------
-    heard : its output is that of this process, and messages are none
+    show : write its output to that of this process; no messages are returned then
     """
     with importable() as folder:
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", "plymotion.preprocess.exchange", *words],
             env=environment(folder),
-            stdout=None if heard else subprocess.DEVNULL,
-            stderr=None if heard else subprocess.PIPE,
+            stdout=None if show else subprocess.DEVNULL,
+            stderr=None if show else subprocess.PIPE,
             text=True,
         )
         try:

@@ -60,7 +60,7 @@ def keep_stable(run: Integrator, tableau: Tableau) -> bool:
 
 
 def stability_limit(tableau: Tableau, direction: complex) -> float:
-    """Return the first |h lambda| at which a step lets grow what has this direction of lambda.
+    """Return the first |h lambda| at which a solution with this direction of lambda grows.
 
     A direction near the imaginary axis is taken for less damped by DOUBT than it was found.
     """

@@ -168,7 +168,7 @@ class StrideMemory(Integrator):
         """Bring state and counters up to date, and say why a loop came back early."""
 
 
-# Steps of one call, between which Ctrl-C is heard without loss.
+# Steps of one call, between which Ctrl-C takes effect without loss.
 CHUNK = 200 if COMPILED else 5
 FEW = min(4, CHUNK)  # behind a stop at a force that was not seen
 MOST_KEPT = 500_000  # numbers of the steps of one call

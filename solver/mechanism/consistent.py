@@ -74,7 +74,7 @@ class _Joints:
 
 
 def require_movable(model: Model, y: Array, names: list[str], times: Array) -> None:
-    """Refuse a mechanism whose joints lock it by little, or lock what drives should move.
+    """Refuse a mechanism whose joints nearly lock it, or lock what drives should move.
 
     Parameters
     ----------

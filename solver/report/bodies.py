@@ -128,10 +128,10 @@ HEAD += ["x [m]", "time [s]", "ply", "place"]
 
 def strength_section(stories: list[Story]) -> str:
     """Return the section on ply stresses, or nothing if no material has strengths."""
-    told = [story for story in stories if story.summary.get("strength")]
-    if not told:
+    judged = [story for story in stories if story.summary.get("strength")]
+    if not judged:
         return ""
-    bodies = [(s, body, found) for s in told for body, found in s.summary["strength"].items()]
+    bodies = [(s, body, found) for s in judged for body, found in s.summary["strength"].items()]
     weakest = [
         (story, body, found)
         for story, body, whole in bodies

@@ -104,12 +104,12 @@ def _animate(blob: Blob, stories: list[Story], runs: list[dict[str, Any]], room:
     Returns the titles of the others.
     """
     empty = len(blob.text())
-    told = 0
+    size = 0
     for k, (story, run) in enumerate(zip(stories, runs, strict=True)):
         undo, known = blob.mark(), len(blob.index)
         run["scene"] = scene(blob, story, NUMBERS // len(stories))
-        told += len(json_for_script([run["scene"], blob.index[known:]]))
-        if told + len(blob.text()) - empty > room:
+        size += len(json_for_script([run["scene"], blob.index[known:]]))
+        if size + len(blob.text()) - empty > room:
             undo()
             run["scene"] = None
             return [each.title for each in stories[k:]]

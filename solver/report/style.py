@@ -7,7 +7,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..package.common.files import temporary_sibling
-from ..system.interrupts import postponed
+from ..system.interrupts import deferred
 
 # Palette of Okabe and Ito without yellow, which is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -51,7 +51,7 @@ def house_style(*, formulas: bool = False) -> Iterator[None]:
     With `formulas`, text between dollar signs is one; names of a user then need `plain_words`.
     """
     try:
-        with postponed():
+        with deferred():
             import matplotlib
             import matplotlib.backends.backend_agg
             import matplotlib.figure

@@ -148,7 +148,7 @@ def rounded(value: float, size: float, digits: int = 5) -> str:
 
 
 def labelled(label: str, text: str) -> str:
-    """Return a line of a label and what is told of it."""
+    """Return a line of a label and its text."""
     return f"{label:16}{text}"
 
 

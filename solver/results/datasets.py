@@ -91,21 +91,21 @@ class Datasets:
     Parameters
     ----------
     total : bytes that will be written, about
-    told : called with the part of them that is
+    progress : called with the part of them that is written
 
     Attributes
     ----------
     written : large arrays by the path of their dataset
     """
 
-    def __init__(self, total: int = 1, told: Callable[[float], None] | None = None) -> None:
+    def __init__(self, total: int = 1, progress: Callable[[float], None] | None = None) -> None:
         self.written: dict[str, Array | IntArray | LongRows] = {}
-        self._total, self._told, self._done = total, told, 0
+        self._total, self._progress, self._done = total, progress, 0
 
-    def _tell(self, size: int) -> None:
+    def _report(self, size: int) -> None:
         self._done += size
-        if self._told is not None:
-            self._told(min(self._done / self._total, 1.0))
+        if self._progress is not None:
+            self._progress(min(self._done / self._total, 1.0))
 
     def put(
         self,
@@ -121,11 +121,11 @@ class Datasets:
             dataset = group.create_dataset(name, values.shape, values.dtype, **packing(values))
             for first, end in blocks(values.shape):
                 dataset[first:end] = values[first:end]
-                self._tell(values.nbytes * (end - first) // values.shape[0])
+                self._report(values.nbytes * (end - first) // values.shape[0])
             self.written[dataset.name.lstrip("/")] = values
         else:
             dataset = group.create_dataset(name, data=np.asarray(values))
-            self._tell(values.nbytes)
+            self._report(values.nbytes)
         for key, word in (("unit", unit), ("frame", frame), ("description", text)):
             set_text(dataset, key, word)
         return dataset

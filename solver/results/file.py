@@ -66,14 +66,14 @@ def write_result(
     *,
     max_frames: int = 200,
     all_positions: bool = False,
-    told: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> None:
     """Write result.vtkhdf under a temporary name, then rename it.
 
     /results has every output time. The animation has at most `max_frames` of
     them, including the first and the last. Positions of nodes that need more than
     100 MB are left out of /results unless `all_positions` is set: readers compute them from
-    the coordinates (docs/adr/0044). `told` hears what part of /results is written.
+    the coordinates (docs/adr/0044). `progress` is called with the part of /results that is written.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def write_result(
             write_texts(group, "provenance", [provenance])
         else:
             set_text(file, "provenance", provenance)
-        written = dict(_write_results(group, result, all_positions, told))
+        written = dict(_write_results(group, result, all_positions, progress))
         written |= _write_sensitivities(file, result)
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
@@ -123,11 +123,11 @@ def _write_results(
     group: h5py.Group,
     result: RunResult,
     all_positions: bool,
-    told: Callable[[float], None] | None,
+    progress: Callable[[float], None] | None,
 ) -> Mapping[str, Array | IntArray | LongRows]:
     width = sum(array.shape[1] for array in (result.q, result.v, result.multipliers))
     width += len(result.energies) + len(result.violations) + len(result.signals) + 1
-    datasets = Datasets(8 * width * len(result.t), told)
+    datasets = Datasets(8 * width * len(result.t), progress)
     put = datasets.put
     put(group, "t", result.t, "s", "-", "output times")
     put(group, "q", result.q, "m, -, -", "G", "positions, Euler parameters, modal coordinates")

@@ -457,8 +457,8 @@ class Stepper:
         found = [*prepared.notes, *prepared.spin.findings, *prepared.passage.findings]
         found += prepared.buckling.findings if prepared.buckling is not None else []
         texts = [f"[{finding.code}] {finding.text}" for finding in found]
-        fresh = [text for text in texts if text not in self._told]
-        self._told.update(fresh)
+        fresh = [text for text in texts if text not in self._reported]
+        self._reported.update(fresh)
         return fresh
 
     def _begin(self, prepared: Prepared) -> None:
@@ -466,7 +466,7 @@ class Stepper:
         self._integrator = None
         self.t, self.y = 0.0, prepared.y0
         self._memory = {}
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._moves = 0  # communication steps
         self.last = None
 

@@ -20,7 +20,7 @@ from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.codes import Finding
 from ..results.live import Copies
-from ..system.interrupts import held
+from ..system.interrupts import completing
 from .inputs import RunSpec, inputs_sha256, still
 from .outcome import collect, disk_note, nearest_folder
 from .preparation import Prepared, histories_of, integrated, prepare
@@ -327,7 +327,7 @@ def run_file(
         solved = _solved(spec, solving, progress, disk, allow_python=allow_python, copies=copies)
         patience_s = max(PATIENCE_S, PATIENCE * solved[2])
         digest, progress = ("", False) if copies.is_copy else (digest, progress)
-        with held(patience_s):  # what is computed is kept
+        with completing(patience_s):  # what is computed is kept
             found = _collected(spec, *solved, solving, disk, progress, patience_s)
             target = copies.out
             return _written(target, spec, *found, digest, clock, import_s, progress, patience_s)
@@ -349,7 +349,7 @@ def _written(
     out.mkdir(parents=True, exist_ok=True)
     every = spec.mechanism.solver.node_positions == "all"
     stage = StageProgress(spec.run, "writing", show=progress, patience_s=patience_s)
-    write_result(out / "result.vtkhdf", result, all_positions=every, told=stage)
+    write_result(out / "result.vtkhdf", result, all_positions=every, progress=stage)
     clock.lap("write")
     seconds = summary["cost"]["seconds"]
     seconds["import"] = import_s

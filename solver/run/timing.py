@@ -5,7 +5,7 @@ import time
 from collections.abc import Mapping
 
 from ..math.compiled import statistics
-from ..system.interrupts import asked
+from ..system.interrupts import stop_requested
 
 # import: the program itself; load: run file, packages, compiled functions; build: model, start,
 # signals; integrate: steps; monitors: checks after steps; recover: signals and checks of the
@@ -43,7 +43,7 @@ class StageProgress:
     def __call__(self, part: float) -> None:
         """Note the part that is done."""
         seconds = time.perf_counter() - self._begin
-        if asked():
+        if stop_requested():
             self._asked = self._asked or (seconds, part)
             late, done = seconds - self._asked[0], part - self._asked[1]
             if late > PACE * self._patience_s and late * (1.0 - part) > self._patience_s * done:

@@ -22,12 +22,12 @@ from ..run.inputs import RunSpec, up_to_date
 from ..run.timing import timing_text
 from ..system.interrupts import (
     INTERRUPTED,
-    asked,
     ending_words,
     handle,
     note,
     of_a_signal,
     passed_to_children,
+    stop_requested,
 )
 from ..system.platform import context, end_with_parent, processes
 from .exit_codes import DEFECT, INCOMPLETE, INPUT, report
@@ -196,7 +196,7 @@ def _here(tasks: list[_Task]) -> Iterator[Outcome]:
     for task in tasks:
         outcome = _outcome(task)
         yield outcome
-        if asked() and task is not tasks[-1]:
+        if stop_requested() and task is not tasks[-1]:
             yield Outcome(INTERRUPTED)
             return
 

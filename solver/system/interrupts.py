@@ -19,7 +19,7 @@ from .platform import ENDING, POSIX, alarm, blocked, pass_on
 INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
 
 COMPLETING = b"interrupted: completing the files, for %.0f s at most; again: without them\n"
-SAME_S = 0.3  # a worker hears a signal to the group twice: by itself, and from its parent
+SAME_S = 0.3  # a worker receives a signal to the group twice: by itself, and from its parent
 
 _received: list[int] = []  # since the command began
 _commands = 0  # that are under way in this process
@@ -27,7 +27,7 @@ _written: list[str] = []  # the last file that this process has completed
 
 
 @contextlib.contextmanager
-def heard() -> Iterator[None]:
+def handled_signals() -> Iterator[None]:
     """Treat TERM and HUP like Ctrl-C as long as a command is under way.
 
     A signal that is ignored stays so (`nohup`). Does nothing outside the main thread.
@@ -87,7 +87,7 @@ def ending_words() -> str:
     return "interrupted: nothing written"
 
 
-def end_at_once() -> None:
+def end_immediately() -> None:
     """End the program at a signal while it starts.
 
     An exception within an import would be a traceback, or be taken for a missing module.
@@ -97,24 +97,24 @@ def end_at_once() -> None:
 
 @contextlib.contextmanager
 def starting() -> Iterator[None]:
-    """Do what `end_at_once` says while modules of a command are imported."""
+    """Do what `end_immediately` says while modules of a command are imported."""
     with _handled(_end) if _commands else contextlib.nullcontext():
         yield
 
 
 @contextlib.contextmanager
-def postponed() -> Iterator[None]:
+def deferred() -> Iterator[None]:
     """Complete a block before a signal counts: a library that is half imported is called missing.
 
     Extensions in C turn the KeyboardInterrupt of an import within their own into an ImportError.
     """
-    late: list[int] = []
+    received: list[int] = []
     try:
-        with _handled(lambda number, _: late.append(number)):
+        with _handled(lambda number, _: received.append(number)):
             yield
     finally:
-        if late:
-            signal.raise_signal(late[0])
+        if received:
+            signal.raise_signal(received[0])
 
 
 def _end(number: int, frame: FrameType | None) -> None:
@@ -123,25 +123,25 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 
 @contextlib.contextmanager
-def held(patience_s: float | None = None) -> Iterator[None]:
+def completing(patience_s: float | None = None) -> Iterator[None]:
     """Complete a block that saves results before a signal counts; a second one counts at once.
 
-    In a command the signal is noted, see `asked`; elsewhere it is raised after the block.
+    In a command the signal is noted, see `stop_requested`; elsewhere it is raised after the block.
     With `patience_s`, a block that is not complete so long after the signal, or after its begin
     if the signal came before, ends with KeyboardInterrupt. Without timers of POSIX a signal
     ends it at once.
     """
-    late: list[float] = []  # when it came
+    received: list[float] = []  # when it came
 
     def delay(number: int, frame: FrameType | None) -> None:
         note(number)
         now = time.monotonic()
-        if not late:
-            late.append(now)
+        if not received:
+            received.append(now)
             if patience_s is not None and _commands:
                 os.write(2, COMPLETING % patience_s)
             limit()
-        elif now - late[0] > SAME_S:
+        elif now - received[0] > SAME_S:
             raise KeyboardInterrupt
 
     def limit() -> None:
@@ -160,17 +160,17 @@ def held(patience_s: float | None = None) -> Iterator[None]:
     main = threading.current_thread() is threading.main_thread()
     try:
         with _handled(delay):
-            if asked() and main and POSIX:
+            if stop_requested() and main and POSIX:
                 limit()
             yield
     finally:
         for end_of_alarm in stops:
             end_of_alarm()
-    if late and not _commands:
+    if received and not _commands:
         raise KeyboardInterrupt
 
 
-def asked() -> bool:
+def stop_requested() -> bool:
     """Tell whether a signal has asked the command to end."""
     return bool(_received)
 
@@ -197,7 +197,7 @@ def of_a_signal(error: BaseException) -> bool:
     found: BaseException | None = error
     while found is not None and not isinstance(found, KeyboardInterrupt):
         found = found.__cause__ or found.__context__
-    return asked() or found is not None
+    return stop_requested() or found is not None
 
 
 def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:
@@ -220,11 +220,11 @@ def ignore() -> None:
 
 @contextlib.contextmanager
 def shielded() -> Iterator[None]:
-    """Start processes that call `ignore`: before that, from the first instruction, they hear none.
+    """Start processes that call `ignore`; before that call, too, no signal reaches them.
 
     A signal to this process counts after the block.
     """
-    with postponed(), blocked():
+    with deferred(), blocked():
         yield
 
 

@@ -26,7 +26,7 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from ..errors import InputError
-from ..system.interrupts import asked, ignore, shielded
+from ..system.interrupts import ignore, shielded, stop_requested
 from ..system.platform import context, processes
 
 # What all executors have in common, and the loop that keeps one of them busy.
@@ -99,7 +99,7 @@ def _run(executor: Executor, source: Source) -> None:
     waiting: list[int] = []  # lanes without a task
     lanes = deaths = 0
     while True:
-        if asked():  # while results were saved
+        if stop_requested():  # while results were saved
             raise KeyboardInterrupt
         width = executor.width()
         waiting += range(lanes, width)

@@ -21,7 +21,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import read_result
 from plymotion.solver.run.timing import PACE, StageProgress
 from plymotion.solver.studies.sweep.file import read_sweep
-from plymotion.solver.system.interrupts import heard, held
+from plymotion.solver.system.interrupts import completing, handled_signals
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -123,7 +123,7 @@ def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
 
 
 def test_a_stage_that_needs_longer_than_its_patience_ends():
-    with heard(), held(5.0):
+    with handled_signals(), completing(5.0):
         slow = StageProgress("base", "writing", show=False, patience_s=5.0)
         fast = StageProgress("base", "writing", show=False, patience_s=5.0)
         for stage in (slow, fast):
@@ -215,7 +215,7 @@ def test_handlers_are_given_back():
 WITHIN_TEXT = """
 import os, signal, sys
 from plymotion.solver.system import interrupts
-with interrupts.heard():
+with interrupts.handled_signals():
     try:
         exec("os.kill(os.getpid(), signal.SIGINT)")
         code = 0

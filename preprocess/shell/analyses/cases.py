@@ -239,12 +239,12 @@ def load_cases(
         energy=energy,
         residual=residual,
     )
-    told = ShellProbes(
+    recorded = ShellProbes(
         tuple(probe.name for probe in probes),
         tuple(probe.quantity for probe in probes),
         probe_values(probes, u, resultants),
     )
-    return cases, told, u
+    return cases, recorded, u
 
 
 def by_node(mesh: ShellMesh, u: Array) -> Array:

@@ -50,14 +50,14 @@ def verified(
     finer: FinerMesh,
     cases: ShellCases,
     modes: ShellModes | None,
-    told: Sequence[Mapping[str, str]] = (),
+    warnings: Sequence[Mapping[str, str]] = (),
 ) -> Verified:
     """Compare strain energies of load cases, and frequencies, with those of the second route.
 
     Parameters
     ----------
     cases, modes : results of the engine on the mesh of the problem
-    told : warnings about them; of cells that lock, no difference is a finding
+    warnings : warnings about them; of cells that lock, no difference is a finding
     """
     try:
         found = _both(problem, finer, cases, modes)
@@ -92,7 +92,7 @@ def verified(
     finding = {"code": "verification-differs", "message": f"{words}: please report the shell"}
     if gap <= step + LARGEST:
         return Verified("; ".join(filter(None, (words, left))), [])
-    if WARPED & {warning["code"] for warning in told}:
+    if WARPED & {warning["code"] for warning in warnings}:
         return Verified(f"{words}: cells lock, see the warnings", [])
     return Verified("; ".join(filter(None, (words, left))), [finding])
 

@@ -81,7 +81,7 @@ def read_and_mesh(
     ----------
     count : stations at equal distances from root to tip
     at : places r of 0 to 1; neither: the grid of the file's chord
-    failed : told of each station that cannot be meshed; the others are
+    failed : called with each station that cannot be meshed; the others are
 
     Raises
     ------

@@ -142,7 +142,7 @@ def _kind(found: Any) -> str:
 # `midpoint_nd_arc`), and may have rules that say which of them they define: `width`, `offset_arc`,
 # `offset_nd_arc` and `plane_intersection`. The numbers are meant to be the result of the rules, but
 # files also have placeholders there. So a rule holds where the numbers are not its result; what
-# numbers other than placeholders are off by is a difference that the file is told about.
+# numbers other than placeholders are off by is reported as a difference.
 
 START, END, MIDDLE = HANDLES = ("start_nd_arc", "end_nd_arc", "midpoint_nd_arc")
 OTHER = {START: END, END: START}

@@ -65,8 +65,8 @@ def _serve(channel: socket.socket, folder: Path) -> None:
         except Exception as error:
             _answer(channel, ERROR, _words(error))
             continue
-        told = "\n".join(stepper.warnings())
-        _answer(channel, WARNING if told else OK, told, found)
+        warnings = "\n".join(stepper.warnings())
+        _answer(channel, WARNING if warnings else OK, warnings, found)
 
 
 class _Instance:

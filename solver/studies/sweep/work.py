@@ -19,7 +19,7 @@ from ...math.disk_cache import state_of
 from ...package.common.plain_data import data_sha256
 from ...results import ResultError
 from ...results.codes import WORKER_LOST
-from ...system.interrupts import held
+from ...system.interrupts import completing
 from ...workers.executors import Executor, Local, Task, distribute
 from .file import FAILED, Row, believed_rows, result_of, write_sweep
 from .member import compute
@@ -219,7 +219,7 @@ class Work:
 
     def save(self) -> None:
         """Write the file; it is whole at any time."""
-        with held():
+        with completing():
             write_sweep(self.file, result_of(self.plan, self.rows))
         self._saved = time.perf_counter()
 

@@ -66,7 +66,7 @@ class ModeChoice(Table):
     """One entry of `modes`: the lowest vibration modes of a kind."""
 
     kind: ModeKind = entry(
-        "told apart by their share of modal mass: xy bends in the body's x-y plane; of a shell: "
+        "distinguished by their share of modal mass: xy bends in the body's x-y plane; of a shell: "
         "what moves most along y, z, x, and no torsion"
     )
     count: int = entry("how many, lowest frequencies first", ge=1, le=200)
