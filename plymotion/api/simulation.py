@@ -245,6 +245,13 @@ class Simulation:
     def place(self, q: Sequence[float] | Array, qd: Sequence[float] | Array | None = None) -> None:
         """Start at t = 0 from joint coordinates and rates (n,); modes that are not given are 0.
 
+        Angles may have any number of turns: stops, springs and controllers count from there.
+
+        Raises
+        ------
+        InputError
+            Drives at the present inputs, or couplings, do not allow these coordinates.
+
         >>> import plymotion as pm
         >>> sim = pm.simulate("pendulum.toml")
         >>> sim.place([0.5])

@@ -10,6 +10,7 @@ import numpy as np
 from ..dynamics.elements.forces.table import unit_of_law
 from ..dynamics.elements.joints.contract import Displacement
 from ..dynamics.elements.joints.table import JOINTS
+from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.evaluation import started
 from ..dynamics.evaluation.laws import law_values
 from ..dynamics.model.model import Model
@@ -22,6 +23,7 @@ from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
 from ..mechanism.built import BuiltMechanism
+from ..mechanism.consistent import described_gaps
 from ..signals import recorded
 from .inputs import RunSpec
 from .preparation import Prepared, prepare
@@ -217,6 +219,7 @@ def write_piece(model: Model, number: int, t: float, coefficients: Array) -> Non
 # A mechanism that moves from one communication point to the next, with inputs in between.
 
 DRIVE_ORDER, FORCE_ORDER = 2, 1
+ALLOWED = 1e-6  # gap of a joint in a state that another program gives [m, rad, m/s, rad/s]
 
 
 class Kept(NamedTuple):
@@ -445,9 +448,34 @@ class Stepper:
         return model.law_time, model.law_coefficient, model.quantities.law
 
     def place(self, y: Array, values: Array) -> None:
-        """Go on from another state y (n,), with inputs (k,), as from a start at t = 0."""
-        self._set_courses(values - np.array([given.start[0] for given in self.inputs]))
-        self.t, self.y = 0.0, started(self.prepared.model, 0.0, y)
+        """Go on from another state y (n,), with inputs (k,), as from a start at t = 0.
+
+        Raises
+        ------
+        InputError
+            Drives, couplings or joints of loops do not allow it; the run stands where it was.
+        """
+        before, model, names = self.kept(), self.prepared.model, self.prepared.built.joint_names
+        change = values - np.array([given.start[0] for given in self.inputs])
+        for given, by in zip(self.inputs, change, strict=True):
+            powers = given.start * [1.0, 1.0, 0.5]
+            powers[0] += by + given.offset
+            write_piece(model, given.law, 0.0, powers)
+        y = started(model, 0.0, y)
+        equations = assemble(model, 0.0, y)
+        rates = equations.Phi_q @ y[model.n_pos : model.n_pos + model.n_vel] + equations.Phi_t
+        for what, gaps, units in (
+            ("positions", equations.Phi, ("m", "rad")),
+            ("rates", rates, ("m/s", "rad/s")),
+        ):
+            if apart := described_gaps(model, gaps, names, units, ALLOWED):
+                self.restore(before)
+                raise InputError(
+                    f"{what} that drives, couplings or joints do not allow, with a gap in {apart}; "
+                    "expected others. The inputs move drives"
+                )
+        self._set_courses(change)
+        self.t, self.y = 0.0, y
         self._integrator, self._memory = None, {}
         self.prepared.turns.go_back(({}, [], []))
 

@@ -13,6 +13,7 @@ from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.coupled import Course, Stepper
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.inputs import RunSpec
+from plymotion.solver.studies.sensitivities.execution import step_derivatives
 
 CARRIAGE = (
     rigid("box", 2.0, 0.1, {"c": [0, 0, 0]}, position=[0.5, 0, 0])
@@ -184,6 +185,19 @@ def test_a_second_start_repeats_the_first(tmp_path: Path) -> None:
         return np.array([stepper.advance(0.01 * k, np.array([k % 3])) for k in range(1, 20)])
 
     assert np.array_equal(moved(), moved())
+
+
+def test_derivatives_of_a_short_step(tmp_path: Path) -> None:
+    """x = F / c (t - m / c (1 - exp(-c t / m))): its derivative is 1e-11 of x, velocities grow."""
+    spec = spec_of(tmp_path, CARRIAGE.replace("DRIVE", ""))
+    spec = spec.changed({"solver.integrator": "radau"})
+    stepper = Stepper(spec, WRITTEN[1:], retraces=True)
+    stepper.start(np.array([1.0]), force_order=0)
+    h, c, m = 1e-5, 0.5, 2.0
+    stepper.advance(h, np.array([1.0]))
+    x, a = step_derivatives(stepper)[:, 0]
+    assert x == pytest.approx(h**2 / (2.0 * m) * (1.0 - c * h / (3.0 * m)), rel=1e-10, abs=0.0)
+    assert a == pytest.approx(np.exp(-c * h / m) / m, rel=1e-10)
 
 
 def test_refusals(tmp_path: Path) -> None:

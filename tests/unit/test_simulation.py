@@ -81,6 +81,41 @@ def test_equations_at_a_state(arm: pm.Simulation) -> None:
     assert np.abs(slope - qdd).max() < 1e-4 * np.abs(qdd).max()
 
 
+def test_places_have_the_turns_that_are_given(arm: pm.Simulation) -> None:
+    """Stops count from the given angle: once they counted from where the arm had been before."""
+    arm.place([-1.4])
+    alone = arm.equations().c
+    for angle in (1.9, -1.4 + 4.0 * np.pi, -1.4):
+        arm.place([angle])
+    assert np.array_equal(arm.equations().c, alone)
+    arm.place([-1.4 + 2.0 * np.pi])
+    stop = arm.equations().c[0] - alone[0]
+    assert stop == pytest.approx(60.0 / 0.01 * (2.0 * np.pi - 1.4 - 2.0), rel=1e-10)
+
+
+def test_places_that_drives_do_not_allow(folder: Path) -> None:
+    """A drive once took the joint back within the next step, without a word."""
+    case = pm.load(folder)
+    case.joints.shoulder.drive = {"polynomial": [0.0]}
+    sim = pm.simulate(case, out=folder / "build")
+    sim.step(1e-3)
+    before = sim.y
+    with pytest.raises(
+        InputError, match=r"^positions that .* gap in shoulder \(drive\): 0 m, 0.38"
+    ):
+        sim.place([0.4])
+    with pytest.raises(
+        InputError, match=r"^rates that .* gap in shoulder \(drive\): 0 m/s, 2 rad/s"
+    ):
+        sim.place([0.0], [2.0])
+    assert sim.t == 1e-3
+    assert np.array_equal(sim.y, before)
+    sim.reset({"joints.shoulder.drive": 0.4})
+    sim.place([0.4, 0.1])
+    sim.step(1e-3)
+    assert sim.q[:2] == pytest.approx([0.4, 0.1], abs=1e-4)
+
+
 def test_jacobian_by_differences(arm: pm.Simulation) -> None:
     """Velocity of the tip by the rates, from places of displaced coordinates."""
     q, h = np.array([0.4, 0.1, -0.3]), 1e-5

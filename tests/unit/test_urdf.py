@@ -16,6 +16,7 @@ from plymotion.solver.extras.robot.urdf import read_urdf
 from plymotion.solver.results.surfaces import stl_triangles
 
 ROBOTS = Path(__file__).parents[1] / "samples/robots"
+WRIST = '<mimic joint="slide"/><dynamics damping="0.7"/>'
 ARM = (ROBOTS / "arm.urdf").read_text()
 
 
@@ -78,6 +79,33 @@ def test_what_acts_in_free_joints(tmp_path: Path) -> None:
     assert forces.shoulder_stop.stiffness == pytest.approx(60.0 / 0.01)
     assert forces.slide_damping.derivative == 3.0
     assert forces.shoulder_motor.actuator == {"polynomial": [0.0]}
+
+
+def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A note for each; a joint that mimics another one has its friction, damping and stop."""
+    text = ARM.replace('lower="-1.5" upper="2.0"', 'lower="-1.5" upper="-0.5"')
+    text = text.replace('lower="0" upper="0.3"', "")
+    text = text.replace('<origin xyz="0 0.05 0.1" rpy="-0.6 0 0"/>', WRIST)
+    (tmp_path / "arm.urdf").write_text(text)
+    words = ["import", str(tmp_path / "arm.urdf"), "--joints", "free", "--no-meshes"]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().err
+    assert "note: shoulder: stands at 0, outside its limits -1.5 to -0.5: its stop pushes" in told
+    assert "note: slide: no stops: its <limit> is 0 to 0" in told
+    assert pm.load(tmp_path / "out").forces.wrist_damping.derivative == 0.7
+
+
+def test_small_things_keep_their_inertia(tmp_path: Path) -> None:
+    """Of 1 ug and 0.1 mm: what is rounding is a matter of the link, not of 1e-15 kg m2."""
+    file = tmp_path / "grain.urdf"
+    moments = 'ixx="4e-17" iyy="3e-17" izz="5e-17" ixy="1e-17" ixz="1e-33"'
+    file.write_text(
+        '<robot name="grain"><link name="base"/><link name="grain"><inertial><mass value="1e-9"/>'
+        f'<inertia {moments}/></inertial></link><joint name="j" type="revolute">'
+        '<parent link="base"/><child link="grain"/></joint></robot>'
+    )
+    made = robot_case(read_urdf(file))
+    assert made.tables["bodies"]["grain"]["inertia"][0] == [4e-17, 1e-17, 0.0]
 
 
 def test_joints_that_mimic_others(tmp_path: Path) -> None:
@@ -150,6 +178,8 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         ('name="tool"', 'name="wri/st"', r"no such link"),
         ('<link name="tip"/>', '<link name="tip"/><link name="x"/>', r"without a parent: base, x;"),
         ("</robot>", "", r"no XML: no element found"),
+        (">100<", ">1.5.2<", r"transmission of shoulder, <mechanicalReduction value>: .1\.5\.2.;"),
+        (">100<", ">0<", r":\d+: <mechanicalReduction> = 0; expected another number"),
         ("<robot", "<sdf><robot", r"no XML"),
         (
             '<box size="0.4 0.06 0.05"/>',

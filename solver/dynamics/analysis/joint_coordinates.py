@@ -161,8 +161,8 @@ class JointCoordinates:
     def state(self, t: float, y: Array, values: Array, rates: Array) -> Array:
         """Return the state at joint coordinates and rates (n,); other entries are those of y (m,).
 
-        Rates of a free body are the velocity of its frame, global, and its angular velocity in
-        body axes.
+        Auxiliary states that count turns have the coordinate of their joint. Rates of a free body
+        are the velocity of its frame, global, and its angular velocity in body axes.
         """
         model, work, y = self._model, self._work, y.copy()
         r, A = np.zeros((model.n_body + 1, 3)), np.tile(np.eye(3), (model.n_body + 1, 1, 1))
@@ -187,6 +187,17 @@ class JointCoordinates:
             a = int(model.pos_start[i])
             y[a : a + 3], y[a + 3 : a + 7] = r[i], matrix_to_parameters(A[i])
         y[model.n_pos : model.n_pos + model.n_vel] = self.projected(t, y).Z @ rates
+        quantities, first = model.quantities, model.n_pos + model.n_vel
+        given_angles = {
+            self._ends(step): values[k]
+            for step in self._steps
+            for k, c in enumerate(step.coordinates, step.first)
+            if c is ANGLE
+        }
+        for m in np.flatnonzero(quantities.turn >= 0):
+            one, two = (int(k) for k in quantities.marker[m])
+            j = int(quantities.turn[m])
+            y[first + j] = given_angles.get((one, two), quantities.start[j])
         return y
 
     def values(self, y: Array) -> tuple[Array, Array]:

@@ -258,11 +258,13 @@ class _Writer:
                 continue
             name = self._name("link", head)
             named[name] = body
+            inertia = body.inertia.about_centre
+            least = 1e-15 * float(np.abs(inertia).max())
             tables["bodies"][name] = {
                 "kind": "rigid",
                 "mass": body.inertia.mass,
                 "centre": _numbers(body.inertia.centre),
-                "inertia": [_numbers(row) for row in body.inertia.about_centre],
+                "inertia": [_numbers(row, least) for row in inertia],
                 "position": _numbers(body.pose.p),
                 "rotation_deg": _numbers(np.degrees(matrix_to_vector(body.pose.A))),
                 "interfaces": self._points[head],
@@ -309,6 +311,8 @@ class _Writer:
             return
         axis = table["axis"] = _numbers(self._bodies[two].pose.A @ joint.axis)
         if kind == Type.PLANAR:
+            if joint.damping or joint.friction:
+                self._notes.append(f"{joint.name}: no friction: only single coordinates have one")
             return
         of = {"joint": name}
         angle = {"kind": "joint", **of, "coordinate": "angle" if kind == Type.REVOLUTE else "z"}
@@ -316,6 +320,8 @@ class _Writer:
         mimic = joint.mimic
         if mimic is not None and self._robot.joints[mimic.joint].kind != Type.FIXED:
             self._couple(joint, mimic.joint, mimic.multiplier)
+            if self._way != "hold":
+                self._resist(joint)
         elif self._way == "hold" or mimic is not None:
             self._hold(joint, table)
         else:
@@ -365,6 +371,11 @@ class _Writer:
                     "axis": axis,
                     "actuator": {"polynomial": [0.0]},
                 }
+        self._resist(joint)
+
+    def _resist(self, joint: UrdfJoint) -> None:
+        """Add friction, damping and stops of a joint."""
+        name, forces = self._name("joint", joint.name), self._tables["forces"]
         if joint.friction > 0.0:
             forces[f"{name}_friction"] = {
                 "kind": FRICTION.kind,
@@ -380,22 +391,30 @@ class _Writer:
                 "setpoint": "0",
                 "derivative": joint.damping,
             }
-        if joint.lower is not None and joint.upper is not None and joint.lower < joint.upper:
-            if joint.effort > 0.0:
-                first = start(self._robot, joint)
-                forces[f"{name}_stop"] = {
-                    "kind": LIMIT_STOP.kind,
-                    "joint": name,
-                    "lower": joint.lower - first,
-                    "upper": joint.upper - first,
-                    "stiffness": joint.effort / STOP_DEPTH,
-                    "exponent": 1.0,
-                    "restitution": 0.5,
-                }
-            else:
-                self._notes.append(f"{joint.name}: no stops: its <limit> has no effort above 0")
+        if joint.lower is None or joint.upper is None:
+            return
+        first, limits = start(self._robot, joint), f"{joint.lower:g} to {joint.upper:g}"
+        if joint.lower == joint.upper:
+            self._notes.append(f"{joint.name}: no stops: its <limit> is {limits}")
+        elif not joint.effort > 0.0:
+            self._notes.append(f"{joint.name}: no stops: its <limit> has no effort above 0")
+        else:
+            if not joint.lower <= first <= joint.upper:
+                self._notes.append(
+                    f"{joint.name}: stands at {first:g}, outside its limits {limits}: its stop "
+                    "pushes from the start"
+                )
+            forces[f"{name}_stop"] = {
+                "kind": LIMIT_STOP.kind,
+                "joint": name,
+                "lower": joint.lower - first,
+                "upper": joint.upper - first,
+                "stiffness": joint.effort / STOP_DEPTH,
+                "exponent": 1.0,
+                "restitution": 0.5,
+            }
 
 
-def _numbers(values: Array) -> list[float]:
+def _numbers(values: Array, least: float = 1e-15) -> list[float]:
     """Return numbers without noise of rounding around zero."""
-    return [0.0 if abs(x) < 1e-15 else float(x) for x in values]
+    return [0.0 if abs(x) < least else float(x) for x in values]

@@ -5,9 +5,8 @@ know, or raise without a place in the file. Entities are refused, so that a file
 """
 
 import math
-import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum, auto
 from pathlib import Path
 from typing import TypeVar
@@ -370,7 +369,7 @@ class _Reader:
         given, axis = element.one("axis"), np.array([1.0, 0.0, 0.0])
         if given is not None:
             axis = self._numbers(where, given, "xyz", 3, (1.0, 0.0, 0.0))
-        length = float(np.linalg.norm(axis))
+        length = math.hypot(*axis)
         if length == 0.0 and kind not in (Type.FIXED, Type.FLOATING):
             line = given.line if given is not None else element.line
             self._say(line, f"{where}, <axis xyz>: expected a vector of non-zero length")
@@ -472,11 +471,16 @@ class _Reader:
         for transmission in self._root.all("transmission"):
             holders = [transmission, *transmission.all("joint"), *transmission.all("actuator")]
             names = [j.attributes.get("name", "") for j in transmission.all("joint")]
-            own = (e for holder in holders for e in holder.all("mechanicalReduction"))
-            text = next((e.text or e.attributes.get("value", "") for e in own), "")
-            for name in names:
-                if name in joints and re.fullmatch(r"\s*-?[0-9.eE+-]+\s*", text):
-                    found[name] = float(text)
+            own = [e for holder in holders for e in holder.all("mechanicalReduction")]
+            if not own:
+                continue
+            text = own[0].text or own[0].attributes.get("value", "")
+            element = replace(own[0], attributes={"value": text.strip()})
+            value = self._number(f"transmission of {', '.join(names)}", element, "value", 1.0)
+            if value == 0.0:
+                self._of(own[0], " = 0; expected another number")
+            found |= {name: value for name in names if name in joints}
+        refuse(self._found)
         return found
 
 

@@ -278,18 +278,23 @@ def step_derivatives(stepper: Stepper) -> Array:
     recording = Recording(model, times[1:], y, {HELD: held})
     for sensor in stepper.outputs.values():
         sensor.values(recording)
-    rows = np.empty((len(stepper.outputs), len(columns)))
+    rows = np.zeros((len(stepper.outputs), len(columns)))
     for k, column in enumerate(columns):
-        S = follower.S[1:, :, k]
-        moved = np.abs(S[0, : 2 * model.n_vel].reshape(2, -1) * tangent.units).max(initial=0.0)
-        h = TRIED / moved if moved > 0.0 else column.h
-        pair = [
-            Variant(replace(prepared.built, model=stepper.inputs_at(model, k, by)), y[0])
-            for by in (-h, h)
-        ]
-        beside = _beside(prepared, times[1:], y, S, h, (pair[0], pair[1]), held)
-        changes = _of_signals(prepared, beside, h)
-        rows[:, k] = [changes[name][0] for name in stepper.outputs]
+        S, n = follower.S[1:, :, k], model.n_vel
+        # Positions apart: in a short step they change by far less than velocities, so that one
+        # displacement for both would leave rounding errors of the outputs.
+        for its in (slice(0, n), slice(n, None)):
+            part = np.zeros_like(S)
+            part[:, its] = S[:, its]
+            moved = np.abs(part[0, : 2 * n].reshape(2, -1) * tangent.units).max(initial=0.0)
+            h = TRIED / moved if moved > 0.0 else column.h
+            low, high = (
+                replace(prepared.built, model=stepper.inputs_at(model, k, by if its.start else 0.0))
+                for by in (-h, h)
+            )
+            pair = Variant(low, y[0]), Variant(high, y[0])
+            changes = _of_signals(prepared, _beside(prepared, times[1:], y, part, h, pair, held), h)
+            rows[:, k] += [changes[name][0] for name in stepper.outputs]
     return rows
 
 
