@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -42,24 +43,23 @@ from ..mechanism.assembly import assemble_model
 from ..mechanism.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..signals.points import rotation_vectors
 from ..workers.executors import Local
-from .fidelity.indicators.response import newmark
 
 
 def compile_ahead(*, everything: bool = False) -> str:
     """Call every function that runs of `radau` and the explicit methods need; say what was done.
 
     In two processes, which share what they have compiled by way of the cache. `everything`:
-    generalized-alpha and planning as well.
+    generalized-alpha as well.
     """
     if not COMPILED:
         return "Numba is not used: runs take plain NumPy"
     begin = time.perf_counter()
     rounds: list[tuple[Callable[[], None], ...]] = [
         (_compile_evaluation, _compile_matrices),
-        (_compile_radau, _compile_others),
+        (partial(_step_loop, Radau), _compile_others),
     ]
     if everything:
-        rounds.append((_compile_alpha, _compile_planning))
+        rounds.append((partial(_step_loop, GeneralizedAlpha),))
     made, kept = 0, True
     workers, complete = Local(2), False
     try:
@@ -115,22 +115,6 @@ def _compile_matrices() -> None:
     along_directions(model, *along)
     masses_and_jacobians(model, t, states)
     move_rows(model, states, zero)
-
-
-def _compile_radau() -> None:
-    _step_loop(Radau)
-
-
-def _compile_alpha() -> None:
-    _step_loop(GeneralizedAlpha)
-
-
-def _compile_planning() -> None:
-    """What plans of [fidelity] and checks call outside of runs."""
-    model, y = _hinge()
-    n, t = model.n_vel, np.arange(2.0)
-    M, _ = masses_and_jacobians(model, t, np.tile(y, (2, 1)))
-    newmark(t, np.zeros((2, n)), M, np.arange(2), np.eye(n), np.eye(n), None)
 
 
 def _step_loop(kind: type[StepLoop]) -> None:

@@ -54,6 +54,15 @@ def move_rows(model: Model, y: Array, steps: Array) -> None:
         move(model, y[k], steps[k])
 
 
+def displaced(model: Model, y: Array, change: Array) -> Array:
+    """Return states (n,) or (k, n) moved by changes (2 n_vel + n_aux,), or one for each."""
+    found, n = np.atleast_2d(y).copy(), model.n_vel
+    change = np.atleast_2d(change)
+    found[:, model.n_pos : -1] += change[:, n:]
+    move_rows(model, found, np.ascontiguousarray(change[:, :n]))
+    return found.reshape(y.shape)
+
+
 @lean
 def move(model: Model, y: Array, step: Array) -> None:
     """Move the positions in y (n_pos or more) in place; see `moved`."""

@@ -1,7 +1,7 @@
 """The outcome of a plan, as an engineer reads it and as an entry of summary.json."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from ...run.inputs import RunSpec
 from .indicators.beam_theory import beam_theory
 from .indicators.indicators import Study
 from .plan import Plan
-from .trial import Share, Trial
+from .trial import Share, Trial, attempted
 
 
 def beyond_theory(trial: Trial) -> list[str]:
@@ -21,21 +21,18 @@ def beyond_theory(trial: Trial) -> list[str]:
     return [finding.text for finding in motion_findings(trial.finished)]
 
 
-def stopped(trial: Trial, what: str) -> str:
-    """Return when and why a run ended early; "" if it did not."""
-    if trial.complete:
-        return ""
-    solution = trial.finished.solution
-    by = f" by `{solution.code}`" if solution.code else ""
-    return f"the run of the {what} stopped at t = {solution.t[-1]:.4g} s{by} ({solution.message})"
-
-
 def not_compared(model: Trial, check: Trial) -> str:
     """Return why model and check could not be compared; "" if both reached the end."""
-    found = [stopped(check, "check"), stopped(model, "model")]
-    if found[0] and model.complete:
+    found = []
+    for trial, what in ((check, "check"), (model, "model")):
+        if not trial.complete:
+            solution = trial.finished.solution
+            end = f"the run of the {what} stopped at t = {solution.t[-1]:.4g} s"
+            by = f" by `{solution.code}`" if solution.code else ""
+            found.append(f"{end}{by} ({solution.message})")
+    if found and model.complete:
         found.append("the run of the model did not, so that its error is not known")
-    return "; ".join(text for text in found if text)
+    return "; ".join(found)
 
 
 @dataclass
@@ -82,6 +79,12 @@ class Answer:
             return {}
         return dict(zip(self.names, self.estimate.tolist(), strict=True))
 
+    def run(self, plan: Plan) -> Trial | None:
+        """Run a plan of the same bodies; see `attempted`."""
+        study = self.study
+        quiet = study.indicators.quiet
+        return attempted(self.spec, plan, study.model, study.check, self.names, quiet)
+
     @property
     def pair(self) -> tuple[Trial, Trial]:
         """Runs of the model and of its check, of an answer that has been checked."""
@@ -90,18 +93,21 @@ class Answer:
         return self.trial, self.check
 
     @property
+    def _delivered(self) -> tuple[str, Trial | None]:
+        runs = (("all modes", self.finest), ("check", self.check), ("model", self.trial))
+        known = [(name, trial) for name, trial in runs if trial is not None]
+        complete = [(name, trial) for name, trial in known if trial.complete]
+        return next(iter(complete or known), ("none", None))
+
+    @property
     def delivered(self) -> Trial | None:
         """The run whose result is delivered."""
-        for trial in (self.finest, self.check, self.trial):
-            if trial is not None and trial.complete:
-                return trial
-        return self.check or self.trial
+        return self._delivered[1]
 
     @property
     def delivered_name(self) -> str:
         """Which run is delivered: "model", "check" or "all modes"."""
-        names = ((self.finest, "all modes"), (self.check, "check"), (self.trial, "model"))
-        return next((name for trial, name in names if trial and trial is self.delivered), "none")
+        return self._delivered[0]
 
     @property
     def delivered_at_most(self) -> dict[str, float | None]:
@@ -111,11 +117,8 @@ class Answer:
         smaller, no run tells. A run that no other one was compared with has no estimate.
         """
         richer = self.finest is not None or self.delivered is self.check
-        known = self.estimates if richer else {}
-        return {
-            name: known[name] if np.isfinite(known.get(name, np.inf)) else None
-            for name in self.names
-        }
+        known = (estimate_entry(self) if richer else None) or {}
+        return {name: known.get(name) for name in self.names}
 
 
 JOINTS = "the joints: rigid, with the friction and clearance that the case describes"
@@ -140,13 +143,10 @@ MEASURED = "bodies from files: one package, so its mesh and its modes"
 def not_checked(answer: Answer) -> list[str]:
     """Return what neither the plan nor the check looks at."""
     bodies = answer.spec.mechanism.bodies
-    files = [name for name in answer.plan.bodies if bodies[name].kind == "package"]
-    shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
     found = list(NOT_CHECKED) if answer.plan.bodies else [JOINTS]
-    if files:
-        found.append(f"{MEASURED} ({', '.join(files)})")
-    if shells:
-        found.append(f"{BETWEEN} ({', '.join(shells)})")
+    for kind, words in (("package", MEASURED), ("shell", BETWEEN)):
+        if names := [name for name in answer.plan.bodies if bodies[name].kind == kind]:
+            found.append(f"{words} ({', '.join(names)})")
     return found
 
 
@@ -162,7 +162,7 @@ def entry(answer: Answer) -> dict[str, Any]:
         "losses": dict(zip(answer.names, answer.losses.tolist(), strict=True)),
         "estimate": estimate_entry(answer),
         "delivered": {"run": answer.delivered_name, "error_at_most": answer.delivered_at_most},
-        "shares": [share.entry() for share in answer.shares],
+        "shares": [asdict(share) for share in answer.shares],
         "rounds": answer.rounds,
         "cpu": dict(answer.cpu),
         "verdict": answer.verdict,
@@ -194,13 +194,12 @@ def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
 
 def fidelity_line(found: Mapping[str, Any]) -> str:
     """Return the entry of summary.json in one line."""
-    estimate = "no estimate of the error"
+    estimate, delivered = "no estimate of the error", found.get("delivered", {})
     values = [*(found["estimate"] or {}).values()]
     if values and None not in values:
         estimate = f"estimated error of the chosen model {max(values):.1e}"
-    run = found.get("delivered", {}).get("run", "none")
-    most = [*found.get("delivered", {}).get("error_at_most", {}).values()]
-    if run != "none":
+    most = [*delivered.get("error_at_most", {}).values()]
+    if (run := delivered.get("run", "none")) != "none":
         bound = f"at most about {max(most):.1e}" if most and None not in most else "not estimated"
         estimate += f"; delivered: {DELIVERED[run]}, error {bound}"
     reason = f", {found['reason']}" if found["reason"] else ""

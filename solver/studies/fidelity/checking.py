@@ -1,6 +1,6 @@
 """Runs of the model of a plan and of its check, within the budget of the request."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -16,14 +16,13 @@ from .plan import (
     TIGHTER,
     TIGHTER_AMPLIFIED,
     Plan,
-    Rich,
     check_plan,
     covers,
     kind_of,
     outline,
     vibration_labels,
 )
-from .trial import Trial, attempted, distance, horizon, promoted, promotions, split
+from .trial import Share, Trial, distance, horizon, promoted, promotions
 
 POWER, POWER_OF_REACTIONS = 3.0, 2.5
 
@@ -53,63 +52,10 @@ def exhausted(
     return found
 
 
-def unseen(
-    check: Trial,
-    ranked: Mapping[str, tuple[str, ...]],
-    packages: tuple[Mapping[str, Rich], Mapping[str, Rich]],
-    metric: str,
-    run: Callable[[Plan], Trial | None],
-    powers: Array,
-) -> tuple[Array | None, str]:
-    """Return what vibrations above those of the packages contribute to the signals (o,), and where.
-
-    None if the check does not have all vibrations of a kind.
-
-    Parameters
-    ----------
-    packages : rich packages of the model and of the check, by body
-    powers : (o,) of the number of a vibration, by which its contribution decreases
-    """
-    model, finer = ({n: vibration_labels(r.package) for n, r in p.items()} for p in packages)
-    kinds = exhausted(check.plan, ranked, finer)
-    poor, share = check.plan, np.zeros(len(powers))
-    for name, these in kinds.items():
-        if len(model[name]) < len(finer[name]):
-            poor = poor.with_body(name, mesh="model")
-            counts = [[_count(labels[name], kind) for labels in (model, finer)] for kind in these]
-            for m, n in counts:
-                share = np.maximum(share, [tail(m, n, p) for p in powers])
-    if poor == check.plan:
-        return None, ""
-    words = ", ".join(f"{' and '.join(these)} of {name}" for name, these in kinds.items())
-    other = run(poor)
-    return (None if other is None else share * distance(metric, other, check)), words
-
-
 def tail(m: int, n: int, power: float = POWER) -> float:
     """Return the contribution of vibrations above n, over that of m + 1 to n."""
     known = float((np.arange(m + 1, n + 1) ** -power).sum())
     return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
-
-
-def _count(labels: tuple[str, ...], kind: str) -> int:
-    return sum(kind_of(label) == kind for label in labels)
-
-
-def mesh_error(
-    model: Trial, shells: Iterable[str], metric: str, run: Callable[[Plan], Trial | None]
-) -> tuple[Array | None, str]:
-    """Return the estimated error of the meshes of shells (o,), and the bodies in words.
-
-    No bodies: none has the finer mesh. None with bodies: the budget is used up.
-    """
-    plan = model.plan
-    finer = [n for n in shells if plan.bodies[n].mesh == "check" and not plan.bodies[n].rigid]
-    for name in finer:
-        plan = plan.with_body(name, mesh="model")
-    other = run(plan) if finer else None
-    error = None if other is None else distance(metric, other, model)
-    return error, " and ".join(finer)
 
 
 MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
@@ -137,13 +83,12 @@ class Checking:
     begin: float = field(default_factory=work_s)
 
     def __post_init__(self) -> None:
-        indicators = self.answer.study.indicators
-        signals = self.answer.spec.mechanism.signals
-        kinds = {name: kind_of_signal(name, signals) for name in self.answer.names}
-        by_kind, by_size = accuracy_over_rtol(indicators, kinds)
+        answer, signals = self.answer, self.answer.spec.mechanism.signals
+        kinds = {name: kind_of_signal(name, signals) for name in answer.names}
+        by_kind, by_size = accuracy_over_rtol(answer.study.indicators, kinds)
         self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
-        self.powers = np.array([power_of(kinds[name]) for name in self.answer.names])
-        self.ranked = {name: indicators.ranked(name) for name in self.answer.plan.bodies}
+        self.powers = np.array([power_of(kinds[name]) for name in answer.names])
+        self.ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
         self._stuck = False  # nothing is left to promote towards the last check
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
 
@@ -166,9 +111,7 @@ class Checking:
                 return trial
         if self.left() <= 0.0 and answer.check is not None:
             return None
-        study = answer.study
-        quiet = study.indicators.quiet
-        found = attempted(answer.spec, plan, study.model, study.check, answer.names, quiet)
+        found = answer.run(plan)
         if found is not None and found.complete:
             answer.tried.append((outline(plan), found.cpu, found.signals))
             self._known.append(found)
@@ -182,15 +125,34 @@ class Checking:
         answer = self.answer
         with self._timed("model"):
             if self.run(answer.plan) is None:
-                bodies = {
-                    name: body if body.rigid else replace(body, static=max(body.static, STATIC))
-                    for name, body in answer.plan.bodies.items()
-                }
-                answer.plan = replace(answer.plan, bodies=bodies)
+                for name, body in answer.plan.bodies.items():
+                    static = 0 if body.rigid else max(body.static, STATIC)
+                    answer.plan = answer.plan.with_body(name, static=static)
 
     def _check_plan(self, more: int = 2) -> Plan:
         check = self.answer.study.check
         return check_plan(self.answer.plan, self.ranked, check, more, self.tighter)
+
+    def _covered(self, wanted: Plan) -> bool:
+        """Tell whether the last check is one of the plan, for which `wanted` would be made."""
+        answer = self.answer
+        return answer.check is not None and covers(
+            answer.check.plan, wanted, answer.plan, self.ranked, answer.study.check
+        )
+
+    def _estimate(self, errors: Array) -> float:
+        """Take errors (o,) as those of the model; return the largest."""
+        self.answer.estimate = self._estimates = errors
+        self._largest = float(errors.max(initial=0.0))
+        return self._largest
+
+    def _fits(self) -> bool:
+        """Tell whether the estimate is within the accuracy."""
+        return self._largest <= MARGIN * self.accuracy
+
+    def _close(self) -> bool:
+        """Tell whether the estimate is so near the accuracy that one check is not enough."""
+        return self.accuracy * SECOND_CHECK < self._largest and self._fits()
 
     def settled(self) -> bool:
         """Run model and check; tell whether the request is met, or nothing can help."""
@@ -200,60 +162,35 @@ class Checking:
         with self._timed("check"):
             wanted, last = self._check_plan(), answer.check
             covered = self._covered(wanted)
-            if not covered and (last is None or self._stuck or self._agree()):
-                answer.check = self.run(wanted) or last
-                covered = answer.check is not last
+            if not covered:
+                # A richer check is worth its time if the model agrees with the last one.
+                if last is not None and not self._stuck:
+                    self._estimate(distance(self.metric, *answer.pair))
+                if last is None or self._stuck or self._fits():
+                    answer.check = self.run(wanted) or last
+                    covered = answer.check is not last
         answer.rounds += 1
         answer.verdict = "not met"
-        if answer.check is None:
-            answer.reason = "no check: the budget is used up, or its model cannot be assembled"
-            return True
-        if answer.trial is None:
+        if answer.check is None or answer.trial is None:
             answer.reason = "the model of the plan cannot be assembled"
+            if answer.check is None:
+                answer.reason = "no check: the budget is used up, or its model cannot be assembled"
             return True
-        model, check = answer.pair
-        self._estimates = distance(self.metric, model, check)
-        if self._close and covered:
-            if self.may_promote and not self._stuck and not self._second_fits:
-                answer.reason = f"the check differs by {self._estimate:.2g}, which is near the "
+        self._estimate(distance(self.metric, *answer.pair))
+        if self._close() and covered:
+            fits = SECOND_COST * answer.check.cpu <= self.left()
+            if self.may_promote and not self._stuck and not fits:
+                answer.reason = f"the check differs by {self._largest:.2g}, which is near the "
                 answer.reason += "accuracy"
                 return False  # a richer model takes less time than a richer check
             self._second()
         early = not_compared(*answer.pair)
-        answer.reason = early or f"the check differs by {self._estimate:.2g}"
+        answer.reason = early or f"the check differs by {self._largest:.2g}"
         if answer.pair[1].finished.solution.code:  # a finding: a promoted model does not change it
             return True
-        if not covered and self._estimate <= MARGIN * self.accuracy:
+        if not covered and self._fits():
             answer.reason = "the model has all that its last check has, and no run checks it"
-            return False
-        return self._met() if self._estimate <= MARGIN * self.accuracy else False
-
-    @property
-    def _close(self) -> bool:
-        """The estimate is so near the accuracy that one check is not enough."""
-        return self.accuracy * SECOND_CHECK < self._estimate <= MARGIN * self.accuracy
-
-    @property
-    def _second_fits(self) -> bool:
-        return SECOND_COST * self.answer.pair[1].cpu <= self.left()
-
-    def _agree(self) -> bool:
-        """Tell whether the model agrees with the last check: a richer one is worth its time."""
-        found = distance(self.metric, *self.answer.pair)
-        return float(found.max(initial=0.0)) <= MARGIN * self.accuracy
-
-    @property
-    def _estimates(self) -> Array:
-        assert self.answer.estimate is not None
-        return self.answer.estimate
-
-    @_estimates.setter
-    def _estimates(self, values: Array) -> None:
-        self.answer.estimate = values
-
-    @property
-    def _estimate(self) -> float:
-        return float(self._estimates.max(initial=0.0))
+        return covered and self._fits() and self._met()
 
     def _second(self) -> None:
         """Compare with a richer check; keep the larger estimate and deliver the richer run."""
@@ -263,26 +200,23 @@ class Checking:
         if second is not None and second.complete:
             self.answer.check = second
             again = distance(self.metric, *self.answer.pair)
-            self._estimates = np.maximum(self._estimates, again)
+            self._estimate(np.maximum(self._estimates, again))
 
     def _met(self) -> bool:
         """Estimate what both packages lack; tell whether this settles the request."""
-        answer = self.answer
-        model, check = answer.pair
+        answer, model = self.answer, self.answer.pair[0]
         with self._timed("check"):
-            both = answer.study.model, answer.study.check
-            more, blind = unseen(check, self.ranked, both, self.metric, self.run, self.powers)
+            more, blind = self._unseen()
         lacking = f"no package has more vibrations ({blind})"
         if blind and more is None:
             answer.reason = f"{lacking}, and no run shows what is missing above them: the budget "
             answer.reason += "is used up"
             return True
         if more is not None:
-            self._estimates = np.hypot(self._estimates, more)  # they peak at other times
-        if self._estimate > MARGIN * self.accuracy:
+            self._estimate(np.hypot(self._estimates, more))  # they peak at other times
+        if not self._fits():
             answer.reason = (
-                f"{lacking}; with what is missing above them the error is about "
-                f"{self._estimate:.2g}"
+                f"{lacking}; with what is missing above them the error is about {self._largest:.2g}"
             )
             # More of the packages does not help if they lack too much.
             return more is not None and float(more.max()) > MARGIN * self.accuracy
@@ -295,19 +229,49 @@ class Checking:
                 answer.horizon = horizon(model, answer.names, self.accuracy)
         return True
 
+    def _unseen(self) -> tuple[Array | None, str]:
+        """Return what vibrations above those of the packages contribute to the signals (o,), and
+        where; None if the check does not have all vibrations of a kind."""
+        study, check = self.answer.study, self.answer.pair[1]
+        model, finer = (
+            {name: vibration_labels(rich.package) for name, rich in packages.items()}
+            for packages in (study.model, study.check)
+        )
+        kinds = exhausted(check.plan, self.ranked, finer)
+        poor, share = check.plan, np.zeros(len(self.powers))
+        for name, these in kinds.items():
+            if len(model[name]) < len(finer[name]):
+                poor = poor.with_body(name, mesh="model")
+                for kind in these:
+                    m, n = (sum(kind_of(x) == kind for x in of[name]) for of in (model, finer))
+                    share = np.maximum(share, [tail(m, n, power) for power in self.powers])
+        if poor == check.plan:
+            return None, ""
+        other = self.run(poor)
+        more = None if other is None else share * distance(self.metric, other, check)
+        return more, ", ".join(f"{' and '.join(these)} of {name}" for name, these in kinds.items())
+
     def _meshes(self) -> str:
         """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""
-        answer = self.answer
-        bodies = answer.spec.mechanism.bodies
-        shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
-        with self._timed("check"):
-            error, names = mesh_error(answer.pair[0], shells, self.metric, self.run)
-        if not names:
+        answer, model = self.answer, self.answer.pair[0]
+        bodies, coarse = answer.spec.mechanism.bodies, model.plan
+        finer = [
+            name
+            for name, body in model.plan.bodies.items()
+            if bodies[name].kind == "shell" and body.mesh == "check" and not body.rigid
+        ]
+        if not finer:
             return ""
-        if error is None:
+        for name in finer:
+            coarse = coarse.with_body(name, mesh="model")
+        with self._timed("check"):
+            other = self.run(coarse)
+        names = " and ".join(finer)
+        if other is None:
             return f"no run shows the error of the mesh of {names}: the budget is used up"
-        self._estimates = np.hypot(self._estimates, error)
-        if self._estimate <= MARGIN * self.accuracy:
+        error = distance(self.metric, other, model)
+        self._estimate(np.hypot(self._estimates, error))
+        if self._fits():
             return ""
         return (
             f"the two meshes of {names} differ by {float(error.max()):.2g}; `refine` of the body "
@@ -319,31 +283,26 @@ class Checking:
 
         All at once if the runs that tell the shares would take most of the budget.
         """
-        answer = self.answer
+        answer, (model, check), found = self.answer, self.answer.pair, list[Share]()
         self._known.clear()
-        (model, check), ranked = answer.pair, self.ranked
-        count = sum(1 for _ in promotions(answer.plan, check.plan, ranked))
-        answer.shares = []
-        if count * model.cpu <= SPLIT_COST * self.left():
+        single = [*promotions(model.plan, check.plan, self.ranked)]
+        if len(single) * model.cpu <= SPLIT_COST * self.left():
             with self._timed("split"):
-                answer.shares = split(model, check, ranked, self.metric, self.run)
+                for kind, body, plan in single:
+                    if (other := self.run(plan)) is not None:
+                        value = float(distance(self.metric, model, other).max(initial=0.0))
+                        found.append(Share(kind, body, value if np.isfinite(value) else 1e300))
+        answer.shares = sorted(found, key=lambda share: -share.value)
         more = promoted(
-            answer.plan, check.plan, ranked, answer.shares, self._estimate, self.accuracy
+            answer.plan, check.plan, self.ranked, answer.shares, self._largest, self.accuracy
         )
         if more != answer.plan:
             answer.plan, self._stuck = more, False
             return True
         if self._stuck:
             return False
-        self._stuck = self._close or not self._covered(self._check_plan())
+        self._stuck = self._close() or not self._covered(self._check_plan())
         return self._stuck
-
-    def _covered(self, wanted: Plan) -> bool:
-        """Tell whether the last check is one of the plan, for which `wanted` would be made."""
-        answer = self.answer
-        return answer.check is not None and covers(
-            answer.check.plan, wanted, answer.plan, self.ranked, answer.study.check
-        )
 
     def refuse(self) -> None:
         """Run all modes of the packages of the check, if the budget allows as much as a check.

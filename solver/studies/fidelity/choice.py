@@ -14,7 +14,7 @@ from ...errors import InputError, nearest, printable
 from ...inputs.common.text_file import read_toml
 from ...math.arrays import Array
 from ...package.common.files import write_text
-from ...package.common.plain_data import toml_value
+from ...package.common.plain_data import toml_text
 from ...run.inputs import plan_sha256, text_sha256
 from .indicators.indicators import Indicators
 from .plan import LEAST_RTOL, MOST_RTOL, BodyPlan, Plan, Rich
@@ -86,24 +86,21 @@ def _additions(
     indicators: Indicators, plan: Plan, omitted: Array
 ) -> Iterator[tuple[str, Plan, Array]]:
     """Return kind, plan and regained contributions (o, k) of each addition to a plan."""
-    parts = indicators.effects
+    left: dict[str, list[int]] = {name: [] for name in plan.bodies}
     for j, mode in enumerate(indicators.modes):
-        body = plan.bodies[mode.body]
-        if mode.vibration and mode.label not in body.vibrations:
-            more = plan.with_body(mode.body, vibrations=(*body.vibrations, mode.label))
-            yield "vibration", more, omitted[:, :, j]
+        kept = plan.bodies[mode.body].vibrations
+        if mode.label not in kept:
+            left[mode.body].append(j)
+            if mode.vibration:
+                more = plan.with_body(mode.body, vibrations=(*kept, mode.label))
+                yield "vibration", more, omitted[:, :, j]
     for name, body in plan.bodies.items():
-        left = [
-            j
-            for j, mode in enumerate(indicators.modes)
-            if mode.body == name and mode.label not in body.vibrations
-        ]
         if not body.static:
-            more = plan.with_body(name, static=1)
-            yield "static", more, parts.static[:, :, left].sum(axis=2)
+            regained = indicators.effects.static[:, :, left[name]].sum(axis=2)
+            yield "static", plan.with_body(name, static=1), regained
         elif not body.ringing:
-            more = plan.with_body(name, ringing=True)
-            yield "ringing", more, omitted[:, :, left].sum(axis=2)
+            regained = omitted[:, :, left[name]].sum(axis=2)
+            yield "ringing", plan.with_body(name, ringing=True), regained
 
 
 def _omitted(indicators: Indicators, plan: Plan) -> Array:
@@ -174,20 +171,12 @@ def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
 
     Another plan of this name, which may have been edited, is kept as NAME.previous.toml.
     """
-    lines = [*(f"# {printable(remark)}" for remark in remarks), "format = 1"]
-    lines += [f'inputs_sha256 = "{plan.inputs_sha256}"', f"rtol = {float(plan.rtol)!r}"]
-    lines += [f"geometric_stiffening = {str(plan.stiffening).lower()}"]
-    lines += [] if plan.bodies else ["", "[bodies]"]
-    for name, body in plan.bodies.items():
-        lines += [
-            "",
-            f"[bodies.{name}]",
-            f"vibrations = {toml_value(list(body.vibrations))}",
-            f"static_shapes = {body.static}",
-            f"ringing = {str(body.ringing).lower()}",
-            f'mesh = "{body.mesh}"',
-        ]
-    text = "\n".join(lines) + "\n"
+    table = plan.table()
+    bodies = table.pop("bodies")
+    head = {"format": FORMAT, "inputs_sha256": plan.inputs_sha256, **table}
+    parts = ["".join(f"# {printable(remark)}\n" for remark in remarks) + toml_text(head)]
+    parts += [f"[bodies.{name}]\n{toml_text(body)}" for name, body in bodies.items()]
+    text = "\n".join(parts if bodies else [*parts, "[bodies]\n"])
     if file.is_file() and (there := plan_sha256(file)) and there != text_sha256(text):
         os.replace(file, file.with_suffix(".previous.toml"))
     write_text(file, text)
@@ -201,7 +190,8 @@ def kept_plan(file: Path, known: Known, digest: str) -> Plan | None:
     if not file.exists():
         return None
     table = read_toml(file, "plan")
-    _typed(f"{file}: ", table, {"inputs_sha256": str})
+    own = {key: value for key, value in table.items() if key == "inputs_sha256"}
+    _check_form(f"{file}: ", own, {"inputs_sha256": str})
     return plan_of_table(file, table, known) if table["inputs_sha256"] == digest else None
 
 
@@ -222,21 +212,18 @@ def read_plan(file: Path, known: Known) -> Plan:
 
 def plan_of_table(file: Path, table: Table, known: Known) -> Plan:
     """Return the plan of the content of a file; see `read_plan`."""
-    _known(f"{file}: ", table, KEYS)
-    _typed(f"{file}: ", table, KEYS)
+    _check_form(f"{file}: ", table, KEYS)
     if table["format"] != FORMAT:
         raise InputError(f"{file}: format = {_shown(table['format'])}: expected {FORMAT}")
-    least, most = BOUNDS_RTOL
-    if not least <= table["rtol"] <= most:
-        value = _shown(table["rtol"])
-        raise InputError(f"{file}: rtol = {value}: expected from {least:g} to {most:g}")
+    rtol, (least, most) = table["rtol"], BOUNDS_RTOL
+    if not least <= rtol <= most:
+        raise InputError(f"{file}: rtol = {_shown(rtol)}: expected from {least:g} to {most:g}")
     where = f"{file}: bodies"
     bodies = {name: _body(where, name, each, known) for name, each in table["bodies"].items()}
     for name in known:
         if name not in bodies:
             raise InputError(f"{where}.{name}: missing; expected a table for each flexible body")
-    rtol, stiffening = float(table["rtol"]), table["geometric_stiffening"]
-    return Plan(bodies, stiffening, rtol, table["inputs_sha256"])
+    return Plan(bodies, table["geometric_stiffening"], float(rtol), table["inputs_sha256"])
 
 
 def _body(where: str, name: str, entry: Any, known: Known) -> BodyPlan:
@@ -245,8 +232,7 @@ def _body(where: str, name: str, entry: Any, known: Known) -> BodyPlan:
         raise InputError(f"{where}: no such flexible body{nearest(name, known)}")
     if not isinstance(entry, dict):
         raise InputError(f"{where} = {_shown(entry)}: expected a table")
-    _known(f"{where}.", entry, BODY_KEYS)
-    _typed(f"{where}.", entry, BODY_KEYS)
+    _check_form(f"{where}.", entry, BODY_KEYS)
     static, mesh, labels = entry["static_shapes"], entry["mesh"], entry["vibrations"]
     if not 0 <= static <= MOST_SHAPES:
         value = _shown(static)
@@ -262,13 +248,10 @@ def _body(where: str, name: str, entry: Any, known: Known) -> BodyPlan:
     return BodyPlan(tuple(labels), static, entry["ringing"], mesh)
 
 
-def _known(where: str, table: Table, keys: Table) -> None:
+def _check_form(where: str, table: Table, keys: Mapping[str, type]) -> None:
     for key in table:
         if key not in keys:
             raise InputError(f"{where}{key}: unknown key{nearest(key, keys)}")
-
-
-def _typed(where: str, table: Table, keys: Mapping[str, type]) -> None:
     for key, kind in keys.items():
         if key not in table:
             raise InputError(f"{where}{key}: missing; expected {WORDS[kind]}")

@@ -15,7 +15,7 @@ from .answer import Answer, beyond_theory, entry, remarks
 from .checking import Checking
 from .choice import chosen, kept_plan, write_plan
 from .indicators.indicators import study
-from .indicators.loaded import fixed_packages, loaded
+from .indicators.loaded import loaded
 from .ladder import tried_models
 from .motions import base_motion, kind_of_signal
 from .plan import (
@@ -224,8 +224,7 @@ def member_spec(spec: RunSpec, plan: Plan) -> RunSpec:
     """
     names = flexible_names(spec)
     base = base_motion(spec, names)
-    packages = {name: spec.packages[name] for name in names}
-    rich = loaded(spec, base, packages, fixed_packages(spec, base, names)).rich
+    rich = loaded(spec, base, spec.packages, names).rich
     return planned(spec, plan, rich, rich)
 
 

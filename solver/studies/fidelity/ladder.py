@@ -1,6 +1,7 @@
 """The models between rigid bodies and all modes: error and CPU time of each, for a chart."""
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from ...math.arrays import Array, front
 from .answer import Answer
 from .motions import difference
 from .plan import BodyPlan, Plan, kind_of, vibration_labels
-from .trial import Trial, attempted
+from .trial import Trial
 
 COUNTS = (1, 2, 4)  # vibrations of each kind
 STATIC = 4
@@ -59,9 +60,15 @@ def ladder(answer: Answer) -> Ladder:
     Errors are differences from the tightest model: all vibrations and load shapes of the check
     packages, undamped, with rtol a third of that of the check.
     """
-    trials = [(name, _run(answer, plan)) for name, plan in _plans(answer)]
+    trials = [(name, answer.run(plan)) for name, plan in _plans(answer)]
+    tight = answer.pair[1].plan
+    every = {
+        name: BodyPlan(vibration_labels(answer.study.check[name].package), 10, True, "check")
+        for name in answer.plan.bodies
+    }
+    exact = answer.run(Plan(every, tight.stiffening, tight.rtol / 3.0)) or answer.pair[1]
     found = [(name, t.cpu, t.signals) for name, t in trials if t is not None and t.complete]
-    return _compared(answer, _run(answer, _everything(answer)) or answer.pair[1], found)
+    return _compared(answer, exact, found)
 
 
 def _compared(answer: Answer, exact: Trial, tried: Iterable[tuple[str, float, Array]]) -> Ladder:
@@ -70,61 +77,39 @@ def _compared(answer: Answer, exact: Trial, tried: Iterable[tuple[str, float, Ar
     sizes = exact.scales(fidelity.metric)
     assert answer.estimate is not None
 
-    def rung(name: str, cpu: float, signals: Array, *, complete: bool = exact.complete) -> Rung:
-        if not complete:
-            return Rung(name, cpu, float("inf"))
-        error = difference(fidelity.metric, signals, exact.signals) / sizes
-        return Rung(name, cpu, float(np.max(error)))
-
-    def of(name: str, trial: Trial) -> Rung:
-        complete = trial.complete and exact.complete
-        return rung(name, trial.cpu, trial.signals, complete=complete)
+    def rung(name: str, cpu: float, signals: Array, *, complete: bool = True) -> Rung:
+        error = float("inf")
+        if complete and exact.complete:
+            error = float(np.max(difference(fidelity.metric, signals, exact.signals) / sizes))
+        return Rung(name, cpu, error)
 
     return Ladder(
         [rung(*one) for one in tried],
-        of("chosen", model),
-        of("check", check),
+        rung("chosen", model.cpu, model.signals, complete=model.complete),
+        rung("check", check.cpu, check.signals, complete=check.complete),
         float(answer.estimate.max(initial=0.0)),
         fidelity.accuracy,
     )
 
 
-def _run(answer: Answer, plan: Plan) -> Trial | None:
-    found = answer.study
-    return attempted(
-        answer.spec, plan, found.model, found.check, answer.names, found.indicators.quiet
-    )
-
-
-def _plans(answer: Answer) -> list[tuple[str, Plan]]:
-    bodies = list(answer.plan.bodies)
-    found = [
-        (f"rigid, rtol {rtol:g}", Plan({name: BodyPlan() for name in bodies}, False, rtol))
-        for rtol in TOLERANCES
-    ]
+def _plans(answer: Answer) -> Iterator[tuple[str, Plan]]:
+    for rtol in TOLERANCES:
+        rigid = {name: BodyPlan() for name in answer.plan.bodies}
+        yield f"rigid, rtol {rtol:g}", Plan(rigid, False, rtol)
     for count in COUNTS:
         for static in (0, STATIC):
+            some = {n: BodyPlan(_lowest(answer, n, count), static) for n in answer.plan.bodies}
             shapes = ", static shapes" if static else ""
             for rtol in TOLERANCES:
-                some = {name: BodyPlan(_lowest(answer, name, count), static) for name in bodies}
                 name = f"{count} of each kind{shapes}, rtol {rtol:g}"
-                found.append((name, Plan(some, answer.plan.stiffening, rtol)))
-    return found
+                yield name, Plan(some, answer.plan.stiffening, rtol)
 
 
 def _lowest(answer: Answer, name: str, count: int) -> tuple[str, ...]:
-    labels = vibration_labels(answer.study.model[name].package)
-    kinds: dict[str, list[str]] = {}
-    for label in labels:
-        kinds.setdefault(kind_of(label), []).append(label)
-    kept = {label for group in kinds.values() for label in group[:count]}
-    return tuple(label for label in labels if label in kept)
-
-
-def _everything(answer: Answer) -> Plan:
-    bodies = {
-        name: BodyPlan(vibration_labels(answer.study.check[name].package), 10, True, "check")
-        for name in answer.plan.bodies
-    }
-    tight = answer.pair[1].plan
-    return Plan(bodies, tight.stiffening, tight.rtol / 3.0)
+    """Return the labels of the first `count` vibrations of each kind of a body."""
+    seen, kept = Counter[str](), []
+    for label in vibration_labels(answer.study.model[name].package):
+        seen[kind_of(label)] += 1
+        if seen[kind_of(label)] <= count:
+            kept.append(label)
+    return tuple(kept)

@@ -71,7 +71,9 @@ class Plan:
     inputs_sha256: str = field(default="", compare=False)
 
     def with_body(self, name: str, **changes: Any) -> "Plan":
-        """Return the plan with another model of one body."""
+        """Return the plan with another model of one body; without a name, of all of them."""
+        if not name:
+            return replace(self, **changes)
         return replace(self, bodies={**self.bodies, name: replace(self.bodies[name], **changes)})
 
     def table(self) -> dict[str, Any]:
@@ -159,12 +161,13 @@ class Rich:
     Attributes
     ----------
     eta : (k, m) K^-1 p at k output times
-    further : returns the response (s, m) to the loads that the deformation adds
+    further : returns the response (s, m) to the loads that deformation adds, by body
     """
 
+    name: str
     package: ModalPackage
     eta: Array
-    further: Callable[[], Array]
+    further: Callable[[], dict[str, Array]]
 
     def rest(self, kept: list[int], *, stiffening: bool = False) -> Array:
         """Static shapes (m, r) that the response needs beside the modes `kept`, largest first.
@@ -173,25 +176,40 @@ class Rich:
         geometric stiffening, the response to the loads that it adds is part of the response.
         """
         root = np.linalg.cholesky(self.package.stiffness).T
-        left = root @ self._needed(stiffening=stiffening).T
+        left = root @ self._needed(stiffening).T
         if kept:
             Q = np.linalg.qr(root[:, kept])[0]
             left = left - Q @ (Q.T @ left)
         U, s, _ = np.linalg.svd(left, full_matrices=False)
         return np.asarray(np.linalg.solve(root, U * s))
 
-    def _needed(self, *, stiffening: bool) -> Array:
-        return np.concatenate([self.eta, self.further()]) if stiffening else self.eta
-
-    def responding(self, *, stiffening: bool) -> Array:
-        """Columns (m, r) of the unit matrix: the modes that respond."""
-        largest = np.abs(self._needed(stiffening=stiffening)).max(axis=0, initial=0.0)
-        size = np.sqrt(np.diag(self.package.stiffness)) * largest
-        return np.eye(len(size))[:, size > FAINT * float(size.max(initial=0.0))]
+    def _needed(self, stiffening: bool) -> Array:
+        return np.concatenate([self.eta, self.further()[self.name]]) if stiffening else self.eta
 
     def energies(self, shapes: Array) -> Array:
         """Square roots of the strain energies of shapes (m, r), (r,)."""
         return np.asarray(np.sqrt((shapes * (self.package.stiffness @ shapes)).sum(axis=0)))
+
+    def of(self, body: BodyPlan, *, stiffening: bool) -> ModalPackage:
+        """Return the package of a body with some of its vibrations and static shapes."""
+        every = self.package.provenance.get("warnings", [])
+        warnings = [item for item in every if item["code"] not in REMARKS]
+        provenance = {**self.package.provenance, "warnings": warnings}
+        package = replace(self.package, provenance=provenance)
+        if body.whole:  # columns of the unit matrix: the modes that respond
+            largest = np.abs(self._needed(stiffening)).max(axis=0, initial=0.0)
+            size = np.sqrt(np.diag(package.stiffness)) * largest
+            some = size > FAINT * float(size.max(initial=0.0))
+            return changed_basis(package, np.eye(len(size))[:, some])
+        kept = rows(package, body.vibrations)
+        if not kept and not body.static:
+            return rigid(package)
+        shapes = self.rest(kept, stiffening=stiffening)
+        usable = self.energies(shapes) > 1e-9 * energy(package, self.eta)
+        loads = package.stiffness @ shapes[:, : min(body.static, int(np.sum(usable)))]
+        if stiffening and body.static:
+            loads = np.column_stack([axial_load(package), inertia_loads(package)[:, 0], loads])
+        return with_statics(package, kept, loads, (), None if body.ringing else DAMPED)
 
 
 def vibration_labels(package: ModalPackage) -> tuple[str, ...]:
@@ -229,48 +247,6 @@ def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:
 def energy(package: ModalPackage, q: Array) -> float:
     """Return the root of the sum of q' K q over rows of q (k, m)."""
     return float(np.sqrt(((q @ package.stiffness) * q).sum()))
-
-
-def body_package(
-    rich: Rich, kept: list[int], static: int, *, ringing: bool, stiffening: bool
-) -> ModalPackage:
-    """Return the package of a body with some vibrations and static shapes."""
-    package = _without_remarks(rich.package)
-    if not kept and not static:
-        return rigid(package)
-    shapes = rich.rest(kept, stiffening=stiffening)
-    worth = rich.energies(shapes)
-    whole = energy(package, rich.eta)
-    chosen = shapes[:, : min(static, int(np.sum(worth > 1e-9 * whole)))]
-    loads = package.stiffness @ chosen
-    if stiffening and static:
-        loads = np.column_stack([axial_load(package), inertia_loads(package)[:, 0], loads])
-    return with_statics(package, kept, loads, (), None if ringing else DAMPED)
-
-
-def _without_remarks(package: ModalPackage) -> ModalPackage:
-    """Return a package without the remarks on requested modes, of which a plan takes a few."""
-    found = package.provenance.get("warnings", [])
-    kept = [item for item in found if item["code"] not in REMARKS]
-    return replace(package, provenance={**package.provenance, "warnings": kept})
-
-
-def model_packages(
-    plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
-) -> dict[str, ModalPackage]:
-    """Return the packages of the model of a plan."""
-    found = {}
-    for name, body in plan.bodies.items():
-        rich = (check if body.mesh == "check" else model)[name]
-        if body.whole:
-            basis = rich.responding(stiffening=plan.stiffening)
-            found[name] = changed_basis(_without_remarks(rich.package), basis)
-            continue
-        kept = rows(rich.package, body.vibrations)
-        found[name] = body_package(
-            rich, kept, body.static, ringing=body.ringing, stiffening=plan.stiffening
-        )
-    return found
 
 
 def check_plan(
@@ -350,7 +326,10 @@ def planned(
     spec: RunSpec, plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
 ) -> RunSpec:
     """Return a run with the model of a plan."""
-    packages = {**spec.packages, **model_packages(plan, model, check)}
+    packages = dict(spec.packages)
+    for name, body in plan.bodies.items():
+        rich = (check if body.mesh == "check" else model)[name]
+        packages[name] = rich.of(body, stiffening=plan.stiffening)
     solver = with_values(
         spec.mechanism.solver,
         rtol=plan.rtol,

@@ -1,6 +1,6 @@
 """Runs of a plan, their differences by kind and body, and the horizon of pointwise promises."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -103,65 +103,46 @@ class Share:
     body: str
     value: float
 
-    def entry(self) -> dict[str, object]:
-        """Return plain data."""
-        return {"kind": self.kind, "body": self.body, "value": self.value}
-
 
 def promotions(
     plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, str, Plan]]:
-    """Return kind, body and plan of each single promotion towards a check.
+    """Yield kind, body and plan of each single promotion towards a check.
 
     Of the vibrations of the check only kinds that respond (`ranked`, by body) are promoted. The
     package of the check has more of a kind than that of the model. The highest of each kind stay
     with the check as long as others are left: it then is a check of the promoted plan, too.
     """
+    for kind, name, changes in _promotions(plan, check, ranked):
+        yield kind, name, plan.with_body(name, **changes)
+
+
+def _promotions(
+    plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, str, dict[str, object]]]:
+    """Yield kind, body and changes of each single promotion."""
     for name, body in plan.bodies.items():
         more = check.bodies[name]
         kinds = {kind_of(label) for label in ranked[name]}
-        added = [
-            label
-            for label in more.vibrations
-            if kind_of(label) in kinds and label not in body.vibrations
-        ]
-        highest = {kind_of(label): label for label in added}.values()
-        if added:
+        left = (label for label in more.vibrations if label not in body.vibrations)
+        if added := [label for label in left if kind_of(label) in kinds]:
+            highest = {kind_of(label): label for label in added}.values()
             some = [label for label in added if label not in highest]
             kept = tuple(dict.fromkeys((*body.vibrations, *(some or added))))
             mesh = "check" if set(some or added) - set(ranked[name]) else body.mesh
             kind = "vibrations" if some else HIGHEST
-            yield kind, name, plan.with_body(name, vibrations=kept, mesh=mesh)
+            yield kind, name, {"vibrations": kept, "mesh": mesh}
         if more.static > body.static:
             static = max(2 * body.static, body.static + 2)
-            yield "statics", name, plan.with_body(name, static=min(static, more.static))
+            yield "statics", name, {"static": min(static, more.static)}
         if body.static and not body.ringing:
-            yield "ringing", name, plan.with_body(name, ringing=True)
+            yield "ringing", name, {"ringing": True}
         if body.mesh == "model" and not body.rigid:
-            yield "mesh", name, plan.with_body(name, mesh="check")
+            yield "mesh", name, {"mesh": "check"}
     if check.stiffening and not plan.stiffening:
-        yield "stiffening", "", replace(plan, stiffening=True)
+        yield "stiffening", "", {"stiffening": True}
     if plan.rtol > LEAST_RTOL:
-        yield TOLERANCE, "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / TIGHTER))
-
-
-def split(
-    trial: Trial,
-    check: Trial,
-    ranked: Mapping[str, tuple[str, ...]],
-    metric: str,
-    run: Callable[[Plan], Trial | None],
-) -> list[Share]:
-    """Return the share of each promotion, largest first; `run` tries a plan."""
-    found = []
-    for kind, body, plan in promotions(trial.plan, check.plan, ranked):
-        other = run(plan)
-        if other is None:
-            continue
-        value = distance(metric, trial, other)
-        largest = float(value.max(initial=0.0))
-        found.append(Share(kind, body, largest if np.isfinite(largest) else 1e300))
-    return sorted(found, key=lambda share: -share.value)
+        yield TOLERANCE, "", {"rtol": max(LEAST_RTOL, plan.rtol / TIGHTER)}
 
 
 def promoted(
@@ -182,37 +163,16 @@ def promoted(
     every = not shares or estimate > 2.0 * largest
     least = min(PROMOTED * largest, accuracy)
     value = {(share.kind, share.body): share.value for share in shares}
-    single = [*promotions(plan, check, ranked)]
-
-    def with_those(found: Plan, wanted: Callable[[str, float], bool]) -> Plan:
-        for kind, body, one in single:
-            if wanted(kind, value.get((kind, body), 0.0)):
-                found = _joined(found, one, kind, body)
-        return found
-
-    more = with_those(plan, lambda kind, v: v >= least > 0.0 or (every and kind not in RESERVED))
-    if every:
-        more = with_those(more, lambda kind, v: kind in RESERVED and v >= PROMOTED * accuracy)
-    for reserved in RESERVED if every else ():
-        if more == plan:
-            more = with_those(more, lambda kind, _: kind == reserved)  # noqa: B023
+    single, more = [*_promotions(plan, check, ranked)], plan
+    for kind, body, changes in single:
+        own, reserved = value.get((kind, body), 0.0), kind in RESERVED
+        if own >= least > 0.0 or (every and (not reserved or own >= PROMOTED * accuracy)):
+            more = more.with_body(body, **changes)
+    for reserved_kind in RESERVED if every else ():
+        for kind, body, changes in single if more == plan else ():
+            if kind == reserved_kind:
+                more = more.with_body(body, **changes)
     return more
-
-
-def _joined(plan: Plan, single: Plan, kind: str, body: str) -> Plan:
-    if kind == "stiffening":
-        return replace(plan, stiffening=True)
-    if kind == TOLERANCE:
-        return replace(plan, rtol=single.rtol)
-    new = single.bodies[body]
-    fields: dict[str, dict[str, object]] = {
-        "vibrations": {"vibrations": new.vibrations, "mesh": new.mesh},
-        HIGHEST: {"vibrations": new.vibrations, "mesh": new.mesh},
-        "statics": {"static": new.static},
-        "ringing": {"ringing": True},
-        "mesh": {"mesh": "check"},
-    }
-    return plan.with_body(body, **fields[kind])
 
 
 CHANGE = 1e-6  # of the masses of the bodies, relative; another one for each body

@@ -54,21 +54,17 @@ def match(one: Vectors, two: Vectors) -> Match:
     successor, overlap = np.full(k, -1, dtype=np.int64), np.zeros(k)
     if k == 0 or two.right.shape[1] == 0:
         return Match(successor, overlap)
-    found = np.maximum(
-        _overlaps(one, two), _overlaps(one, Vectors(two.right.conj(), two.left.conj()))
-    )
-    rows, columns = linear_sum_assignment(-np.minimum(found, 1.0))
-    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
-        if found[i, j] >= _LEAST:
-            successor[i], overlap[i] = j, min(float(found[i, j]), 1.0)
+    found = np.zeros((k, two.right.shape[1]))
+    for right, left in (two, (two.right.conj(), two.left.conj())):
+        forward = np.abs(one.left.conj().T @ right)
+        backward = np.abs(left.conj().T @ one.right).T
+        found = np.maximum(found, np.nan_to_num(np.sqrt(forward * backward), posinf=0.0))
+    found = np.minimum(found, 1.0)
+    rows, columns = linear_sum_assignment(-found)
+    alike = found[rows, columns] >= _LEAST
+    rows, columns = rows[alike], columns[alike]
+    successor[rows], overlap[rows] = columns, found[rows, columns]
     return Match(successor, overlap)
-
-
-def _overlaps(one: Vectors, two: Vectors) -> Array:
-    forward = np.abs(one.left.conj().T @ two.right)
-    backward = np.abs(two.left.conj().T @ one.right).T
-    found = np.sqrt(forward * backward)
-    return np.where(np.isfinite(found), found, 0.0)
 
 
 ALIKE = 0.8  # overlap of the shapes of neighbouring speeds below which the step is halved
@@ -145,21 +141,15 @@ def _advance(
     before = points[-1]
     point = at(high, before)
     found = match(before.vectors, point.vectors)
-    if halvings and _worst(before, found, most) < ALIKE:
+    # The least overlap of the lowest modes that oscillate.
+    moving = [k for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0]
+    if halvings and found.overlap[moving].min(initial=1.0) < ALIKE:
         middle = 0.5 * (low + high)
         _advance(at, points, matches, low, middle, most, halvings - 1)
         _advance(at, points, matches, middle, high, most, halvings - 1)
         return
     points.append(point)
     matches.append(found)
-
-
-def _worst(before: Point, found: Match, most: int) -> float:
-    """Return the least overlap of the lowest modes that oscillate."""
-    overlaps = [
-        found.overlap[k] for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0
-    ]
-    return float(min(overlaps, default=1.0))
 
 
 def _lowest(point: Point, most: int) -> list[int]:
@@ -172,43 +162,41 @@ def _lowest(point: Point, most: int) -> list[int]:
 
 
 def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> Campbell:
-    columns: list[list[int]] = []  # by branch: number of its mode at each speed
-    overlaps: list[list[float]] = []
-    for k in _lowest(points[0], most):
-        columns.append([k])
-        overlaps.append([])
+    columns = [[k] for k in _lowest(points[0], most)]  # by branch: its mode at each speed
+    overlaps: list[list[float]] = [[] for _ in columns]
     for s, (point, found) in enumerate(zip(points[1:], matches, strict=True), 1):
-        taken = set()
         for column, alike in zip(columns, overlaps, strict=True):
             k = column[-1]
             j = int(found.successor[k]) if k >= 0 else -1
-            if j >= 0 and point.modes.still[j]:
-                j = -1
-            column.append(j)
-            alike.append(float(found.overlap[k]) if j >= 0 else np.nan)
-            taken.add(j)
+            gone = j < 0 or bool(point.modes.still[j])
+            column.append(-1 if gone else j)
+            alike.append(np.nan if gone else float(found.overlap[k]))
+        taken = {column[-1] for column in columns}
         alive = sum(column[-1] >= 0 for column in columns)
-        for j in _lowest(point, most):
-            if j not in taken and alive < most:
-                columns.append([-1] * s + [j])
-                overlaps.append([np.nan] * s)
-                alive += 1
+        new = [j for j in _lowest(point, most) if j not in taken]
+        for j in new[: max(most - alive, 0)]:
+            columns.append([-1] * s + [j])
+            overlaps.append([np.nan] * s)
     modes = np.array(columns, dtype=np.int64).reshape(-1, len(points)).T
-    rows = [(p.modes.frequencies, p.fixed, p.damping, p.modes.growth) for p in points]
-    tables = [
-        np.array([np.where(n >= 0, row[q][n], np.nan) for row, n in zip(rows, modes, strict=True)])
-        for q in range(4)
+    values = [
+        np.where(
+            n >= 0,
+            np.array([p.modes.frequencies, p.fixed, p.damping, p.modes.growth])[:, n],
+            np.nan,
+        )
+        for p, n in zip(points, modes, strict=True)
     ]
+    frequencies, fixed, damping, growth = np.swapaxes(values, 0, 1)
     names = []
     for numbers in columns:
         s = next(s for s, k in enumerate(numbers) if k >= 0)
         names.append(points[s].main[numbers[s]])
     return Campbell(
         speeds=np.array([p.speed for p in points]),
-        frequencies=tables[0],
-        fixed=tables[1],
-        damping=tables[2],
-        growth=tables[3],
+        frequencies=frequencies,
+        fixed=fixed,
+        damping=damping,
+        growth=growth,
         overlaps=np.array(overlaps).reshape(-1, len(points) - 1).T,
         names=names,
         modes=modes,

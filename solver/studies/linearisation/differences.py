@@ -5,14 +5,14 @@ is chosen. Against complex steps, which are exact but need plain NumPy
 (tests/peers/complex_steps.py), the differences agree to 1e-9 of the largest entry of a column.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ...dynamics.analysis.recovery import DIFFERENCE, shape_sizes
 from ...dynamics.evaluation.laws import with_laws
-from ...dynamics.model.coordinates import moved
+from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model
 from ...math.arrays import Array
 
@@ -28,15 +28,6 @@ _BATCH = 60  # directions evaluated in one call
 Evaluation = Callable[[Model, Array, Array], Array]
 
 
-class Direction(NamedTuple):
-    """Change of a state and of the laws of time, per unit of a parameter."""
-
-    x: Array  # (n_vel,) displacement along the velocity coordinates
-    u: Array  # (n_vel,) change of velocities
-    laws: Array  # (n_law, 3) change of value, rate and acceleration of each law
-    states: Array  # (n_aux,) change of auxiliary states
-
-
 class Instant(NamedTuple):
     """Where the equations are linearised."""
 
@@ -44,22 +35,6 @@ class Instant(NamedTuple):
     t: float  # [s]
     y: Array  # (n,)
     laws: Array  # (n_law, 3) value, rate and acceleration of the laws at t
-
-    def direction(
-        self,
-        x: Array | None = None,
-        u: Array | None = None,
-        laws: Array | None = None,
-        states: Array | None = None,
-    ) -> Direction:
-        """Return a direction; what is not given is zero."""
-        none = np.zeros(self.model.n_vel)
-        return Direction(
-            none if x is None else x,
-            none if u is None else u,
-            np.zeros_like(self.laws) if laws is None else laws,
-            np.zeros(self.model.n_aux) if states is None else states,
-        )
 
 
 class Derivatives(NamedTuple):
@@ -70,11 +45,7 @@ class Derivatives(NamedTuple):
 
 
 def derivatives(
-    instant: Instant,
-    evaluation: Evaluation,
-    directions: Sequence[Direction],
-    size: float,
-    weights: Array,
+    instant: Instant, evaluation: Evaluation, directions: Array, size: float, weights: Array
 ) -> Derivatives:
     """Return the derivatives of an evaluation along directions.
 
@@ -83,76 +54,48 @@ def derivatives(
 
     Parameters
     ----------
+    directions : (n_direction, 2 n_vel + n_aux + 3 n_law) displacements along the velocity
+        coordinates, changes of velocities, of auxiliary states, and of value, rate and acceleration
+        of each law, per unit of a parameter
     size : [m] of the mechanism, the unit of the steps
     weights : (r,) of the values when derivatives are compared; 0: left out
     """
-    n, units = len(directions), units_of(instant.model, size)
-    six, errors = np.zeros((n, weights.size)), np.zeros((n, weights.size))
-    off, share = np.full(n, np.inf), 1.0
-    todo = list(range(n))
-    for _ in range(_TRIALS):
+    n, units = len(directions), np.tile(units_of(instant.model, size), 2)
+    # No coordinate moves by more than STEP of its unit.
+    largest = np.abs(directions[:, : units.size] * units).max(axis=1, initial=0.0)
+    first = np.where(largest > 0.0, STEP / np.maximum(largest, 1e-300), 1.0)
+    six, errors = np.zeros((2, n, weights.size))
+    off, todo = np.full(n, np.inf), np.arange(n)
+    for trial in range(_TRIALS):
         again = []
-        for begin in range(0, len(todo), _BATCH):
-            batch = todo[begin : begin + _BATCH]
-            steps = np.array([share * _step(directions[k], units) for k in batch])
-            values = _values(instant, evaluation, [directions[k] for k in batch], steps)
-            fine = np.einsum("s,dsr->dr", _SIX, values) / steps[:, None]
-            coarse = np.einsum("s,dsr->dr", _FOUR, values) / steps[:, None]
-            noise = _ROUND_OFF * np.linalg.norm(values * weights, axis=2).max(axis=1) / steps
-            for k, one, two, least in zip(batch, fine, coarse, noise, strict=True):
-                error = float(np.linalg.norm((one - two) * weights))
-                if error < off[k]:
-                    six[k], errors[k], off[k] = one, np.abs(one - two), error
-                if error > max(_ALIKE * float(np.linalg.norm(one * weights)), least):
-                    again.append(k)
-        todo, share = again, share / _SMALLER
-        if not todo:
-            break
+        for batch in np.array_split(todo, range(_BATCH, todo.size, _BATCH)) if todo.size else ():
+            steps = first[batch, None] / _SMALLER**trial
+            values = _values(instant, evaluation, steps * directions[batch])
+            fine, coarse = (np.einsum("s,dsr->dr", rule, values) / steps for rule in (_SIX, _FOUR))
+            error = np.linalg.norm((fine - coarse) * weights, axis=1)
+            better = error < off[batch]
+            six[batch[better]], off[batch[better]] = fine[better], error[better]
+            errors[batch[better]] = np.abs(fine - coarse)[better]
+            noise = _ROUND_OFF * np.linalg.norm(values * weights, axis=2).max(axis=1) / steps[:, 0]
+            least = np.maximum(_ALIKE * np.linalg.norm(fine * weights, axis=1), noise)
+            again.append(batch[error > least])
+        todo = np.concatenate(again) if again else todo
     return Derivatives(six.T, errors.T)
 
 
-def _values(
-    instant: Instant, evaluation: Evaluation, directions: list[Direction], steps: Array
-) -> Array:
+def _values(instant: Instant, evaluation: Evaluation, moves: Array) -> Array:
     """Return values (n_direction, 6, r) at the points along some directions."""
-    pairs = list(zip(directions, steps.tolist(), strict=True))
-    if any(d.laws.any() for d in directions):
-        return np.array([_one(instant, evaluation, d, h) for d, h in pairs])
-    y = np.array([_state(instant, d, s * h) for d, h in pairs for s in _AT])
-    model = with_laws(instant.model, instant.t, instant.laws)
-    return evaluation(model, _times(instant, y), y).reshape(len(directions), _AT.size, -1)
-
-
-def _one(instant: Instant, evaluation: Evaluation, d: Direction, h: float) -> Array:
-    """Return values (6, r) along one direction that changes laws."""
-    rows = []
-    for s in _AT:
-        y = _state(instant, d, s * h)[None]
-        model = with_laws(instant.model, instant.t, instant.laws + s * h * d.laws)
-        rows.append(evaluation(model, _times(instant, y), y)[0])
-    return np.array(rows)
-
-
-def _times(instant: Instant, y: Array) -> Array:
-    return np.full(len(y), instant.t)
-
-
-def _state(instant: Instant, d: Direction, s: float) -> Array:
-    model, y = instant.model, instant.y.copy()
-    y[: model.n_pos] = moved(model, instant.y[: model.n_pos], s * d.x)
-    first = model.n_pos + model.n_vel
-    y[model.n_pos : first] += s * d.u
-    y[first : first + model.n_aux] += s * d.states
-    return y
-
-
-def _step(d: Direction, units: Array) -> float:
-    """Return the step along a direction: no coordinate moves by more than STEP of its unit."""
-    largest = max(
-        float(np.max(np.abs(d.x) * units, initial=0.0)),
-        float(np.max(np.abs(d.u) * units, initial=0.0)),
-    )
-    return STEP / largest if largest > 0.0 else 1.0
+    model, n = instant.model, 2 * instant.model.n_vel + instant.model.n_aux
+    changes = (moves[:, None] * _AT[:, None]).reshape(-1, moves.shape[1])
+    y = displaced(model, np.tile(instant.y, (len(changes), 1)), changes[:, :n])
+    t, laws = np.full(len(y), instant.t), changes[:, n:].reshape(len(y), *instant.laws.shape)
+    # Laws are the same for all states of a call.
+    every = [slice(k, k + 1) for k in range(len(y))] if laws.any() else [slice(None)]
+    found = [
+        evaluation(with_laws(model, instant.t, instant.laws + laws[rows][0]), t[rows], y[rows])
+        for rows in every
+    ]
+    return np.concatenate(found).reshape(len(moves), _AT.size, -1)
 
 
 def units_of(model: Model, size: float) -> Array:

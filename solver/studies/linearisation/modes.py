@@ -79,8 +79,19 @@ def modes_of(
     largest = float(np.abs(values).max())
     real = np.abs(values.imag) <= _REAL * np.abs(values)
     values = np.where(real, values.real, values)
-    double = _DOUBLE * float(np.sqrt(np.finfo(float).eps * largest))
-    least = np.maximum(max(_STILL, _still(model, space, t), double), _cancelled(space, left, right))
+    eps = float(np.finfo(float).eps)
+    # What round-off makes of a double eigenvalue of zero [rad/s].
+    forces = np.abs(assemble(model, t, space.y).f) / model.inertia_scale
+    noise = eps * float((forces * units_of(model, extent(model, space.y))).max()) / STEP
+    double = max(_ROUND_OFF * np.sqrt(noise), _DOUBLE * np.sqrt(eps * largest))
+    # lambda^2 = l' A r / l' r with A the accelerations by displacements: its round-off is that of
+    # the largest terms of the sums, which a rigid motion beside stiff modes cancels.
+    n = space.n_free
+    rows, r = left[n : 2 * n], right[:n]
+    terms = (np.abs(rows) * (np.abs(space.A_free[n : 2 * n, :n]) @ np.abs(r))).sum(axis=0)
+    product = np.abs(np.einsum("ik,ik->k", rows.conj(), r))
+    own = np.divide(_TERMS * eps * terms, product, np.zeros_like(terms), where=product > 0)
+    least = np.maximum(max(_STILL, double), np.sqrt(own))
     still = np.abs(values) <= least
     # Of a pair one is kept; of a double zero, which has one vector, also one.
     keep = [k for k in range(values.size) if values[k].imag > 0.0 or real[k]]
@@ -128,35 +139,11 @@ def _eigen(space: StateSpace, turning: Array | None) -> tuple[Array, Array, Arra
     )
 
 
-def _still(model: Model, space: StateSpace, t: float) -> float:
-    """Return what round-off makes of a double eigenvalue of zero [rad/s]."""
-    size = extent(model, space.y)
-    forces = np.abs(assemble(model, t, space.y).f) / model.inertia_scale
-    noise = np.finfo(float).eps * float((forces * units_of(model, size)).max()) / STEP
-    return float(_ROUND_OFF * np.sqrt(noise))
-
-
-def _cancelled(space: StateSpace, left: Array, right: Array) -> Array:
-    """Return what round-off makes of each eigenvalue if stiff terms cancel to zero in it [rad/s].
-
-    lambda^2 = l' A r / l' r with A the accelerations by displacements: its round-off is that of
-    the largest terms of the sums, which a rigid motion beside stiff modes cancels.
-    """
-    n = space.n_free
-    rows, r = left[n : 2 * n], right[:n]
-    terms = (np.abs(rows) * (np.abs(space.A_free[n : 2 * n, :n]) @ np.abs(r))).sum(axis=0)
-    product = np.abs(np.einsum("ik,ik->k", rows.conj(), r))
-    noise = _TERMS * np.finfo(float).eps * terms
-    return np.asarray(np.sqrt(np.divide(noise, product, np.zeros_like(noise), where=product > 0)))
-
-
 def _single_zeros(keep: list[int], still: BoolArray, right: Array) -> list[int]:
     """Leave out, of zero eigenvalues, those whose vectors are combinations of others kept."""
-    chosen: list[int] = []
-    basis: list[Array] = []
+    n, chosen, basis = right.shape[0] // 2, list[int](), list[Array]()
     for k in keep:
         if still[k]:
-            n = right.shape[0] // 2
             rest = right[:n, k].copy()
             for b in basis:
                 rest -= (b.conj() @ rest) * b
@@ -196,31 +183,22 @@ def participation(
     """Return what moves in each mode; `axis` (3,) is that of the spin, global."""
     x = modes.x
     k = x.shape[1]
-    bodies = np.zeros((model.n_body, k))
+    bodies, strain = np.zeros((model.n_body, k)), np.zeros(x.shape)  # twice the strain energies
     for i in range(model.n_body):
-        part = slice(int(model.vel_start[i]), int(model.vel_start[i]) + 6 + int(model.n_mode[i]))
-        M = space.mass[part, part]
-        bodies[i] = (x[part].conj() * (M @ x[part])).sum(axis=0).real
+        j, m = int(model.vel_start[i]), int(model.n_mode[i])
+        part, own = slice(j, j + 6 + m), slice(j + 6, j + 6 + m)
+        bodies[i] = (x[part].conj() * (space.mass[part, part] @ x[part])).sum(axis=0).real
+        stiffness = modal_matrix(model, model.K_qq, i).diagonal()
+        strain[own] = stiffness[:, None] * np.abs(x[own]) ** 2
     bodies /= np.maximum(bodies.sum(axis=0), 1e-300)
     weights = np.abs(x) ** 2 * model.inertia_scale[:, None]
     weights /= np.maximum(weights.sum(axis=0), 1e-300)
     names = coordinate_names(model, body_names, packages)
-    strain = _strain(model, x)
     whole = np.abs(modes.eigenvalues) ** 2  # of unit modal mass: twice the largest energy
     elastic = strain.sum(axis=0) > _ELASTIC * whole
     top = np.where(elastic, strain.argmax(axis=0), weights.argmax(axis=0)) if k else []
     main = [names[int(j)] for j in top]
     return Participation(bodies, weights, main, _forward(model, space.y, x, axis))
-
-
-def _strain(model: Model, x: Array) -> Array:
-    """Twice the strain energy of each modal coordinate, (n_vel, k)."""
-    out = np.zeros(x.shape)
-    for i in range(model.n_body):
-        j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
-        stiffness = modal_matrix(model, model.K_qq, i).diagonal()
-        out[j : j + m] = stiffness[:, None] * np.abs(x[j : j + m]) ** 2
-    return out
 
 
 def coordinate_names(
@@ -317,8 +295,8 @@ def change_when_turned(
     for j in model.vel_start:
         turn[j : j + 3, j : j + 3] = A
     both = block_diag(turn, turn, np.eye(space.auxiliary.size))
-    into = _left(space) @ both.T @ _right(later)
-    back = _left(later) @ both @ _right(space)
+    into = _sides(space)[0] @ both.T @ _sides(later)[1]
+    back = _sides(later)[0] @ both @ _sides(space)[1]
     change = into @ later.A_free @ back - space.A_free
     values = np.abs(modes.eigenvalues[moving])
     left, right = modes.left[:, moving], modes.right[:, moving]
@@ -326,12 +304,8 @@ def change_when_turned(
     return float((found / np.maximum(np.maximum.outer(values, values), rate)).max())
 
 
-def _right(space: StateSpace) -> Array:
-    Z = space.free.Z
+def _sides(space: StateSpace) -> tuple[Array, Array]:
+    """Return what takes states without drives out of the coordinates, and into them."""
+    Z, left, others = space.free.Z, space.free.Z_left, np.eye(space.auxiliary.size)
     moving = np.block([[Z, np.zeros_like(Z)], [space.velocity, Z]])
-    return np.asarray(block_diag(moving, np.eye(space.auxiliary.size)), dtype=float)
-
-
-def _left(space: StateSpace) -> Array:
-    left, others = space.free.Z_left, np.eye(space.auxiliary.size)
-    return np.asarray(block_diag(left, left, others), dtype=float)
+    return np.asarray(block_diag(left, left, others)), np.asarray(block_diag(moving, others))

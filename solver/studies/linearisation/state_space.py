@@ -33,7 +33,7 @@ from ...math.arrays import Array, IntArray
 from ...math.rotations import rotation_matrix, skew
 from ...mechanism.built import BuiltMechanism
 from ...signals import Recording, Sensor
-from .differences import Direction, Instant, derivatives
+from .differences import Instant, derivatives
 
 if TYPE_CHECKING:
     from ...inputs.case.tables.schema import Mechanism
@@ -176,11 +176,16 @@ def linearise(
     at = Instant(model, t, y, law_values(model, t))
     size = extent(model, y)
     Z, left = free.Z, free.Z_left
-    auxiliary = moving_states(model)
+    # Those that count turns of an angle, or are sampled, do not change in a small motion.
+    auxiliary = np.flatnonzero((model.quantities.rate >= 0) & (model.quantities.of_coordinate < 0))
     drives = [s for s in sources if s.drive]
     n, n_a, n_d = Z.shape[1], auxiliary.size, len(drives)
 
-    def answers(directions: list[Direction], column: int) -> Array:
+    # One row for each state: displacement, change of velocity, auxiliary states, laws.
+    n_v, of_laws, n_state = model.n_vel, 2 * model.n_vel + model.n_aux, 2 * n + n_a + 2 * n_d
+    width = of_laws + at.laws.size
+
+    def answers(directions: Array, column: int) -> Array:
         """Motions (n_vel, k) that restore Phi (column 0) or Phidot (1) along directions."""
         weights = np.ones(2 * model.n_constraint)
         found = derivatives(at, _constraints, directions, size, weights).values
@@ -188,27 +193,23 @@ def linearise(
 
     B = np.zeros_like(Z)
     if model.n_constraint and (y[model.n_pos :].any() or at.laws[:, 1].any()):
-        B = answers([at.direction(x) for x in Z.T], 1)
-    X, Xp = np.zeros((model.n_vel, n_d)), np.zeros((model.n_vel, n_d))
-    values = [_one_law(at.laws, s.law, 0) for s in drives]
+        B = answers(np.pad(Z.T, ((0, 0), (0, width - n_v))), 1)
+    X, Xp = np.zeros((n_v, n_d)), np.zeros((n_v, n_d))
     if drives:
-        X = answers([at.direction(laws=value) for value in values], 0)
-        moved = [at.direction(x, laws=value) for x, value in zip(X.T, values, strict=True)]
-        Xp = answers(moved, 1)
-    # One direction for each state: displacement, change of velocity, laws, auxiliary states.
-    x = np.hstack([Z, np.zeros_like(Z), np.zeros((model.n_vel, n_a)), X, np.zeros_like(X)])
-    u = np.hstack([B, Z, np.zeros((model.n_vel, n_a)), Xp, X])
-    directions = [at.direction(*pair) for pair in zip(x.T, u.T, strict=True)]
-    for k, j in enumerate(auxiliary):
-        only = np.zeros(model.n_aux)
-        only[j] = 1.0
-        directions[2 * n + k] = at.direction(states=only)
-    for k, s in enumerate(drives):
-        for order, m in ((0, 2 * n + n_a + k), (1, 2 * n + n_a + n_d + k)):
-            directions[m] = directions[m]._replace(laws=_one_law(at.laws, s.law, order))
-    directions += [
-        at.direction(laws=_one_law(at.laws, s.law, 2 if s.drive else 0)) for s in sources
-    ]
+        moving = np.zeros((n_d, width))
+        moving[np.arange(n_d), [of_laws + 3 * s.law for s in drives]] = 1.0
+        moving[:, :n_v] = (X := answers(moving, 0)).T
+        Xp = answers(moving, 1)
+    x = np.hstack([Z, np.zeros_like(Z), np.zeros((n_v, n_a)), X, np.zeros_like(X)])
+    u = np.hstack([B, Z, np.zeros((n_v, n_a)), Xp, X])
+    directions = np.zeros((n_state + len(sources), width))
+    directions[:n_state, : 2 * n_v] = np.vstack([x, u]).T
+    directions[2 * n + np.arange(n_a), 2 * n_v + auxiliary] = 1.0
+    for k, s in enumerate(drives, 2 * n + n_a):
+        for order in (0, 1):
+            directions[k + order * n_d, of_laws + 3 * s.law + order] = 1.0
+    for k, s in enumerate(sources, n_state):
+        directions[k, of_laws + 3 * s.law + (2 if s.drive else 0)] = 1.0
     first = model.n_pos + model.n_vel
     kept = [*range(model.n_pos, first), *(first + auxiliary)]
 
@@ -221,13 +222,15 @@ def linearise(
     found = derivatives(at, evaluation, directions, size, weights)
     da, ds, dy = np.split(found.values, [model.n_vel, model.n_vel + n_a])
     frame = turning_axes(model, y, W_G)
-    n_state = 2 * n + n_a + 2 * n_d
     A, into = np.zeros((n_state, n_state)), np.zeros((n_state, len(sources)))
     A[:n] = left @ (u + frame.T @ x)
     A[n : 2 * n] = left @ (da[:, :n_state] + frame.T_u @ u)
     # Free motions change along a motion: Zdot, without a component in Z.
     beside = np.eye(model.n_vel) - Z @ left
-    change = _without_noise(beside @ (B + frame.T @ Z), B).T * model.inertia_scale
+    Z_d = beside @ (B + frame.T @ Z)
+    least = _STEADY * max(float(np.linalg.norm(B, axis=0).max(initial=0.0)), 1e-300)
+    Z_d[:, np.linalg.norm(Z_d, axis=0) <= least] = 0.0  # the round-off of B
+    change = Z_d.T * model.inertia_scale
     A[:n] += change @ beside @ x
     A[n : 2 * n] += change @ beside @ u
     A[2 * n : 2 * n + n_a], into[2 * n : 2 * n + n_a] = ds[:, :n_state], ds[:, n_state:]
@@ -237,7 +240,12 @@ def linearise(
         if s.drive:
             into[n_state - n_d + drives.index(s), k] = 1.0
     rest = along_solution(model, np.full(1, t), y[None])[0][0, kept]
-    errors = left @ found.errors[: model.n_vel, : 2 * n]
+    # The largest estimated error of a column over its size. A large acceleration that does not
+    # depend on the state leaves nothing but round-off.
+    errors = np.linalg.norm(left @ found.errors[:n_v, : 2 * n], axis=0)
+    sizes = np.linalg.norm(left @ da[:, : 2 * n], axis=0)
+    noise = 1e-8 * float(np.linalg.norm(left @ rest[:n_v]))
+    least = max(1e-9 * max(float(sizes.max(initial=0.0)), 1.0), noise)
     return StateSpace(
         A=A,
         B=into,
@@ -254,46 +262,14 @@ def linearise(
         forces=assemble(model, t, y).f,
         inputs=tuple(sources),
         outputs=tuple((name, s.unit) for name, s in sensors.items()),
-        error=_relative(left @ da[:, : 2 * n], errors, left @ rest[: model.n_vel]),
+        error=float(np.max(errors / np.maximum(sizes, least), initial=0.0)),
     )
-
-
-def moving_states(model: Model) -> IntArray:
-    """Return the numbers of the auxiliary states that have a rate of their own.
-
-    Those that count turns of an angle, and those that are sampled, do not change in a small motion.
-    """
-    q = model.quantities
-    return np.flatnonzero((q.rate >= 0) & (q.of_coordinate < 0))
 
 
 def _constraints(model: Model, t: Array, y: Array) -> Array:
     """Phi and Phidot of states, (k, 2 n_c)."""
     found = balance(model, t, y)
     return np.hstack([found.Phi, found.Phi_d])
-
-
-def _one_law(laws: Array, law: int, order: int) -> Array:
-    """Change of the value (0), rate (1) or acceleration (2) of one law, (n_law, 3)."""
-    out = np.zeros_like(laws)
-    out[law, order] = 1.0
-    return out
-
-
-def _without_noise(Z_d: Array, B: Array) -> Array:
-    """Return Zdot (n_vel, n) with columns of zeros where it is the round-off of B."""
-    size, scale = np.linalg.norm(Z_d, axis=0), np.linalg.norm(B, axis=0)
-    return np.where(size > _STEADY * max(float(scale.max(initial=0.0)), 1e-300), Z_d, 0.0)
-
-
-def _relative(values: Array, errors: Array, rest: Array) -> float:
-    """Return the largest estimated error of a column over its size, beyond the round-off of `rest`.
-
-    A large acceleration that does not depend on the state leaves nothing but round-off.
-    """
-    size = np.linalg.norm(values, axis=0)
-    least = max(1e-9 * max(float(size.max(initial=0.0)), 1.0), 1e-8 * float(np.linalg.norm(rest)))
-    return float(np.max(np.linalg.norm(errors, axis=0) / np.maximum(size, least), initial=0.0))
 
 
 class Realisation(NamedTuple):

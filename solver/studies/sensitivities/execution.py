@@ -8,6 +8,7 @@ import numpy as np
 
 from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
+from ...dynamics.model.coordinates import displaced
 from ...errors import InputError
 from ...integrators.breakpoints import JUMPS
 from ...integrators.generic.drive import Steps, StopRequest
@@ -23,7 +24,6 @@ from ...run.outcome import collect
 from ...run.preparation import Prepared, integrated, output_times, prepare
 from ...run.timing import Stopwatch
 from ...signals import HELD, Histories, Recording, Sensor, sensors
-from .kinematics import displaced
 from .parameters import Parameter, Variant, check_variant, start_tangent, variant
 from .tangent import Column, Tangent
 
@@ -61,7 +61,10 @@ class _Follower:
             if moved or (due and self._sampled < t[0]):
                 self._jump(float(t[0]), self._last, y[0])
             begin = 0
-            for end in [*self._sampled_within(steps), len(steps)]:
+            # Ends of steps at which the loop may have sampled.
+            within = steps.t if self._instants.t.size else ()
+            ends = [k for k, t in enumerate(within) if k and self._instants.sampled_at(t).any()]
+            for end in [*ends, len(steps)]:
                 if end > begin:
                     self._follow(steps, begin, end)
                 begin = end
@@ -87,12 +90,6 @@ class _Follower:
             expected = sampled(model, float(t[-1]), before, which, self._functions)
             if np.array_equal(expected[self._first : -1], y[-1, self._first : -1]):
                 self._jump(float(t[-1]), before, y[-1])
-
-    def _sampled_within(self, steps: Steps) -> list[int]:
-        """Return the ends of steps at which the loop may have sampled."""
-        if not self._instants.t.size:
-            return []
-        return [k for k, t in enumerate(steps.t) if k and self._instants.sampled_at(t).any()]
 
     def _jump(self, t: float, before: Array, after: Array) -> None:
         """Carry the tangent over an instant of sampling, or of an impact."""
@@ -238,7 +235,7 @@ def with_sensitivities(
     for p, parameter in enumerate(parameters):
         changes = _of_signals(prepared, motion.beside(p), parameter.h)
         for signal in result.signals:
-            unit = _quotient(signal.unit, parameter.unit)
+            unit = f"({signal.unit})/({parameter.unit})" if parameter.unit else signal.unit
             values = changes[signal.name]
             found_.append(Derivative(signal.name, parameter.name, unit, parameter.value, values))
     order = {signal.name: k for k, signal in enumerate(result.signals)}
@@ -296,10 +293,6 @@ def step_derivatives(stepper: Stepper) -> Array:
             changes = _of_signals(prepared, _beside(prepared, times[1:], y, part, h, pair, held), h)
             rows[:, k] += [changes[name][0] for name in stepper.outputs]
     return rows
-
-
-def _quotient(unit: str, by: str) -> str:
-    return f"({unit})/({by})" if by else unit
 
 
 def require_derivatives(prepared: Prepared) -> None:

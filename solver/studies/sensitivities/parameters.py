@@ -23,7 +23,6 @@ from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
 from ...package.common.dataset import all_values
 from ...run.inputs import RunSpec
-from .kinematics import displacements
 
 # Over the number: central differences of arrays that are polynomials of it.
 RELATIVE = 1e-5
@@ -153,9 +152,18 @@ def variant(spec: RunSpec, base: Model) -> Variant:
 
 
 def start_tangent(model: Model, y0: Array, minus: Array, plus: Array, h: float) -> Array:
-    """Return the derivative of the start, (2 n_vel + n_aux,), from those less and plus h."""
+    """Return the derivative of the start, (2 n_vel + n_aux,), from those less and plus h.
+
+    Displacements along the velocity coordinates, then changes of velocities and auxiliary states.
+    """
     change = (plus - minus) / (2.0 * h)
-    x = displacements(model, y0[: model.n_pos], change[: model.n_pos])
+    x = np.empty(model.n_vel)
+    for a, j, m in zip(model.pos_start, model.vel_start, model.n_mode, strict=True):
+        x[j : j + 3] = change[a : a + 3]
+        x[j + 6 : j + 6 + m] = change[a + 7 : a + 7 + m]
+        p, dp = y0[a + 3 : a + 7], change[a + 3 : a + 7]
+        turn = p[0] * dp[1:] - dp[0] * p[1:] - np.cross(p[1:], dp[1:])
+        x[j + 3 : j + 6] = 2.0 * turn / (p @ p)
     return np.concatenate([x, change[model.n_pos : -1]])
 
 

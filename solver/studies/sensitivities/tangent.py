@@ -24,12 +24,12 @@ from ...dynamics.evaluation.accelerations import derivative, masses_and_jacobian
 from ...dynamics.evaluation.evaluation import Instants, beyond, sampled
 from ...dynamics.evaluation.series import along_solution, quantities
 from ...dynamics.evaluation.variations import along_directions, terms
+from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model, modal_matrix
 from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
 from ..linearisation.differences import units_of
-from .kinematics import displaced, normalise, turning
 
 # Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
 STEP = 3e-8
@@ -44,14 +44,6 @@ class Column(NamedTuple):
     minus: Model
     plus: Model
     h: float
-
-
-class Partition(NamedTuple):
-    """Independent rows, dependent and independent coordinates."""
-
-    rows: IntArray
-    dependent: IntArray
-    independent: IntArray
 
 
 class Batch(NamedTuple):
@@ -140,7 +132,7 @@ class Tangent:
         model, Z = self.model, steps.Z[begin:end]
         h, v = np.diff(steps.t[begin : end + 1]), slice(model.n_pos, model.n_pos + model.n_vel)
         stages = (steps.y[begin:end, None] + Z).reshape(-1, Z.shape[2])
-        normalise(model, stages)
+        self._normalise(stages)
         rates = np.einsum("ab,kbi->kai", A_INVERSE, Z[:, :, v]) / h[:, None, None]
         multipliers = steps.multipliers[begin:end, :, : model.n_constraint]
         return Batch(
@@ -161,11 +153,17 @@ class Tangent:
         x = begins[:, None] + length[:, None] * C
         x[:, 2] -= np.clip(parts[:, 1], 1e-4 * length, 0.1 * length)
         t, y = steps.t[i] + x.ravel() * h, self._within(steps, i, x.ravel())
-        normalise(model, y)
+        self._normalise(y)
         rates, multipliers = along_solution(model, t, y)
         a = rates[:, model.n_pos : model.n_pos + model.n_vel]
         ends = np.concatenate([begins, [1.0]])
         return Batch(steps.t[i] + ends * h, y, np.ascontiguousarray(a), multipliers)
+
+    def _normalise(self, y: Array) -> None:
+        """Give the Euler parameters of states y (k, n) length one, in place."""
+        for a in self.model.pos_start:
+            p = y[:, a + 3 : a + 7]
+            p /= np.sqrt((p * p).sum(axis=1, keepdims=True))
 
     def _within(self, steps: Steps, i: int, x: Array) -> Array:
         """Return states at the parts x (k,) of step i."""
@@ -284,8 +282,8 @@ class Tangent:
         """
         model, n, n_c, n_a = self.model, self.model.n_vel, self.model.n_constraint, self.model.n_aux
         M, Phi_q = masses_and_jacobians(model, t, y)
-        chosen = partition(Phi_q[len(t) // 2] / self._root, n_c - model.redundant)
-        rows, dep, ind = chosen
+        middle = Phi_q[len(t) // 2] / self._root
+        rows, dep, ind = partition(middle, n_c - model.redundant)
         inverse = np.linalg.inv(Phi_q[:, rows][:, :, dep])
         Z = np.zeros((t.size, n, ind.size))
         Z[:, ind] = np.eye(ind.size)
@@ -308,11 +306,9 @@ class Tangent:
             for begin, part in ((0, x), (n, v), (2 * n, z)):
                 if part is not None:
                     directions[:, :, begin : begin + part.shape[1]] = part.transpose(0, 2, 1)
-            largest = np.abs(directions[:, :, :n] * self.units).max(axis=2, initial=0.0)
-            faster = np.abs(directions[:, :, n : 2 * n] * self.units).max(axis=2, initial=0.0)
-            other = np.abs(directions[:, :, 2 * n :]).max(axis=2, initial=0.0)
-            h = STEP / np.maximum(np.maximum(np.maximum(largest, faster), other), 1e-300)
-            h[(largest == 0.0) & (faster == 0.0) & (other == 0.0)] = 1.0
+            sizes = np.abs(directions) * np.concatenate([self.units, self.units, np.ones(n_a)])
+            largest = sizes.max(axis=2, initial=0.0)
+            h = np.where(largest > 0.0, STEP / np.maximum(largest, 1e-300), 1.0)
             return along_directions(model, t, y, a, multipliers, directions, h)
 
         partial = np.empty((t.size, len(self.columns), n + 3 * n_c + n_a))
@@ -343,7 +339,14 @@ class Tangent:
         none = np.zeros((t.size, n, n_a))
         x = np.concatenate([Z, np.zeros_like(Z), none, X], axis=2)
         v = np.concatenate([V[:, :, :f], Z, none, V[:, :, f:]], axis=2)
-        u_d = (v + turning(model, y[:, model.n_pos : model.n_pos + n], x))[:, ind]
+        # Body axes turn: -w x rotations is part of the rate of a displacement.
+        rates, turning = y[:, model.n_pos : model.n_pos + n], np.zeros_like(x)
+        for j in model.vel_start:
+            w = rates[:, None, j + 3 : j + 6]
+            turning[:, j + 3 : j + 6] = -np.cross(
+                w, x[:, j + 3 : j + 6].transpose(0, 2, 1)
+            ).transpose(0, 2, 1)
+        u_d = (v + turning)[:, ind]
         rate = np.concatenate([u_d, free, every[:, :, n + 3 * n_c :].transpose(0, 2, 1)], axis=1)
         m = 2 * f + n_a
         (J, g), (x, x_p), (v, v_p) = (np.split(each, [m], axis=2) for each in (rate, x, v))
@@ -364,8 +367,9 @@ class Linear(NamedTuple):
     n_free: int
 
 
-def partition(Phi_q: Array, rank: int) -> Partition:
-    """Return independent rows of Phi_q (n_c, n_vel), scaled, and coordinates that they determine.
+def partition(Phi_q: Array, rank: int) -> tuple[IntArray, IntArray, IntArray]:
+    """Return independent rows of Phi_q (n_c, n_vel), scaled, coordinates that they determine, and
+    the independent coordinates.
 
     Raises
     ------
@@ -375,10 +379,10 @@ def partition(Phi_q: Array, rank: int) -> Partition:
     n = Phi_q.shape[1]
     if rank == 0:
         none = np.zeros(0, dtype=np.int64)
-        return Partition(none, none, np.arange(n))
+        return none, none, np.arange(n)
     rows = np.sort(qr(Phi_q.T, pivoting=True, mode="r")[1][:rank])
     order = qr(Phi_q[rows], pivoting=True, mode="r")[1]
-    return Partition(rows, np.sort(order[:rank]), np.sort(order[rank:]))
+    return rows, np.sort(order[:rank]), np.sort(order[rank:])
 
 
 class _Partial:

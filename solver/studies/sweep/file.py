@@ -3,8 +3,8 @@
 import csv
 import hashlib
 import io
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,45 +57,14 @@ class Row:
         return self.status != PENDING
 
 
-# Checksums of the rows in sweep.h5: a restart computes rows with a wrong one again.
-
-ROW_TEXTS = ("key", "status", "message", "code")
-
-
-def row_sha256(row: Row, signals: Iterable[str], histories: Iterable[str], n_t: int) -> str:
-    """Return the digest of all that the file keeps of a row.
-
-    Parameters
-    ----------
-    signals, histories : names in the file; `n_t` is the number of output times of histories
-    """
-    texts = [getattr(row, name) for name in ROW_TEXTS] + list(row.warnings)
-    numbers = [row.t_end]
-    for name in sorted(signals):
-        numbers += [_number(row.signals.get(name, {}).get(measure)) for measure in MEASURES]
-    numbers += [row.checks.get(name, np.nan) for name in CHECKS]
-    numbers += [row.cost.get(name, np.nan) for name in COST]
-    digest = hashlib.sha256("\0".join(texts).encode())
-    digest.update(_plain(numbers))
-    nothing = np.full(n_t, np.nan)
-    for name in sorted(histories):
-        digest.update(_plain(row.histories.get(name, nothing)))
-    return digest.hexdigest()
-
-
-def _plain(values: object) -> bytes:
-    """Return numbers as bytes, every NaN the same."""
-    array = np.array(values, dtype="<f8")
-    array[np.isnan(array)] = np.nan
-    return array.tobytes()
-
-
 # sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md.
 
 FILE, CSV = "sweep.h5", "sweep.csv"
 FORMAT = "plymotion sweep"
 FORMAT_VERSION = (1, 2)
 TEXTS = ("key", "status", "message", "code", "warnings")
+HEAD = ("case", "name", "title", "run", "design")
+BLOCK = 10_000  # rows whose digests are computed together
 
 
 @dataclass(frozen=True)
@@ -117,7 +86,17 @@ class SweepResult:
 
     def signal(self, name: str, measure: str) -> Array:
         """Return the one of MEASURES or "damage" of a signal, (k,)."""
-        return np.array([_number(r.signals.get(name, {}).get(measure)) for r in self.rows])
+        return _column(row.signals.get(name, {}).get(measure) for row in self.rows)
+
+    def numbers(self) -> Iterator[tuple[str, Array]]:
+        """Yield the checks and costs of the members (k,), as "checks/NAME" and "cost/NAME"."""
+        for group, names in (("checks", CHECKS), ("cost", COST)):
+            for name in names:
+                yield f"{group}/{name}", _column(getattr(r, group).get(name) for r in self.rows)
+
+    def kept(self) -> list[str]:
+        """Return the signals of which any row has a history."""
+        return [n for n in self.signal_words if any(n in row.histories for row in self.rows)]
 
     def measures(self, name: str) -> tuple[str, ...]:
         """Return what there is of a signal."""
@@ -161,25 +140,19 @@ def write_sweep(path: Path, result: SweepResult) -> None:
     with new_file(path) as file:
         set_text(file, "format", FORMAT)
         file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
-        for name in ("case", "name", "title", "run", "design"):
+        for name in HEAD:
             set_text(file, {"name": "sweep"}.get(name, name), getattr(result, name))
         set_text(file, "units", "SI")
-        parameters = file.create_group("parameters")
-        _texts(parameters, "name", result.parameter_names)
-        _texts(parameters, "unit", result.parameter_units)
-        parameters["values"] = result.values
-        members = file.create_group("members")
-        rows = result.rows
+        _write_texts(file, "parameters/name", result.parameter_names)
+        _write_texts(file, "parameters/unit", result.parameter_units)
+        file["parameters/values"] = result.values
         for name in TEXTS:
-            words = [" ".join(r.warnings) if name == "warnings" else getattr(r, name) for r in rows]
-            _texts(members, name, words)
-        kept = result.signal_units, _histories(result), result.t.size
-        _texts(members, "sha256", [row_sha256(row, *kept) for row in rows])
-        members["t_end"] = np.array([row.t_end for row in rows])
-        set_text(members["t_end"], "unit", "s")
-        for group, names in (("checks", CHECKS), ("cost", COST)):
-            for name in names:
-                file[f"{group}/{name}"] = [getattr(row, group).get(name, np.nan) for row in rows]
+            _write_texts(file, f"members/{name}", [_text(row, name) for row in result.rows])
+        _write_texts(file, "members/sha256", _digests(result))
+        file["members/t_end"] = np.array([row.t_end for row in result.rows])
+        set_text(file["members/t_end"], "unit", "s")
+        for name, values in result.numbers():
+            file[name] = values
         for name, unit in result.signal_units.items():
             signal = file.create_group(f"signals/{name}")
             set_text(signal, "unit", unit)
@@ -188,20 +161,34 @@ def write_sweep(path: Path, result: SweepResult) -> None:
                 signal[measure] = result.signal(name, measure)
         if result.t.size:
             file["histories/t"] = result.t
-            for name in _histories(result):
-                file.create_dataset(
-                    f"histories/{name}",
-                    data=result.history(name),
-                    compression="gzip",
-                    shuffle=True,
-                )
-                set_text(file[f"histories/{name}"], "description", result.signal_words[name])
+            packed = {"compression": "gzip", "shuffle": True}
+            for name in result.kept():
+                key = f"histories/{name}"
+                data = file.create_dataset(key, data=result.history(name), **packed)
+                set_text(data, "description", result.signal_words[name])
         write_file_checksum(file)
 
 
-def _histories(result: SweepResult) -> list[str]:
-    """Return the signals of which any row has a history."""
-    return [n for n in result.signal_words if any(n in row.histories for row in result.rows)]
+def _digests(result: SweepResult) -> list[str]:
+    """Return the digests of all that the file keeps of each row, every NaN the same.
+
+    A restart computes rows with a wrong one again.
+    """
+    found, signals, histories = [], sorted(result.signal_units), sorted(result.kept())
+    for first in range(0, len(result.rows), BLOCK):
+        block = replace(result, rows=result.rows[first : first + BLOCK])
+        columns = [np.array([row.t_end for row in block.rows])]
+        columns += [block.signal(name, measure) for name in signals for measure in MEASURES]
+        columns += [values for _, values in block.numbers()]
+        columns += [block.history(name) for name in histories]
+        table = np.column_stack(columns).astype("<f8")
+        table[np.isnan(table)] = np.nan
+        for row, numbers in zip(block.rows, table, strict=True):
+            texts = [row.key, row.status, row.message, row.code, *row.warnings]
+            digest = hashlib.sha256("\0".join(texts).encode())
+            digest.update(numbers.tobytes())
+            found.append(digest.hexdigest())
+    return found
 
 
 def read_sweep(path: Path) -> SweepResult:
@@ -224,14 +211,12 @@ def believed_rows(path: Path) -> tuple[dict[str, Row], int]:
         As `read_sweep`, but for an altered file.
     """
     result, digests = _read(path, whole=False)
-    names = result.signal_units, _histories(result), result.t.size
-    rows = [row for row in result.rows if row.done]
     found = {
         row.key: row
-        for row, digest in zip(result.rows, digests, strict=True)
-        if row.done and row_sha256(row, *names) == digest
+        for row, digest, own in zip(result.rows, digests, _digests(result), strict=True)
+        if row.done and own == digest
     }
-    return found, len(rows) - len(found)
+    return found, len(result.rows) - result.count(PENDING) - len(found)
 
 
 def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
@@ -256,46 +241,38 @@ def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
 
 def _load(path: Path, file: h5py.File) -> SweepResult:
     _check_lengths(path, file)
-    signals = file.get("signals", {})
-    histories = file.get("histories", {})
+    signals, histories = file.get("signals", {}), file.get("histories", {})
     texts = {name: _words(file[f"members/{name}"]) for name in TEXTS}
-    t_end = file["members/t_end"][()]
     numbers = {
-        group: {name: file[f"{group}/{name}"][()] for name in names}
+        group: {name: file[f"{group}/{name}"][()].tolist() for name in names}
         for group, names in (("checks", CHECKS), ("cost", COST))
     }
     measured = {n: {m: g[m][()] for m in (*MEASURES, DAMAGE) if m in g} for n, g in signals.items()}
     units = {n: get_text(g, "unit") for n, g in signals.items()}
     series = {n: d[()] for n, d in histories.items() if n != "t"}
     rows = []
-    for k, key in enumerate(texts["key"]):
-        known = not np.isnan(t_end[k])
-        rows.append(
-            Row(
-                key=key,
-                status=texts["status"][k],
-                message=texts["message"][k],
-                code=texts["code"][k],
-                t_end=float(t_end[k]),
-                signals={
-                    n: {"unit": units[n]} | {m: _value(v[k]) for m, v in table.items()}
-                    for n, table in measured.items()
-                    if known
-                },
-                histories={n: v[k] for n, v in series.items() if known},
-                checks={n: float(v[k]) for n, v in numbers["checks"].items() if known},
-                cost={n: float(v[k]) for n, v in numbers["cost"].items() if known},
-                warnings=tuple(texts["warnings"][k].split()),
-            )
+    for k, t_end in enumerate(file["members/t_end"][()].tolist()):
+        row = Row(
+            **{name: words[k] for name, words in texts.items() if name != "warnings"},
+            warnings=tuple(texts["warnings"][k].split()),
         )
-    words = {n: get_text(d, "description") for n, d in histories.items() if n != "t"}
+        if not np.isnan(t_end):
+            row = replace(
+                row,
+                t_end=t_end,
+                signals={
+                    n: {"unit": units[n]}
+                    | {m: None if np.isnan(v[k]) else float(v[k]) for m, v in table.items()}
+                    for n, table in measured.items()
+                },
+                histories={n: v[k] for n, v in series.items()},
+                **{group: {n: v[k] for n, v in of.items()} for group, of in numbers.items()},
+            )
+        rows.append(row)
+    words = {n: get_text(histories[n], "description") for n in series}
     words |= {n: get_text(g, "description") for n, g in signals.items()}
     return SweepResult(
-        case=get_text(file, "case"),
-        name=get_text(file, "sweep"),
-        title=get_text(file, "title"),
-        run=get_text(file, "run"),
-        design=get_text(file, "design"),
+        **{n: get_text(file, {"name": "sweep"}.get(n, n)) for n in HEAD},
         parameter_names=tuple(_words(file["parameters/name"])),
         parameter_units=tuple(_words(file["parameters/unit"])),
         values=file["parameters/values"][()],
@@ -342,17 +319,25 @@ def sweep_csv(result: SweepResult) -> str:
         units = {"t_min": "s", "t_max": "s", DAMAGE: "-"}
         head += [f"{name} {m} [{units.get(m, unit)}]" for m in kept[name]]
     writer.writerow([*head, *CHECKS, *COST, "warnings", "message"])
-    for k, row in enumerate(result.rows):
-        line: list[Any] = [k, *result.values[k], row.status, row.code, _blank(row.t_end)]
-        for name, measures in kept.items():
-            line += [_blank(row.signals.get(name, {}).get(m)) for m in measures]
-        line += [_blank(row.checks.get(name)) for name in CHECKS]
-        line += [_blank(row.cost.get(name)) for name in COST]
+    columns = [result.signal(name, measure) for name, known in kept.items() for measure in known]
+    columns += [values for _, values in result.numbers()]
+    for k, (row, *numbers) in enumerate(zip(result.rows, *columns, strict=True)):
+        line = [k, *result.values[k], row.status, row.code]
+        line += ["" if np.isnan(x) else x for x in (row.t_end, *numbers)]
         writer.writerow([*line, " ".join(row.warnings), cell_text(row.message)])
     return stream.getvalue()
 
 
-def _texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
+def _text(row: Row, name: str) -> str:
+    return " ".join(row.warnings) if name == "warnings" else str(getattr(row, name))
+
+
+def _column(values: Iterable[float | None]) -> Array:
+    """Return numbers as an array, NaN for None."""
+    return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def _write_texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
     raw = [word.encode() for word in words]
     size = max([1, *map(len, raw)])
     group[name] = np.array(raw, dtype=h5py.string_dtype("utf-8", size))
@@ -360,15 +345,3 @@ def _texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
 
 def _words(dataset: h5py.Dataset) -> list[str]:
     return [word.decode("utf-8") if isinstance(word, bytes) else str(word) for word in dataset[()]]
-
-
-def _number(value: float | None) -> float:
-    return np.nan if value is None else float(value)
-
-
-def _value(number: float) -> float | None:
-    return None if np.isnan(number) else float(number)
-
-
-def _blank(value: float | None) -> float | str:
-    return "" if value is None or np.isnan(value) else value

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +19,8 @@ from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
 from ..motions import base_motion, difference, kind_of_signal, relatives, scales
 from ..plan import Base, Rich
-from .effects import Effects, effects
-from .loaded import Loaded, fixed_packages, loaded
-from .response import Response, elastic_columns, response
+from .loaded import Loaded, loaded
+from .response import Effects, Response, effects, elastic_columns, response
 
 PARALLEL = 1.0 - 1e-12  # cosine of axes that are the same
 
@@ -165,14 +164,14 @@ class Study:
 
     base: Base
     model: dict[str, Rich]
-    of_check: Callable[[], dict[str, Rich]]
+    of_check: Callable[[], Loaded]
     indicators: Indicators
     cpu: dict[str, float]
 
     @cached_property
     def check(self) -> dict[str, Rich]:
         """The rich packages of the check."""
-        return self.of_check()
+        return self.of_check().rich
 
 
 def study(
@@ -190,48 +189,35 @@ def study(
     begin = work_s()
     base = base_motion(spec, names)
     moved = work_s()
-    fixed = fixed_packages(spec, base, names)
-
-    def of(packages: Mapping[str, ModalPackage]) -> Loaded:
-        return loaded(spec, base, {name: packages[name] for name in names}, fixed)
-
-    model = of(spec.packages)
-    found = _indicators(spec, base, model, signals)
-    cpu = {"base": moved - begin, "indicators": work_s() - moved}
-    return Study(base, model.rich, lambda: of(check).rich, found, cpu)
-
-
-def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) -> Indicators:
-    fidelity = spec.fidelity
-    built, modes = model.built, []
-    for name in built.body_names:
+    model = loaded(spec, base, spec.packages, names)
+    mechanism, metric, modes = spec.mechanism, spec.fidelity.metric, []
+    for name in model.built.body_names:
         if name in model.rich:
             package = model.rich[name].package
-            moving = set(vibrations(package).tolist())
-            modes += [
-                Mode(name, package.mode_labels[j], j in moving) for j in model.modes[name].tolist()
-            ]
-    deformed = spec.mechanism.solver.start != "positions"
-    found = response(base, built.model, model.p, deformed=deformed)
-    wanted = {name: spec.mechanism.signals[name] for name in signals}
-    compared = relatives(signals, spec.mechanism, built, found.y[0])
-    measured = compared.sensors(built)
+            moving, rows = vibrations(package), model.modes[name].tolist()
+            modes += [Mode(name, package.mode_labels[j], j in moving) for j in rows]
+    deformed = mechanism.solver.start != "positions"
+    found = response(base, model.built.model, model.p, deformed=deformed)
+    wanted = {name: mechanism.signals[name] for name in signals}
+    compared = relatives(signals, mechanism, model.built, found.y[0])
+    measured = compared.sensors(model.built)
     kinds = {name: kind_of_signal(name, compared.table) for name in measured}
     every = effects(found, measured, kinds)
     whole, sizes = compared.judged(dict(zip(measured, every.whole, strict=True)))
     quiet = np.asarray(sizes > 0.0)
-    scale = np.where(quiet, sizes, scales(fidelity.metric, whole))
+    scale = np.where(quiet, sizes, scales(metric, whole))
     count = len(signals)  # relatives follow
     parts = Effects(every.base[:count], every.response[:count], every.static[:count])
-    measured = {name: measured[name] for name in signals}
-    stiffened = np.zeros(len(signals))
-    again = model.stiffened
+    stiffened, again = np.zeros(count), model.stiffened
     if again is not None:
-        second = sensors(again, spec.mechanism.signals, wanted=wanted)
-        lost = stiffening_loss(found, again, measured, second, parts)
+        second = sensors(again, mechanism.signals, wanted=wanted)
+        first = {name: measured[name] for name in signals}
+        lost = stiffening_loss(found, again, first, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
-    spin = spins(built, found, list(model.rich))
-    amplified = amplified_errors(found, parts, scale)
-    return Indicators(
-        list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified, quiet
+    spin, amplified = spins(model.built, found, names), amplified_errors(found, parts, scale)
+    indicators = Indicators(
+        list(signals), metric, scale, modes, parts, stiffened, spin, amplified, quiet
     )
+    cpu = {"base": moved - begin, "indicators": work_s() - moved}
+    of_check = partial(loaded, spec, base, check, names)
+    return Study(base, model.rich, of_check, indicators, cpu)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,10 +18,10 @@ from ....run.inputs import RunSpec
 from ..plan import FAINT, Base, Rich, energy, with_values
 from .response import elastic_columns, embedded, modal_loads, samples
 
+Packages = Mapping[str, ModalPackage]
 
-def responding(
-    packages: Mapping[str, ModalPackage], loads: Mapping[str, Array]
-) -> dict[str, IntArray]:
+
+def responding(packages: Packages, loads: Mapping[str, Array]) -> dict[str, IntArray]:
     """Return the modes that respond to loads (k, m) by body, of those in `packages`."""
     size = {
         name: np.sqrt(np.diag(package.stiffness))
@@ -32,9 +32,7 @@ def responding(
     return {name: np.flatnonzero(s > FAINT * largest) for name, s in size.items()}
 
 
-def with_modes(
-    packages: Mapping[str, ModalPackage], modes: Mapping[str, IntArray]
-) -> dict[str, ModalPackage]:
+def with_modes(packages: Packages, modes: Mapping[str, IntArray]) -> dict[str, ModalPackage]:
     """Return packages with some of their modes."""
     return {
         name: package
@@ -67,92 +65,73 @@ def quasi_static(package: ModalPackage, p: Array) -> Array:
     return np.asarray(np.linalg.solve(package.stiffness, p.T).T)
 
 
-def linear(spec: RunSpec, *, stiffening: bool = False) -> Any:
+def _built(spec: RunSpec, packages: Packages, *, stiffening: bool = False) -> BuiltMechanism:
     """Return the mechanism of a run with geometric stiffening or without."""
     solver = with_values(spec.mechanism.solver, geometric_stiffening=stiffening)
-    return with_values(spec.mechanism, solver=solver)
+    mechanism: Any = with_values(spec.mechanism, solver=solver)
+    return build(mechanism, dict(packages))
 
 
 PROBES = 4  # output times at which the modes that the loads act on are found
 
 
-@dataclass(frozen=True)
-class Further:
-    """Response to the loads that deformation adds, of all bodies.
+def _further(
+    spec: RunSpec,
+    base: Base,
+    packages: Packages,
+    eta: Mapping[str, Array],
+    modes: Mapping[str, IntArray],
+) -> dict[str, Array]:
+    """Return the response (s, m) to the loads that deformation adds, by body.
 
     The rich mechanism is put into the shape of the quasi-static response. What the base motion
     leaves there on the modes deforms the bodies further; the same again from this shape. The
-    loads across a body under tension differ from all those of the base motion.
+    loads across a body under tension differ from all those of the base motion. It has the size of
+    the response at s output times.
 
-    Attributes
+    Parameters
     ----------
     packages : of all bodies
     eta : quasi-static response (k, m), by body
     modes : those that respond to the base motion, by body
     """
 
-    spec: RunSpec
-    base: Base
-    packages: Mapping[str, ModalPackage]
-    eta: Mapping[str, Array]
-    modes: Mapping[str, IntArray]
-
-    def of(self, name: str) -> Array:
-        """Return the further response of a body (s, m), of the size of s output times."""
-        return self._all[name]
-
-    @cached_property
-    def _all(self) -> dict[str, Array]:
-        rows = samples(self.base)
-        modes = self._responding(rows)
-        packages = with_modes({n: self.packages[n] for n in modes}, modes)
-        built = build(linear(self.spec, stiffening=True), {**self.packages, **packages})
-        q = {name: self.eta[name][np.ix_(rows, kept)] for name, kept in modes.items()}
-        found: dict[str, list[Array]] = {name: [] for name in modes}
-        for _ in range(2):
-            left = by_body(built, self._left(built, rows, q))
-            for name, package in packages.items():
-                change = quasi_static(package, left[name])
-                size = energy(package, change)
-                change *= min(1.0, energy(package, q[name]) / max(size, 1e-300))
-                found[name].append(change)
-                q[name] = q[name] + change
-        # As many output times as in the response of the base motion.
-        weight = np.sqrt(len(self.base.t) / len(rows))
-        out = {}
-        for name, kept in modes.items():
-            out[name] = np.zeros((2 * len(rows), self.packages[name].n_mode))
-            out[name][:, kept] = weight * np.concatenate(found[name])
-        return out
-
-    def _responding(self, rows: IntArray) -> dict[str, IntArray]:
-        """Return the modes that respond to the base motion or to the loads that it adds.
-
-        Stretching of a beam that bends alone, for instance. The cost of these loads grows with the
-        fourth power of the number of modes.
-        """
-        if all(len(kept) == self.packages[name].n_mode for name, kept in self.modes.items()):
-            return dict(self.modes)
-        built = build(linear(self.spec, stiffening=True), dict(self.packages))
-        mine = {name: self.packages[name] for name in self.modes}
-        bent = np.zeros(len(rows))
-        for name, package in mine.items():
-            q = self.eta[name][rows]
-            bent += ((q @ package.stiffness) * q).sum(axis=1)
-        some = rows[np.argsort(-bent, kind="stable")[:PROBES]]
-        left = self._left(built, some, {name: self.eta[name][some] for name in mine})
-        more = responding(mine, by_body(built, left))
-        return {name: np.union1d(kept, more[name]) for name, kept in self.modes.items()}
-
-    def _left(self, built: BuiltMechanism, rows: IntArray, q: Mapping[str, Array]) -> Array:
-        """Return what the base motion leaves (s, n_vel) at output times with modes q (s, m)."""
-        base, model = self.base, built.model
-        y, accelerations = (part[rows] for part in embedded(base, model))
+    def left(built: BuiltMechanism, rows: IntArray, q: Mapping[str, Array]) -> dict[str, Array]:
+        """Loads of the base motion at output times with modes q (s, m), by body."""
+        y, accelerations = (part[rows] for part in embedded(base, built.model))
         for i, name in enumerate(built.body_names):
             if name in q:
-                first = int(model.pos_start[i]) + 7
+                first = int(built.model.pos_start[i]) + 7
                 y[:, first : first + q[name].shape[1]] = q[name]
-        return residuals(model, base.t[rows], y, accelerations, base.multipliers[rows])
+        t, multipliers = base.t[rows], base.multipliers[rows]
+        return by_body(built, residuals(built.model, t, y, accelerations, multipliers))
+
+    rows, mine = samples(base), {name: packages[name] for name in modes}
+    if any(len(kept) < mine[name].n_mode for name, kept in modes.items()):
+        # The loads make more modes respond, such as stretching of a beam that bends alone. Their
+        # cost grows with the fourth power of the number of modes: the others are left out.
+        bent = [
+            ((eta[n][rows] @ one.stiffness) * eta[n][rows]).sum(axis=1) for n, one in mine.items()
+        ]
+        some = rows[np.argsort(-np.sum(bent, axis=0), kind="stable")[:PROBES]]
+        built = _built(spec, packages, stiffening=True)
+        more = responding(mine, left(built, some, {name: eta[name][some] for name in mine}))
+        modes = {name: np.union1d(kept, more[name]) for name, kept in modes.items()}
+    fewer = with_modes(mine, modes)
+    built = _built(spec, {**packages, **fewer}, stiffening=True)
+    q = {name: eta[name][np.ix_(rows, kept)] for name, kept in modes.items()}
+    found = {name: np.zeros((2, len(rows), package.n_mode)) for name, package in mine.items()}
+    for again in range(2):
+        loads = left(built, rows, q)
+        for name, package in fewer.items():
+            change = quasi_static(package, loads[name])
+            size = energy(package, change)
+            change *= min(1.0, energy(package, q[name]) / max(size, 1e-300))
+            found[name][again][:, modes[name]] = change
+            q[name] = q[name] + change
+    # As many output times as in the response of the base motion.
+    weight = np.sqrt(len(base.t) / len(rows))
+    return {n: weight * each.reshape(2 * len(rows), each.shape[2]) for n, each in found.items()}
 
 
 def without_second_order(model: Model) -> Model:
@@ -197,40 +176,38 @@ class Loaded:
     p: Array
 
 
-def loaded(
-    spec: RunSpec,
-    base: Base,
-    packages: Mapping[str, ModalPackage],
-    fixed: Mapping[str, ModalPackage],
-) -> Loaded:
-    """Return rich packages, by body, with their response along the base; `fixed` are the others.
+def loaded(spec: RunSpec, base: Base, packages: Packages, names: list[str]) -> Loaded:
+    """Return the rich packages of bodies `names` with their response along the base.
 
     Modes that do not respond, as those across the plane of a planar motion, have zeros there.
+    Flexible bodies that a plan is not about are as the base has them.
     """
+    fixed = {
+        name: spec.packages[name] if base.model.n_mode[i] else rigid(spec.packages[name])
+        for i, name in enumerate(spec.mechanism.bodies)
+        if name in spec.packages and name not in names
+    }
+    packages = {name: packages[name] for name in names}
     mine = {**fixed, **packages}
-    built, stiffened = build(linear(spec), mine), None
-    left = modal_loads(base, built.model, telling_times(base))
-    modes = responding(packages, by_body(built, left))
+    built, stiffened = _built(spec, mine), None
+    modes = responding(
+        packages, by_body(built, modal_loads(base, built.model, telling_times(base)))
+    )
     fewer = with_modes(packages, modes)
     if any(package.second_order is not None for package in fewer.values()):
-        stiffened = build(linear(spec, stiffening=True), {**fixed, **fewer})
+        stiffened = _built(spec, {**fixed, **fewer}, stiffening=True)
         built = replace(stiffened, model=without_second_order(stiffened.model))
     elif any(fewer[name] is not packages[name] for name in packages):
-        built = build(linear(spec), {**fixed, **fewer})
+        built = _built(spec, {**fixed, **fewer})
     p = modal_loads(base, built.model)
     on = by_body(built, p)
     eta = {name: np.zeros((len(p), package.n_mode)) for name, package in packages.items()}
     for name, package in fewer.items():
         eta[name][:, modes[name]] = quasi_static(package, on[name])
-    further = Further(spec, base, mine, eta, modes)
-    rich = {n: Rich(package, eta[n], partial(further.of, n)) for n, package in packages.items()}
+
+    @cache
+    def further() -> dict[str, Array]:
+        return _further(spec, base, mine, eta, modes)
+
+    rich = {name: Rich(name, packages[name], eta[name], further) for name in names}
     return Loaded(rich, built, stiffened, modes, p)
-
-
-def fixed_packages(spec: RunSpec, base: Base, names: list[str]) -> dict[str, ModalPackage]:
-    """Return the packages of flexible bodies that a plan is not about, as the base has them."""
-    return {
-        name: spec.packages[name] if base.model.n_mode[i] else rigid(spec.packages[name])
-        for i, name in enumerate(spec.mechanism.bodies)
-        if name in spec.packages and name not in names
-    }

@@ -1,15 +1,18 @@
-"""Linear elastic response of rich bodies along a base motion."""
+"""Linear elastic response of rich bodies along a base motion: what each mode adds to signals."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from ....dynamics.analysis.recovery import Recording
+from ....dynamics.evaluation import series
 from ....dynamics.evaluation.accelerations import masses_and_jacobians
 from ....dynamics.evaluation.variations import residuals
+from ....dynamics.model.coordinates import move_rows
 from ....dynamics.model.model import Model, modal_matrix, state_size
 from ....math.arrays import Array, IntArray
-from ....math.compiled import lean
+from ....signals import Sensor
 from ..plan import Base
 
 RESOLVED = 0.15  # frequency times step up to which Newmark's method keeps a vibration
@@ -84,84 +87,33 @@ def newmark(
     start : (m,) coordinates in which the motion starts, in equilibrium; None: zero
     rate : (m,) rates of the start, with `start`; None: zero
     """
-    q, v, a = (np.zeros(p.shape) for _ in range(3))
-    if not p.size:
-        return q, v, a
-    if start is None:
-        a[0] = np.linalg.solve(_positive(masses[0]), p[0])
-    else:
-        q[0] = start
-        if rate is not None:
-            v[0] = rate
-    # The matrix of a step changes with the mass and, rarely, with the step.
+    k, m = p.shape
+    z = np.zeros((k, 3 * m))
+    q, v, a = z[:, :m], z[:, m : 2 * m], z[:, 2 * m :]
+    if start is None and p.size:  # without the round-off that makes held directions negative
+        values, V = np.linalg.eigh(0.5 * (masses[0] + masses[0].T))
+        a[0] = np.linalg.solve((V * np.maximum(values, HELD * values[-1])) @ V.T, p[0])
+    elif start is not None:
+        q[0], v[0] = start, 0.0 if rate is None else rate
+    # The step z = T z_before + L p changes with the mass and, rarely, with the length of the step.
     h = np.diff(t, prepend=t[:1])
-    segment = np.searchsorted(at, np.arange(len(t)), side="right") - 1
-    steps, which = np.unique(
+    segment = np.searchsorted(at, np.arange(k), side="right") - 1
+    kinds, which = np.unique(
         np.column_stack([segment, np.round(h, 12)])[1:], axis=0, return_inverse=True
     )
-    step = steps[:, 1, None, None]
-    with_mass = masses[steps[:, 0].astype(np.int64)]
-    matrices = with_mass + GAMMA * step * D + BETA * step**2 * K
-    solvers = np.asarray(np.linalg.inv(matrices), dtype=np.float64)
-    number = np.concatenate([[0], which.ravel()]).astype(np.int64)
-    space = np.zeros((3, p.shape[1]))
-    p, K, D = (np.ascontiguousarray(part) for part in (p, K, D))
-    _march(h, p, K, D, _filled(K, D), solvers, number, q, v, a, space)
+    one, none, steps = np.eye(m), np.zeros((m, m)), []
+    for s, step in kinds.tolist():
+        q_p = np.hstack([one, step * one, (0.5 - BETA) * step**2 * one])
+        v_p = np.hstack([none, one, (1.0 - GAMMA) * step * one])
+        inverse = np.linalg.inv(masses[int(s)] + GAMMA * step * D + BETA * step**2 * K)
+        left = -inverse @ (K @ q_p + D @ v_p)
+        share = np.array([BETA * step**2, GAMMA * step, 1.0])
+        T = np.vstack([q_p, v_p, np.zeros_like(q_p)]) + np.kron(share[:, None], left)
+        steps.append((T, np.kron(share[:, None], inverse)))
+    for i, number in enumerate(which.ravel().tolist(), 1):
+        T, L = steps[number]
+        z[i] = T @ z[i - 1] + L @ p[i]
     return q, v, a
-
-
-@lean
-def _march(
-    h: Array,
-    p: Array,
-    K: Array,
-    D: Array,
-    filled: IntArray,
-    solvers: Array,
-    number: IntArray,
-    q: Array,
-    v: Array,
-    a: Array,
-    space: Array,
-) -> None:
-    """Fill q, v, a (k, m) from row 1; `solvers` (n, m, m) by their `number` (k,).
-
-    K and D are zero outside the columns `filled` (m, 2) of each row.
-    """
-    m = p.shape[1]
-    q_p, v_p, left = space[0], space[1], space[2]
-    for k in range(1, p.shape[0]):
-        step = h[k]
-        for i in range(m):
-            q_p[i] = q[k - 1, i] + step * v[k - 1, i] + (0.5 - BETA) * step * step * a[k - 1, i]
-            v_p[i] = v[k - 1, i] + (1.0 - GAMMA) * step * a[k - 1, i]
-        for i in range(m):
-            sum_i = p[k, i]
-            for j in range(filled[i, 0], filled[i, 1]):
-                sum_i -= K[i, j] * q_p[j] + D[i, j] * v_p[j]
-            left[i] = sum_i
-        for i in range(m):
-            sum_i = 0.0
-            for j in range(m):
-                sum_i += solvers[number[k], i, j] * left[j]
-            a[k, i] = sum_i
-            q[k, i] = q_p[i] + BETA * step * step * sum_i
-            v[k, i] = v_p[i] + GAMMA * step * sum_i
-
-
-def _filled(K: Array, D: Array) -> IntArray:
-    """Return the first column of each row of K and D that is not zero, and that after the last."""
-    m, used = len(K), (K != 0.0) | (D != 0.0)
-    some = used.any(axis=1)
-    first = np.where(some, used.argmax(axis=1), 0)
-    last = np.where(some, m - used[:, ::-1].argmax(axis=1), 0)
-    return np.column_stack([first, last]).astype(np.int64)
-
-
-def _positive(M: Array) -> Array:
-    """Mass without the round-off that makes held directions negative."""
-    values, V = np.linalg.eigh(0.5 * (M + M.T))
-    return np.asarray((V * np.maximum(values, HELD * values[-1])) @ V.T)
 
 
 LEAST_SAMPLES, MOST_SAMPLES = 12, 32  # output times of masses and sensitivities
@@ -180,18 +132,16 @@ def samples(base: Base) -> IntArray:
 
 def embedded(base: Base, model: Model) -> tuple[Array, Array]:
     """Return states (k, n) and accelerations (k, n_vel) of the base in a model with more modes."""
-    k = len(base.t)
+    k, own = len(base.t), base.model
     y, a = np.zeros((k, state_size(model))), np.zeros((k, model.n_vel))
-    own = base.model
     y[:, model.n_pos + model.n_vel : -1] = base.y[:, own.n_pos + own.n_vel : -1]
     for i in range(model.n_body):
         to, source = int(model.pos_start[i]), int(own.pos_start[i])
         y[:, to : to + 7] = base.y[:, source : source + 7]
         to, source = int(model.vel_start[i]), int(own.vel_start[i])
         a[:, to : to + 6] = base.accelerations[:, source : source + 6]
-        y[:, model.n_pos + to : model.n_pos + to + 6] = base.y[
-            :, own.n_pos + source : own.n_pos + source + 6
-        ]
+        to, source = model.n_pos + to, own.n_pos + source
+        y[:, to : to + 6] = base.y[:, source : source + 6]
     return y, a
 
 
@@ -214,83 +164,74 @@ def modal_loads(base: Base, model: Model, rows: IntArray | None = None) -> Array
 
 @dataclass(frozen=True)
 class Response:
-    """Response of the modes of all bodies, in the order of the velocity coordinates.
+    """Response of the modes m of all bodies, in the order of the velocity coordinates.
 
     Attributes
     ----------
     model : linear, with all modes that respond
-    t : (k,)
-    y : (k, n) the base motion, modes zero
-    p, K, D : (k, m), (m, m), (m, m) loads, stiffness and damping of the modes
-    at : (s,) rows of t where the masses are known
-    deformed : the run starts in the quasi-static shape
+    y, accelerations : (k, n), (k, n_vel) of the base motion, modes zero
+    elastic : (m,) velocity coordinates of the modes
+    K : (m, m) their stiffness
+    eta : (k, m) quasi-static response
+    history : modes, rates and accelerations (k, m) by Newmark's method
+    at : (s,) rows of t where the motion per unit mode is known
+    motions : (s, n_vel + n_c, m) that motion with its multipliers: what follows the modes
     """
 
     base: Base
     model: Model
     y: Array
-    p: Array
+    accelerations: Array
+    elastic: IntArray
     K: Array
-    D: Array
+    eta: Array
+    history: tuple[Array, Array, Array]
     at: IntArray
-    deformed: bool = False
+    motions: Array
 
     @property
     def t(self) -> Array:
         """Output times (k,) [s]."""
         return self.base.t
 
-    @cached_property
-    def elastic(self) -> IntArray:
-        """Velocity coordinates of all modes, (m,)."""
-        return np.concatenate(elastic_columns(self.model)).astype(np.int64)
 
-    @cached_property
-    def eta(self) -> Array:
-        """Quasi-static response (k, m)."""
-        return np.asarray(np.linalg.solve(self.K, self.p.T).T)
+def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:
+    """Return the response to loads p (k, n_vel) of a linear model with rich bodies.
 
-    @cached_property
-    def _blocks(self) -> tuple[Array, Array]:
-        """Mass of the modes (s, m, m), and the motion per unit mode (s, n_vel + n_c, m).
-
-        The motion has the rigid coordinates and multipliers that follow the modes.
-        """
-        model, e, rows = self.model, self.elastic, self.at
-        r = np.setdiff1d(np.arange(model.n_vel), e)
-        M, Phi_q = masses_and_jacobians(model, self.t[rows], self.y[rows])
-        n, c, s = len(r), model.n_constraint, len(rows)
-        A = np.zeros((s, n + c, n + c))
-        A[:, :n, :n], A[:, n:, :n] = M[:, r[:, None], r], Phi_q[:, :, r]
-        A[:, :n, n:] = A[:, n:, :n].transpose(0, 2, 1)
-        right = np.concatenate([M[:, r[:, None], e], Phi_q[:, :, e]], axis=1)
-        follow = -_solved(A, right, regular=self.base.model.redundant == 0)
-        masses = M[:, e[:, None], e] + right.transpose(0, 2, 1) @ follow
-        motions = np.zeros((s, model.n_vel + c, len(e)))
-        motions[:, r], motions[:, model.n_vel :] = follow[:, :n], follow[:, n:]
-        motions[:, e] = np.eye(len(e))
-        return masses, motions
-
-    @property
-    def motions(self) -> Array:
-        """Motion and multipliers per unit mode at the samples, (s, n_vel + n_c, m)."""
-        return self._blocks[1]
-
-    @cached_property
-    def history(self) -> tuple[Array, Array, Array]:
-        """Modes, rates and accelerations (k, m) by Newmark's method.
-
-        From rest, undeformed or (`deformed`) in the quasi-static shape.
-        """
-        t, masses = self.t, self._blocks[0]
-        if not (self.deformed and self.p.size and len(t) > 2):
-            start = self.eta[0] if self.deformed else None
-            return newmark(t, self.p, masses, self.at, self.K, self.D, start)
-        moving = np.gradient(self.eta[:3], t[:3], axis=0, edge_order=2)[0]
-        rings = ringing(masses[0], self.K, self.D, moving, float(t[1] - t[0]))
-        smooth = newmark(t, self.p, masses, self.at, self.K, self.D, self.eta[0], rings.rate)
-        q, v, a = (one + two for one, two in zip(smooth, rings.history(t - t[0]), strict=True))
-        return q, v, a
+    It starts from rest, undeformed or (`deformed`) in the quasi-static shape.
+    """
+    e, t, at = np.concatenate(elastic_columns(model)).astype(np.int64), base.t, samples(base)
+    m, first = len(e), 0
+    (K, D), matrices = np.zeros((2, m, m)), (model.K_qq, model.D_qq)
+    for i in range(model.n_body):
+        part = slice(first, first + int(model.n_mode[i]))
+        K[part, part], D[part, part] = (modal_matrix(model, each, i) for each in matrices)
+        first = part.stop
+    y, accelerations = embedded(base, model)
+    p = p[:, e]
+    eta = np.asarray(np.linalg.solve(K, p.T).T)
+    # What follows a unit of each mode: the coordinates r of the frames, and the multipliers.
+    r = np.setdiff1d(np.arange(model.n_vel), e)
+    M, Phi_q = masses_and_jacobians(model, t[at], y[at])
+    n, c = len(r), model.n_constraint
+    A = np.zeros((len(at), n + c, n + c))
+    A[:, :n, :n], A[:, n:, :n] = M[:, r[:, None], r], Phi_q[:, :, r]
+    A[:, :n, n:] = A[:, n:, :n].transpose(0, 2, 1)
+    right = np.concatenate([M[:, r[:, None], e], Phi_q[:, :, e]], axis=1)
+    follow = -_solved(A, right, regular=base.model.redundant == 0)
+    masses = M[:, e[:, None], e] + right.transpose(0, 2, 1) @ follow
+    motions = np.zeros((len(at), model.n_vel + c, m))
+    motions[:, r], motions[:, model.n_vel :] = follow[:, :n], follow[:, n:]
+    motions[:, e] = np.eye(m)
+    start, rate, rings = eta[0] if deformed else None, None, None
+    if deformed and p.size and len(t) > 2:
+        moving = np.gradient(eta[:3], t[:3], axis=0, edge_order=2)[0]
+        rings = ringing(masses[0], K, D, moving, float(t[1] - t[0]))
+        rate = rings.rate
+    q, v, a = newmark(t, p, masses, at, K, D, start, rate)
+    if rings is not None:
+        q, v, a = (one + two for one, two in zip((q, v, a), rings.history(t - t[0]), strict=True))
+    return Response(base, model, y, accelerations, e, K, eta, (q, v, a), at, motions)
 
 
 def _solved(A: Array, b: Array, *, regular: bool) -> Array:
@@ -304,14 +245,97 @@ def _solved(A: Array, b: Array, *, regular: bool) -> Array:
     return np.array([np.linalg.lstsq(one, two, rcond=1e-10)[0] for one, two in pairs])
 
 
-def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:
-    """Return the response to loads p (k, n_vel) of a linear model with rich bodies."""
-    elastic = np.concatenate(elastic_columns(model)).astype(np.int64)
-    m, at = len(elastic), 0
-    (K, D), matrices = np.zeros((2, m, m)), (model.K_qq, model.D_qq)
-    for i in range(model.n_body):
-        part = slice(at, at + int(model.n_mode[i]))
-        K[part, part], D[part, part] = (modal_matrix(model, each, i) for each in matrices)
-        at = part.stop
-    y, _ = embedded(base, model)
-    return Response(base, model, y, p[:, elastic], K, D, samples(base), deformed)
+MOST_MOVED = 1e-2  # largest coordinate of a difference [m, rad]
+# Signals that follow from rates or accelerations of the modes; the others from the modes.
+ORDER = {"velocity": 1, "angular_velocity": 1, "acceleration": 2, "reaction": 2}
+
+
+@dataclass(frozen=True)
+class Effects:
+    """Contributions to signals at the output times.
+
+    Attributes
+    ----------
+    base : (o, k) signals of the base motion
+    response : (o, k, m) contribution of each mode by the linear response
+    static : (o, k, m) that of its quasi-static part
+    """
+
+    base: Array
+    response: Array
+    static: Array
+
+    @property
+    def whole(self) -> Array:
+        """Signals (o, k) of the linear response."""
+        return np.asarray(self.base + self.response.sum(axis=2))
+
+
+def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, str]) -> Effects:
+    """Return the contributions of all modes to the signals, which have these kinds."""
+    (q, v, a), eta, t = found.history, found.eta, found.t
+    every, plain = list(sensors.values()), _recording(found, np.arange(len(t)))
+    base = np.array([sensor.values(plain) for sensor in every]).reshape(len(every), len(t))
+    whole, static = np.zeros((2, *base.shape, q.shape[1]))
+    nothing = np.zeros_like(eta)
+    eta_d = np.gradient(eta, t, axis=0) if len(t) > 1 else nothing
+    for order, (history, quasi) in enumerate(((q, eta), (v, eta_d), (a, nothing))):
+        wanted = [o for o, name in enumerate(sensors) if ORDER.get(kinds[name], 0) == order]
+        size = np.abs(history).max(axis=0, initial=0.0)
+        moving = np.flatnonzero(size > 0.0)
+        if wanted and moving.size:
+            slopes = _slopes(found, [every[o] for o in wanted], moving, order, size[moving])
+            for o, slope in zip(wanted, slopes, strict=True):
+                whole[o][:, moving] = slope * history[:, moving]
+                static[o][:, moving] = slope * quasi[:, moving]
+    return Effects(base, whole, static)
+
+
+def _recording(
+    found: Response, rows: IntArray, change: Array | None = None, order: int = 0
+) -> Recording:
+    """Return the base motion at rows (r,) with changes (r, n_vel + n_c), if any.
+
+    Of positions (`order` 0), velocities (1), or accelerations and multipliers (2).
+    """
+    model, y = found.model, found.y[rows]
+    n, multipliers = model.n_vel, found.base.multipliers[rows]
+    rates, v = np.zeros_like(y), slice(model.n_pos, model.n_pos + model.n_vel)
+    rates[:, v] = found.accelerations[rows]
+    if change is not None and order == 0:
+        move_rows(model, y, np.ascontiguousarray(change[:, :n]))
+    elif change is not None and order == 1:
+        y[:, v] += change[:, :n]
+    elif change is not None:
+        rates[:, v] += change[:, :n]
+        multipliers = multipliers + change[:, n:]
+    recording = Recording(model, found.t[rows], y)
+    recording.along = series.Along(rates, multipliers, series.balance(model, recording.t, y))
+    return recording
+
+
+def _slopes(
+    found: Response, sensors: list[Sensor], modes: IntArray, order: int, size: Array
+) -> Array:
+    """Derivatives (o, k, m) of signals by m modes (order 0), their rates or their accelerations.
+
+    Differences at the samples with changes of `size` (m,), linear between the samples. All changes
+    of a sample follow each other in one recording, so that angles stay on one branch.
+    """
+    motions = found.motions[:, :, modes].transpose(0, 2, 1)  # (s, m, n_vel + n_c)
+    step = np.array(size)
+    if order == 0:
+        largest = np.abs(motions[:, :, : found.model.n_vel]).max(axis=(0, 2), initial=0.0)
+        step = np.minimum(size, MOST_MOVED / np.maximum(largest, 1e-300))
+    sides = np.stack([motions, -motions], axis=2) * step[:, None, None]
+    each = np.repeat(found.at, 2 * len(modes))
+    recording = _recording(found, each, sides.reshape(len(each), -1), order)
+    values = np.array([sensor.values(recording) for sensor in sensors])
+    values = values.reshape(len(sensors), len(found.at), len(modes), 2)
+    values = (values[..., 0] - values[..., 1]) / (2.0 * step)
+    t, known = found.t, found.t[found.at]
+    if len(known) == 1:
+        return np.repeat(values, len(t), axis=1)
+    i = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
+    share = ((t - known[i]) / (known[i + 1] - known[i]))[:, None]
+    return np.asarray((1.0 - share) * values[:, i] + share * values[:, i + 1])
