@@ -164,6 +164,12 @@ def add_vector_figures(group: Any) -> None:
     flag(group, "pdf", "also draw the figures as PDF files")
 
 
+def wanted_formats(options: argparse.Namespace) -> list[str]:
+    """Return the formats of figures that the options --figures, --svg and --pdf ask for."""
+    wanted = {"png": options.figures, "svg": options.svg, "pdf": options.pdf}
+    return [form for form, asked in wanted.items() if asked]
+
+
 def add_executor(group: Any, what: str) -> None:
     """Add --jobs, --executor and --scheduler to a parser or a group of it; `what` is computed."""
     group.add_argument(

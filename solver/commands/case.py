@@ -23,6 +23,7 @@ from ..studies.finished import (
 )
 from ..system.interrupts import INTERRUPTED
 from ..system.platform import cores
+from .arguments import wanted_formats
 
 # The sweeps of a case that a command was asked for.
 
@@ -31,25 +32,13 @@ def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace,
     """Compute sweeps whose bodies are built; return the worst exit code."""
     from .sweep import run_sweep  # the solver takes 0.2 s to import
 
+    own = {"jobs": jobs, "fresh": options.force, "figures": not options.no_report}
+    absent = dict.fromkeys(("executor", "scheduler", "shard", "merge", "csv"))
     codes = []
     for name in names:
-        sweep = argparse.Namespace(
-            sweep=out / "sweeps" / f"{name}.json",
-            out=out / "sweeps" / name,
-            jobs=jobs,
-            executor=None,
-            scheduler=None,
-            shard=None,
-            merge=False,
-            fresh=options.force,
-            csv=False,
-            figures=not options.no_report,
-            svg=options.svg,
-            pdf=options.pdf,
-            quiet=options.quiet,
-            allow_doubtful=options.allow_doubtful,
-        )
-        codes.append(run_sweep(sweep))
+        folder = out / "sweeps" / name
+        place = {"sweep": folder.with_suffix(".json"), "out": folder}
+        codes.append(run_sweep(argparse.Namespace(**{**vars(options), **own, **absent, **place})))
     return worst(codes)
 
 
@@ -58,6 +47,7 @@ def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace,
 # What the results depend on, of the options of a command.
 ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "figures", "svg", "pdf")
 TRUSTED = ("allow_python", "allow_doubtful")
+OF_A_CASE = ("run", "sweep", "packages", "coarse", "force", "no_report", "figures", "svg", "pdf")
 
 Say = Callable[[str], None]
 
@@ -191,17 +181,7 @@ def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[
 def run_runs(options: argparse.Namespace) -> int:
     """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    for name in (
-        "run",
-        "sweep",
-        "packages",
-        "coarse",
-        "force",
-        "no_report",
-        "figures",
-        "svg",
-        "pdf",
-    ):
+    for name in OF_A_CASE:
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
@@ -215,18 +195,9 @@ def integrated(
     """Integrate run files with the options of `run`; print what became of them."""
     from ..studies.runs import run_files
 
-    outcomes = run_files(
-        files,
-        out=options.out if options.files == files else None,
-        out_dir=options.out_dir,
-        update=update,
-        jobs=jobs,
-        timing=options.timing,
-        quiet=options.quiet,
-        allow_python=options.allow_python,
-        allow_doubtful=options.allow_doubtful,
-    )
-    codes = []
+    own = {name: getattr(options, name) for name in ("out_dir", "timing", "quiet", *TRUSTED)}
+    out, codes = options.out if options.files == files else None, []
+    outcomes = run_files(files, out=out, update=update, jobs=jobs, **own)
     for outcome in outcomes:
         for line in outcome.text:
             print(line, flush=True)
@@ -274,12 +245,6 @@ def run_report(options: argparse.Namespace) -> int:
     figures = wanted_formats(options)
     print(report_case(options.folder, figures=figures, glb=options.glb, vtk=options.vtk))
     return 0
-
-
-def wanted_formats(options: argparse.Namespace) -> list[str]:
-    """Return the formats of figures that the options --figures, --svg and --pdf ask for."""
-    wanted = {"png": options.figures, "svg": options.svg, "pdf": options.pdf}
-    return [form for form, asked in wanted.items() if asked]
 
 
 def report_case(

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
 from ..report.table import aligned, json_text
 from ..studies.modes.files import modes_content, write_campbell, write_modes
 from ..studies.modes.found import Diagram, Spins, find_modes, response_of, span_of
@@ -27,7 +26,11 @@ def modes_text(content: dict[str, Any], count: int) -> str:
     whirl = any(m["fixed_axes_angular_frequency"] is not None for m in modes)
     head = ["mode", "frequency", "", "damping", "fixed axes", "main coordinate", "bodies"]
     units = ["", "[Hz]", "[rad/s]", "[-]", "[rad/s]", "", "share of kinetic energy"]
-    rows = [[str(m["number"]), *_numbers(m), _whirl(m), m["main"], _bodies(m)] for m in modes]
+    rows = []
+    for m in modes:
+        w = m["fixed_axes_angular_frequency"]
+        seen = "" if w is None else f"{w:+.7g}"
+        rows.append([str(m["number"]), *_numbers(m), seen, m["main"], _bodies(m)])
     table = [head, units, *rows[:count]]
     if not whirl:
         table = [row[:4] + row[5:] for row in table]
@@ -36,7 +39,7 @@ def modes_text(content: dict[str, Any], count: int) -> str:
     if len(rows) > count:
         lines.append(f"... and {len(rows) - count} more, see modes.json")
     lines += ["", *_constraints(content), *(f"note: {note}" for note in content["notes"])]
-    return "\n".join(line for line in lines)
+    return "\n".join(lines)
 
 
 def campbell_text(content: dict[str, Any]) -> str:
@@ -47,7 +50,9 @@ def campbell_text(content: dict[str, Any]) -> str:
     table = [["speed", *(f"{b['branch']}" for b in branches)]]
     table.append(["[rad/s]", *("[Hz]" for _ in branches)])
     for s, speed in enumerate(speeds):
-        table.append([f"{speed:.6g}", *(_frequency(b[key][s], b["growth"][s]) for b in branches)])
+        found = [(b[key][s], "*" if b["growth"][s] else "") for b in branches]
+        hertz = ["-" if w is None else f"{abs(w) / (2.0 * pi):.6g}{star}" for w, star in found]
+        table.append([f"{speed:.6g}", *hertz])
     seen = "at rest" if fixed else "that turn with the mechanism"
     lines = [
         f"{content['case']}, run {content['run']}: frequencies seen from axes {seen}",
@@ -76,12 +81,6 @@ def _crossings(content: dict[str, Any]) -> list[str]:
     return [aligned(table, left=())] if content["crossings"] else ["no crossings with harmonics"]
 
 
-def _frequency(w: float | None, growth: float | None) -> str:
-    if w is None:
-        return "-"
-    return f"{abs(w) / (2.0 * pi):.6g}{'*' if growth else ''}"
-
-
 def _title(content: dict[str, Any]) -> str:
     axes = ""
     if content["spin"] is not None and content["spin"]["speed"]:
@@ -105,11 +104,6 @@ def _numbers(mode: dict[str, Any]) -> list[str]:
     ]
 
 
-def _whirl(mode: dict[str, Any]) -> str:
-    w = mode["fixed_axes_angular_frequency"]
-    return "" if w is None else f"{w:+.7g}"
-
-
 def _bodies(mode: dict[str, Any]) -> str:
     shares = sorted(mode["bodies"].items(), key=lambda item: -item[1])
     parts = [f"{name} {100 * share:.0f} %" for name, share in shares if share >= _SHARE]
@@ -117,10 +111,10 @@ def _bodies(mode: dict[str, Any]) -> str:
 
 
 def _constraints(content: dict[str, Any]) -> list[str]:
-    c = content["constraints"]
-    lines = [f"{content['degrees_of_freedom']} degrees of freedom; {c['text']}"]
-    zeros = sum(m["kind"] == "zero" for m in content["modes"])
-    if zeros:
+    lines = [
+        f"{content['degrees_of_freedom']} degrees of freedom; {content['constraints']['text']}"
+    ]
+    if zeros := sum(m["kind"] == "zero" for m in content["modes"]):
         lines.append(f"{zeros} motions without stiffness: frequency 0")
     return lines
 
@@ -138,38 +132,24 @@ def run_modes(options: argparse.Namespace) -> int:
         packages=options.packages,
         coarse=options.coarse,
     )
-    folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
+    label = options.at.replace("=", "").replace(":", "-")
+    folder: Path = options.out or build / "modes" / f"{spec.run}-{label}"
     axis = None if options.axis is None else np.array(options.axis)
     states = States(spec)
     if at.kind == "spin" and at.speeds is not None and at.speeds.size > 1:
-        return _campbell(options, states, at.speeds, axis, folder)
-    found = find_modes(states, states.at(at, axis))
-    response = None
-    if span is not None:
-        response = response_of(found, span, options.input, options.output)
-    content = modes_content(states, found)
-    # First: figures can fail. JSON is alone on standard output.
-    print(json_text(content) if options.json else modes_text(content, options.count))
-    files = write_modes(folder, states, found, options.shapes, response)
+        spins = Spins(states, axis)
+        diagram = Diagram(spins, at.speeds, options.count, options.harmonics, options.axes)
+        content = diagram.content()
+        print(json_text(content) if options.json else campbell_text(content))
+        files = write_campbell(folder, diagram)
+    else:
+        found, response = find_modes(states, states.at(at, axis)), None
+        if span is not None:
+            response = response_of(found, span, options.input, options.output)
+        content = modes_content(states, found)
+        # First: figures can fail. JSON is alone on standard output.
+        print(json_text(content) if options.json else modes_text(content, options.count))
+        files = write_modes(folder, states, found, options.shapes, response)
     if not options.json:
         print(f"{folder}: {', '.join(files)}")
     return 0
-
-
-def _campbell(
-    options: argparse.Namespace, states: States, speeds: Array, axis: Array | None, folder: Path
-) -> int:
-    """Follow the modes over speed."""
-    spins = Spins(states, axis)
-    diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
-    content = diagram.content()
-    print(json_text(content) if options.json else campbell_text(content))
-    files = write_campbell(folder, diagram)
-    if not options.json:
-        print(f"{folder}: {', '.join(files)}")
-    return 0
-
-
-def _label(text: str) -> str:
-    """Return `--at` as part of a folder's name."""
-    return text.replace("=", "").replace(":", "-")

@@ -107,17 +107,20 @@ def draw_ladder(path: Path, found: Ladder, title: str, *, delivered: bool = True
 
         canvas = Canvas(7.5, 4.6)
         (axis,) = canvas.panels(1, 1)
-        shown = [rung for rung in found.rungs if rung.error > 0.0]
-        axis.loglog(*_points(shown), "o", color=GREY, markersize=4, label="models")
-        front = [rung for rung in found.front() if rung.error > 0.0]
-        axis.loglog(*_points(front), "-", color=GREY, linewidth=1.0, label="front")
-        chosen = found.chosen
-        axis.loglog(*_points([chosen]), "D", color=colour(0), markersize=8, label="chosen")
-        axis.loglog(
-            [chosen.cpu], [found.estimate], "_", color=colour(0), markersize=16, label="estimate"
+        shown, front = (
+            [rung for rung in rungs if rung.error > 0.0] for rungs in (found.rungs, found.front())
         )
-        label = "check, delivered" if delivered else "check"
-        axis.loglog(*_points([found.check]), "s", color=colour(2), markersize=8, label=label)
+        checked = "check, delivered" if delivered else "check"
+        estimate = Rung("", found.chosen.cpu, found.estimate)
+        for label, rungs, mark, ink, size in (
+            ("models", shown, "o", GREY, 4),
+            ("front", front, "-", GREY, 0),
+            ("chosen", [found.chosen], "D", colour(0), 8),
+            ("estimate", [estimate], "_", colour(0), 16),
+            (checked, [found.check], "s", colour(2), 8),
+        ):
+            x, y = [rung.cpu for rung in rungs], [rung.error for rung in rungs]
+            axis.loglog(x, y, mark, color=ink, markersize=size, linewidth=1.0, label=label)
         axis.axhline(found.asked, color=WARNING, linewidth=1.0)
         axis.text(
             0.99,
@@ -155,7 +158,3 @@ def _name(axis: Any, rungs: list[Rung]) -> None:
                 textcoords="offset points",
                 fontsize=NAMES,
             )
-
-
-def _points(rungs: list[Rung]) -> tuple[list[float], list[float]]:
-    return [rung.cpu for rung in rungs], [rung.error for rung in rungs]

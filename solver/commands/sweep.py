@@ -25,6 +25,7 @@ from ..studies.sweep.show import draw_sweep, outcome_lines
 from ..studies.sweep.work import Work, settled
 from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
+from .arguments import wanted_formats
 
 SHARDS = "sweep-*-of-*.h5"
 
@@ -81,12 +82,11 @@ def merged(options: argparse.Namespace) -> int:
     if not shards:
         raise InputError(f"{folder}: no files {SHARDS}; expected those of `sweep --shard k/N`")
     file = folder / FILE
-    begin = time.perf_counter()
     work = Work(plan, file, [file, *shards], show=False)
     work.save()
     result = result_of(plan, work.rows)
     missing = result.count(PENDING)
-    lines = outcome_lines(result, work.kept, time.perf_counter() - begin)
+    lines = outcome_lines(result, work.kept, 0.0)
     code = _told(result, lines, file, options, table=not missing)
     if missing:
         print(
@@ -120,8 +120,7 @@ def _told(
     """
     if table:
         text = sweep_csv(result)
-        wanted = {"png": options.figures, "svg": options.svg, "pdf": options.pdf}
-        drawn = draw_sweep(file.parent, result, [form for form, asked in wanted.items() if asked])
+        drawn = draw_sweep(file.parent, result, wanted_formats(options))
         if drawn:
             lines.append(f"  figures: {few(path.name for path in drawn)}")
         write_text(file.parent / CSV, text)

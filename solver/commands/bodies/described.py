@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -143,7 +144,8 @@ def run_described(
     show : what to do with the results, in the order of the entries; returns the exit code
     list_each : a line for each on standard error where there is no progress bar
     """
-    rank, ranks = (0, 1) if _elsewhere(options) else mpi_job()
+    elsewhere = options.executor or options.scheduler or options.check
+    rank, ranks = (0, 1) if elsewhere else mpi_job()
     if ranks > 1 and options.jobs:
         raise InputError(f"--jobs {options.jobs}: expected without mpirun, whose ranks share each")
     if ranks > 1 and command not in SHARED:
@@ -187,37 +189,27 @@ def run_described(
     return code
 
 
-def _elsewhere(options: argparse.Namespace) -> bool:
-    return bool(options.executor or options.scheduler or options.check)
-
-
 def _join(
     command: str, entries: Sequence[Entry], words: Sequence[str], spec_of: SpecOf, ranks: int
 ) -> int:
     """Share the analyses of the first rank of an MPI job, which writes and shows the results."""
-    code = 0
-
-    def done(made: Made) -> None:
-        nonlocal code
-        code = USER_ERROR if made.status == "failed" else code
-
+    made: list[Made] = []
     with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
         described = [entry for entry in entries if not _is_result(entry)]
         try:
             requests, _ = write_specs(described, Path(folder), spec_of)
-            place = Local(1, threads=True)
             make_files(
                 requests,
                 command,
                 words,
-                executor=lambda: place,
-                done=done,
+                executor=partial(Local, 1, threads=True),
+                done=made.append,
                 progress=lambda _: None,
                 ranks=ranks,
             )
         except InputError:  # the first rank says so
             return USER_ERROR
-    return code
+    return USER_ERROR if any(one.status == "failed" for one in made) else 0
 
 
 def _is_result(entry: Entry) -> bool:

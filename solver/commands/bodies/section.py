@@ -101,7 +101,7 @@ def run_section(options: argparse.Namespace) -> int:
         return code
 
     flags = ("--no-estimate", "--verify", "--force")
-    words = [word for word in flags if getattr(options, _name(word))]
+    words = [word for word in flags if getattr(options, word[2:].replace("-", "_"))]
     if options.accuracy is not None:
         words += ["--accuracy", repr(options.accuracy)]
     if options.batch and options.to:
@@ -122,10 +122,6 @@ def run_section(options: argparse.Namespace) -> int:
         show=show,
         list_each=bool(options.batch),
     )
-
-
-def _name(word: str) -> str:
-    return word.lstrip("-").replace("-", "_")
 
 
 def _entries(options: argparse.Namespace) -> list[Entry]:

@@ -1,7 +1,5 @@
 """The analysed stations: their table, the blade as a body and a case, files of other codes."""
 
-import csv
-import io
 import math
 import shlex
 import tempfile
@@ -20,7 +18,7 @@ from ...math.arrays import Array
 from ...math.laws import lengths_along
 from ...package.body.io import read_package
 from ...package.common.files import write_text
-from ...package.common.plain_data import toml_value
+from ...package.common.plain_data import csv_text, toml_value
 from ...package.section.io import read_section
 from ...package.section.stress import trapeze_strains
 from ...report.section.codes import (
@@ -82,17 +80,21 @@ def station_csv(blade: Blade, stations: list[Station]) -> str:
     """Return the table of all complete stations."""
     head = ["r", "z_m", "chord_m", "twist_deg", "mass_kg_m", "removed"]
     head += [f"{letter}{i + 1}{j + 1}" for letter in "KM" for i, j in UPPER]
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
-    writer.writerow(head)
+    rows: list[list[object]] = [list(head)]
     for station in stations:
         r, one = station.r, station.results
         if one is None:
             continue
-        row = [r, blade.length.at(r), blade.chord.at(r), blade.twist.at(r), one.M[0, 0]]
+        row: list[float] = [
+            r,
+            blade.length.at(r),
+            blade.chord.at(r),
+            blade.twist.at(r),
+            one.M[0, 0],
+        ]
         row += [station.mesh.removed, *(K[i, j] for K in (one.K, one.M) for i, j in UPPER)]
-        writer.writerow([repr(float(value)) for value in row])
-    return stream.getvalue()
+        rows.append([float(value) for value in row])
+    return csv_text(rows)
 
 
 def station_text(blade: Blade, stations: list[Station]) -> str:
@@ -264,16 +266,14 @@ def body_csv(blade: Blade, stations: Sequence[Station]) -> str:
     rotation about x.
     """
     complete = [(s, s.results) for s in stations if s.results is not None]
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
-    writer.writerow([*COLUMNS, *TRAPEZE])
+    rows: list[list[object]] = [[*COLUMNS, *TRAPEZE]]
     points = line_of(blade, [station.r for station, _ in complete])
     for (station, one), point in zip(complete, points, strict=True):
         row = [*point, -blade.twist.at(station.r)]
         row += [A[i, j] for A in (one.K, one.M) for i, j in UPPER]
         row += [*trapeze_strains(one.K, read_section(station.file).recovery)]
-        writer.writerow([repr(float(value) + 0.0) for value in row])
-    return BODY_HEAD.format(name=blade.file.name) + stream.getvalue()
+        rows.append([float(value) + 0.0 for value in row])
+    return BODY_HEAD.format(name=blade.file.name) + csv_text(rows)
 
 
 # The case of a turning blade: the beam of a blade's table on the hub of its file.

@@ -5,7 +5,9 @@ checked the values.
 """
 
 import argparse
+import csv
 import hashlib
+import io
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -31,6 +33,13 @@ def canonical(data: Any) -> str:
 def cell_text(text: str) -> str:
     """Return a text as a cell of a CSV table that no spreadsheet takes for a formula."""
     return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
+
+
+def csv_text(rows: Iterable[Iterable[Any]], end: str = "\r\n") -> str:
+    """Return rows of texts and numbers as a CSV table, whose lines end with `end`."""
+    stream = io.StringIO(newline="")
+    csv.writer(stream, lineterminator=end).writerows(rows)
+    return stream.getvalue()
 
 
 def data_sha256(data: Any) -> str:

@@ -1,7 +1,5 @@
 """Sections for the screen and for programs: stresses of plies, numbers, the table of a batch."""
 
-import csv
-import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...math.arrays import Array
 from ...package.common.files import write_text
-from ...package.common.plain_data import cell_text
+from ...package.common.plain_data import cell_text, csv_text
 from ...package.section.schema import (
     RESULTANTS,
     STRESSES,
@@ -418,15 +416,13 @@ def _csv(rows: Sequence[Row]) -> str:
     for centre in ("mass_centre", "shear_centre", "tension_centre"):
         head += [f"{centre}_x2", f"{centre}_x3"]
     head += ["error_estimate_scaled", "dofs", "seconds", "warnings", "error"]
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
-    writer.writerow(head)
+    lines: list[list[Any]] = [head]
     for row in rows:
         changes = [json.dumps(row.changes[key]) if key in row.changes else "" for key in keys]
         numbers = _numbers(row.results) if row.results else [""] * (len(UPPER) + 11)
         texts = cell_text(row.name), row.status, cell_text(row.error)
-        writer.writerow([*texts[:2], *changes, *numbers, texts[2]])
-    return stream.getvalue()
+        lines.append([*texts[:2], *changes, *numbers, texts[2]])
+    return csv_text(lines)
 
 
 def _numbers(results: SectionResults) -> list[Any]:

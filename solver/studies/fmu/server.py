@@ -61,7 +61,7 @@ def _serve(channel: socket.socket, folder: Path) -> None:
         what, count = struct.unpack("=ii", _taken(channel, 8))
         numbers = np.frombuffer(_taken(channel, 8 * count))
         try:
-            found = instance.answers[what](numbers)
+            found = instance.answer(what, numbers)
         except Exception as error:
             _answer(channel, ERROR, _words(error))
             continue
@@ -70,55 +70,44 @@ def _serve(channel: socket.socket, folder: Path) -> None:
 
 
 class _Instance:
-    """A run and its saved states; `answers` by request."""
+    """A run and its saved states."""
 
     def __init__(self, stepper: Stepper) -> None:
         self._stepper, self._states = stepper, dict[int, Kept | None]()
         self._last, self._started = 0, False
         self._refused = derivatives_refused(stepper)
-        self.answers = {
-            START: self._start,
-            STEP: self._step,
-            SAVE: self._save,
-            RESTORE: self._restore,
-            FORGET: self._forget,
-            DERIVE: self._derive,
-        }
 
-    def _start(self, numbers: Array) -> Array:
-        drive_order, force_order = (int(number) for number in numbers[:2])
-        self._started = True
-        return self._stepper.start(numbers[2:], drive_order=drive_order, force_order=force_order)
-
-    def _step(self, numbers: Array) -> Array:
-        stepper, k, flags = self._stepper, len(self._stepper.inputs), int(numbers[1])
-        if flags & JUMPED:
-            stepper.jump()
-        inputs, rates = numbers[2 : 2 + k], numbers[2 + k :].reshape(k, 2)
-        event = stepper.move(float(numbers[0]), inputs, rates, to_event=bool(flags & TO_EVENT))
-        return np.array([stepper.t, event, *stepper.measured()])
-
-    def _save(self, numbers: Array) -> Array:
-        number = int(numbers[0])
-        if not number:
-            self._last = number = self._last + 1
-        self._states[number] = self._stepper.kept() if self._started else None
-        return np.array([float(number)])
-
-    def _restore(self, numbers: Array) -> Array:
-        kept = self._states[int(numbers[0])]
-        if kept is not None:  # else of before the start, which does all anew
-            self._stepper.restore(kept)
+    def answer(self, what: int, numbers: Array) -> Array:
+        """Return the numbers of the answer to a request."""
+        stepper, k = self._stepper, len(self._stepper.inputs)
+        if what == START:
+            drive_order, force_order = (int(number) for number in numbers[:2])
+            self._started = True
+            return stepper.start(numbers[2:], drive_order=drive_order, force_order=force_order)
+        if what == STEP:
+            t, flags = float(numbers[0]), int(numbers[1])
+            if flags & JUMPED:
+                stepper.jump()
+            inputs, rates = numbers[2 : 2 + k], numbers[2 + k :].reshape(k, 2)
+            event = stepper.move(t, inputs, rates, to_event=bool(flags & TO_EVENT))
+            return np.array([stepper.t, event, *stepper.measured()])
+        if what == DERIVE:
+            if self._refused:
+                raise InputError(self._refused)
+            return step_derivatives(stepper).ravel()
+        state = int(numbers[0])
+        if what == SAVE:
+            if not state:
+                self._last = state = self._last + 1
+            self._states[state] = stepper.kept() if self._started else None
+            return np.array([float(state)])
+        if what == FORGET:
+            self._states.pop(state, None)
+        elif what != RESTORE:
+            raise ValueError(f"request {what}: expected {START} to {DERIVE}")
+        elif (kept := self._states[state]) is not None:  # else a start, which does all anew
+            stepper.restore(kept)
         return np.zeros(0)
-
-    def _forget(self, numbers: Array) -> Array:
-        self._states.pop(int(numbers[0]), None)
-        return np.zeros(0)
-
-    def _derive(self, numbers: Array) -> Array:
-        if self._refused:
-            raise InputError(self._refused)
-        return step_derivatives(self._stepper).ravel()
 
 
 def _words(error: Exception) -> str:

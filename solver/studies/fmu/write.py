@@ -59,17 +59,15 @@ class Variable:
 
 def variables_of(stepper: Stepper) -> list[Variable]:
     """Return the inputs, then the outputs."""
-    found = [
-        Variable(given.name, given.unit, _meaning(given.drive), float(given.start[0]))
-        for given in stepper.inputs
-    ]
+    found = []
+    for given in stepper.inputs:
+        meaning = (
+            "value that the drive prescribes" if given.drive else "size of the force or torque"
+        )
+        found.append(Variable(given.name, given.unit, meaning, float(given.start[0])))
     for name, sensor in stepper.outputs.items():
         found.append(Variable(f"signals.{name}", sensor.unit, sensor.description, None))
     return found
-
-
-def _meaning(drive: bool) -> str:
-    return "value that the drive prescribes" if drive else "size of the force or torque"
 
 
 def derivatives_refused(stepper: Stepper) -> str:
@@ -239,11 +237,6 @@ def write_contents(run_file: Path, folder: Path) -> Path:
     return run
 
 
-def write_inputs(names: Sequence[str], folder: Path) -> None:
-    """Write the names of the inputs."""
-    (folder / INPUTS).write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
-
-
 # Write an FMU: description, library for this machine, run and packages, in one archive.
 
 LIBRARY = Path(__file__).with_name("library.c")
@@ -281,29 +274,29 @@ def write_fmu(
                 "controller or an expression"
             )
         stepper = Stepper(spec, inputs)
-        write_inputs([given.name for given in stepper.inputs], resources)
+        names = "".join(f"{given.name}\n" for given in stepper.inputs)
+        (resources / INPUTS).write_text(names, encoding="utf-8")
         title = f"{spec.case}, {spec.run}"
         identifier = re.sub(r"\W", "_", f"{spec.case}_{spec.run}", flags=re.ASCII)
         identifier = identifier if identifier[0].isalpha() else f"m_{identifier}"
         solver = spec.mechanism.solver
         times = float(solver.t_end), float(solver.output_step)
-        guid = _guid(resources)
+        digest = hashlib.sha256()  # the same for the same contents
+        for file in _files(resources):
+            digest.update(file.relative_to(resources).as_posix().encode() + file.read_bytes())
+        d = digest.hexdigest()
+        guid = f"{{{d[:8]}-{d[8:12]}-{d[12:16]}-{d[16:20]}-{d[20:32]}}}"
         text = description(stepper, identifier, guid, title, times, VERSIONS[target])
         (folder / "modelDescription.xml").write_bytes(text)
         _compile(folder / "binaries", identifier, guid, target)
         out.parent.mkdir(parents=True, exist_ok=True)
-        with temporary_sibling(out) as temporary:
-            _archive(folder, temporary)
+        with (
+            temporary_sibling(out) as temporary,
+            zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive,
+        ):
+            for file in _files(folder):
+                archive.write(file, file.relative_to(folder).as_posix())
     return stepper
-
-
-def _guid(resources: Path) -> str:
-    """Return a GUID that is the same for the same contents."""
-    digest = hashlib.sha256()
-    for file in sorted(path for path in resources.rglob("*") if path.is_file()):
-        digest.update(file.relative_to(resources).as_posix().encode() + file.read_bytes())
-    found = digest.hexdigest()
-    return f"{{{found[:8]}-{found[8:12]}-{found[12:16]}-{found[16:20]}-{found[20:32]}}}"
 
 
 def _compile(folder: Path, identifier: str, guid: str, version: str) -> None:
@@ -329,7 +322,5 @@ def _compile(folder: Path, identifier: str, guid: str, version: str) -> None:
         raise InputError(f"--to fmu: {compiler[0]} fails: {done.stderr.strip()[-1000:]}")
 
 
-def _archive(folder: Path, out: Path) -> None:
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        for file in sorted(path for path in folder.rglob("*") if path.is_file()):
-            archive.write(file, file.relative_to(folder).as_posix())
+def _files(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.is_file())

@@ -284,6 +284,7 @@ class Realisation(NamedTuple):
     input_units: list[str]
     outputs: list[str]
     output_units: list[str]
+    coordinates: list[str]  # (n_vel,) all velocity coordinates, of the shapes
 
 
 def realisation(space: StateSpace, coordinates: list[str], auxiliary: list[str]) -> Realisation:
@@ -323,6 +324,7 @@ def realisation(space: StateSpace, coordinates: list[str], auxiliary: list[str])
         input_units=[s.unit for s in space.inputs],
         outputs=[name for name, _ in space.outputs],
         output_units=[unit for _, unit in space.outputs],
+        coordinates=coordinates,
     )
 
 

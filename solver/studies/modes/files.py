@@ -1,7 +1,5 @@
 """Files of modes and Campbell diagrams."""
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ from scipy.io import savemat
 
 from ...inputs.case.write import dump
 from ...package.common.files import refuse_foreign, temporary_sibling, write_text
+from ...package.common.plain_data import csv_text
 from ...report.style import Canvas, colour, house_style
 from ..linearisation.modes import coordinate_names
 from ..linearisation.state_space import Realisation, realisation
@@ -75,35 +74,27 @@ def modes_content(states: States, found: Found) -> dict[str, object]:
             "text": rank.text,
         },
         "difference_error": found.space.error,
-        "modes": _entries(found, states.built.body_names),
+        "modes": [_entry(found, states.built.body_names, k) for k in range(len(found.whirl))],
         "notes": list(found.notes),
     }
 
 
-def _entries(found: Found, body_names: list[str]) -> list[dict[str, object]]:
-    """Return the modes as plain data."""
-    out = []
-    for k, value in enumerate(found.modes.eigenvalues):
-        w = float(found.modes.frequencies[k])
-        still = bool(found.modes.still[k])
-        whirl = float(found.whirl[k])
-        out.append(
-            {
-                "number": k + 1,
-                "frequency_hz": w / (2.0 * np.pi),
-                "angular_frequency": w,
-                "damping_ratio": float(found.damping[k]),
-                "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
-                "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
-                "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,
-                "main": found.shares.main[k],
-                "bodies": {
-                    name: float(share)
-                    for name, share in zip(body_names, found.shares.bodies[:, k], strict=False)
-                },
-            }
-        )
-    return out
+def _entry(found: Found, body_names: list[str], k: int) -> dict[str, object]:
+    """Return mode k as plain data."""
+    value, w = found.modes.eigenvalues[k], float(found.modes.frequencies[k])
+    still, whirl = bool(found.modes.still[k]), float(found.whirl[k])
+    shares = found.shares.bodies[:, k].tolist()
+    return {
+        "number": k + 1,
+        "frequency_hz": w / (2.0 * np.pi),
+        "angular_frequency": w,
+        "damping_ratio": float(found.damping[k]),
+        "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
+        "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
+        "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,
+        "main": found.shares.main[k],
+        "bodies": dict(zip(body_names, shares, strict=False)),
+    }
 
 
 # Transfer functions over frequency.
@@ -111,17 +102,13 @@ def _entries(found: Found, body_names: list[str]) -> list[dict[str, object]]:
 
 def _write_response(folder: Path, response: Response) -> None:
     """Write response.csv (magnitude and phase of each pair) and response.png."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
     head, columns = ["frequency [Hz]"], [response.hz]
     for i, (output, unit) in enumerate(response.outputs):
         for j, (name, by) in enumerate(response.inputs):
             head += [f"{name} -> {output} [{unit} / ({by})]", f"{name} -> {output} phase [deg]"]
             g = response.G[:, i, j]
             columns += [np.abs(g), np.degrees(np.angle(g))]
-    writer.writerow(head)
-    writer.writerows([[repr(float(v)) for v in row] for row in np.array(columns).T])
-    write_text(folder / "response.csv", out.getvalue())
+    write_text(folder / "response.csv", csv_text([head, *np.array(columns).T.tolist()], "\n"))
     _draw_response(folder / "response.png", response)
 
 
@@ -161,29 +148,18 @@ def linear_system(states: States, found: Found) -> Realisation:
 
 def _write_linear(folder: Path, states: States, found: Found) -> None:
     """Write linear.npz and linear.mat: A, B, C, D with names and units of what they connect."""
-    system = linear_system(states, found)
-    built = states.built
-    names = coordinate_names(built.model, built.body_names, built.packages)
-    matrices: dict[str, Any] = {key: getattr(system, key) for key in "ABCD"}
-    words = {
-        "states": system.states,
-        "inputs": system.inputs,
-        "input_units": system.input_units,
-        "outputs": system.outputs,
-        "output_units": system.output_units,
-    }
-    modes = {
+    system = linear_system(states, found)._asdict()
+    matrices: dict[str, Any] = {key: system.pop(key) for key in "ABCD"}
+    matrices |= {
         "eigenvalues": found.modes.eigenvalues,
         "shapes": found.modes.x,
         "t": np.array(found.state.t),
         "spin": found.state.spin.W if found.state.spin is not None else np.zeros(3),
     }
-    texts = {key: np.array(value, dtype=str) for key, value in words.items()}
-    coordinates = np.array(names, dtype=str)
+    texts = {key: np.array(words, dtype=str) for key, words in system.items()}
+    content = matrices | texts
     with temporary_sibling(folder / "linear.npz") as temporary:
-        content: dict[str, Any] = {**matrices, **texts, **modes, "coordinates": coordinates}
         np.savez(temporary, **content)
-    cells = {key: np.array(value, dtype=object)[:, None] for key, value in words.items()}
-    cells["coordinates"] = np.array(names, dtype=object)[:, None]
+    cells = {key: np.array(words, dtype=object)[:, None] for key, words in system.items()}
     with temporary_sibling(folder / "linear.mat") as temporary:
-        savemat(temporary, {**matrices, **cells, **modes}, do_compression=True)
+        savemat(temporary, {**matrices, **cells}, do_compression=True)

@@ -1,7 +1,5 @@
 """Modes about a state: what is reported, exported and computed as response; Campbell diagrams."""
 
-import csv
-import io
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
@@ -17,9 +15,10 @@ from ...math.arrays import Array, IntArray
 from ...math.rotations import vector_to_matrix
 from ...mechanism.built import Start
 from ...mechanism.equilibrium import after_turn, round_off
+from ...package.common.plain_data import csv_text
 from ...report.style import GREY, WARNING, Canvas, colour, house_style
 from ...signals import sensors
-from ..linearisation.campbell import Campbell, Crossing, Point, crossings, follow, vectors_of
+from ..linearisation.campbell import Campbell, Point, crossings, follow, vectors_of
 from ..linearisation.modes import (
     Modes,
     Participation,
@@ -329,8 +328,7 @@ class Diagram:
         whirl = np.isfinite(self.campbell.fixed) | np.isnan(self.campbell.frequencies)
         # All modes circle the axis: a rotor, whose forces stand in axes at rest.
         self.fixed = axes == "fixed" or (axes == "auto" and bool(whirl.all()))
-        found = crossings(self.campbell, spins.at, harmonics, fixed=self.fixed)
-        self.crossings: list[Crossing] = found
+        self.crossings = crossings(self.campbell, spins.at, harmonics, fixed=self.fixed)
 
     @property
     def names(self) -> list[str]:
@@ -354,19 +352,18 @@ class Diagram:
         """Return the content of campbell.json."""
         c, spec = self.campbell, self.spins.states.spec
         rows = self.asked
-        branches = []
-        for b, name in enumerate(self.names):
-            branches.append(
-                {
-                    "branch": b + 1,
-                    "main": name,
-                    "angular_frequency": _plain(c.frequencies[rows, b]),
-                    "fixed_axes_angular_frequency": _plain(c.fixed[rows, b]),
-                    "damping_ratio": _plain(c.damping[rows, b]),
-                    "growth": _plain(c.growth[rows, b]),
-                    "mode": [int(n) + 1 if n >= 0 else None for n in c.modes[rows, b]],
-                }
-            )
+        branches = [
+            {
+                "branch": b + 1,
+                "main": name,
+                "angular_frequency": _plain(c.frequencies[rows, b]),
+                "fixed_axes_angular_frequency": _plain(c.fixed[rows, b]),
+                "damping_ratio": _plain(c.damping[rows, b]),
+                "growth": _plain(c.growth[rows, b]),
+                "mode": [int(n) + 1 if n >= 0 else None for n in c.modes[rows, b]],
+            }
+            for b, name in enumerate(self.names)
+        ]
         return {
             "case": spec.case,
             "run": spec.run,
@@ -391,18 +388,12 @@ class Diagram:
 
     def csv(self) -> str:
         """Return the table of campbell.csv."""
-        c, out = self.campbell, io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        names = [f"{b + 1} {name}" for b, name in enumerate(self.names)]
+        c, names = self.campbell, [f"{b + 1} {name}" for b, name in enumerate(self.names)]
         head = ["speed [rad/s]", *(f"{n} [rad/s]" for n in names)]
         head += [f"{n} fixed axes [rad/s]" for n in names] + [f"{n} damping [-]" for n in names]
-        writer.writerow(head)
-        for row in self.asked.tolist():
-            values = (c.speeds[row : row + 1], c.frequencies[row], c.fixed[row], c.damping[row])
-            writer.writerow(
-                ["" if np.isnan(v) else repr(float(v)) for part in values for v in part]
-            )
-        return out.getvalue()
+        table = np.column_stack([c.speeds, c.frequencies, c.fixed, c.damping])[self.asked]
+        rows = [["" if np.isnan(v) else v for v in row] for row in table.tolist()]
+        return csv_text([head, *rows], "\n")
 
 
 def _plain(values: Array) -> list[float | None]:

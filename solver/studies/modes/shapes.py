@@ -72,7 +72,10 @@ def period_of(states: States, found: Found, k: int) -> Period:
     turning = max(rate / (_SIZE * size), _rotation(states, x) / _TURN, 1e-300)
     _, points = nodes(1.0 / turning)
     w = float(found.modes.frequencies[k])
-    title = f"{w / (2.0 * np.pi):.5g} Hz" if w else _still(found, k)
+    title = f"{w / (2.0 * np.pi):.5g} Hz"
+    if not w:
+        real = found.modes.eigenvalues[k].real
+        title = "0 Hz" if found.modes.still[k] else f"{real:+.4g} 1/s"
     title += f", {found.shares.main[k]}"
     times = np.arange(FRAMES + 1) / FRAMES * (2.0 * np.pi / w if w else 1.0)
     return Period(k + 1, title, times, bodies, rest[0], points)
@@ -90,11 +93,6 @@ def _rotation(states: States, x: Array) -> float:
             found = np.einsum("mna,m->na", package.shapes_B[:, :, 3:6], q)
             largest = max(largest, float(np.linalg.norm(np.abs(found), axis=1).max()))
     return largest
-
-
-def _still(found: Found, k: int) -> str:
-    value = found.modes.eigenvalues[k].real
-    return "0 Hz" if found.modes.still[k] else f"{value:+.4g} 1/s"
 
 
 def _write(path: Path, states: States, period: Period) -> None:
@@ -160,7 +158,8 @@ def _box(axes: Any, period: Period) -> None:
     low, high = _every(period).min(axis=0), _every(period).max(axis=0)
     half = 0.5 * np.maximum(high - low, 0.25 * (float((high - low).max()) or 1.0))
     middle = 0.5 * (low + high)
-    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
-    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
-    axes.set_zlim(middle[2] - half[2], middle[2] + half[2])
+    for limit, at, size in zip(
+        (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, half, strict=True
+    ):
+        limit(at - size, at + size)
     axes.set_box_aspect(half, zoom=1.1)

@@ -115,15 +115,16 @@ class States:
         if at.kind == "spin" and at.speeds is not None:
             spin = self.spin(axis)._replace(rate=float(at.speeds[0]))
             return self.turning(spin, self.start())
-        if at.kind == "time" and at.time > 0.0:
+        if at.kind == "time" and at.time:
             return self._later(at.time)
-        if at.kind == "time" and at.time < 0.0:
-            raise InputError(f"--at t={at.time:g}: expected {self._span()}")
-        if at.kind == "equilibrium":
-            return self._equilibrium()
         built, solver = self.built, self.spec.mechanism.solver
         names = built.joint_names, built.body_names
         given = given_spin(solver)
+        if at.kind == "equilibrium" and given is not None and given.rate != 0.0:
+            return self.turning(given, self.start())
+        if at.kind == "equilibrium":
+            model, y = resting_state(built.model, self.start(), built.body_names)
+            return State(model, 0.0, y, None, "equilibrium")
         y = starting_state(built.model, built.start, solver.start, *names, given, built.light)
         return self._moving(0.0, y, "start")
 
@@ -155,21 +156,11 @@ class States:
         found = relative_equilibrium(built.model, start, spin, *names)
         return State(found.model, 0.0, found.y, spin, f"spin {spin.rate:g} rad/s", given_spin=True)
 
-    def _span(self) -> str:
-        return f"a time from 0 to solver.t_end = {self.spec.mechanism.solver.t_end:g} s"
-
-    def _equilibrium(self) -> State:
-        spin = given_spin(self.spec.mechanism.solver)
-        if spin is not None and spin.rate != 0.0:
-            return self.turning(spin, self.start())
-        model, y = resting_state(self.built.model, self.start(), self.built.body_names)
-        return State(model, 0.0, y, None, "equilibrium")
-
     def _later(self, t: float) -> State:
         """Integrate the run up to t."""
-        solver = self.spec.mechanism.solver
-        if t > solver.t_end * (1.0 + 1e-9):
-            raise InputError(f"--at t={t:g}: expected {self._span()}")
+        end = self.spec.mechanism.solver.t_end
+        if not 0.0 < t <= end * (1.0 + 1e-9):
+            raise InputError(f"--at t={t:g}: expected a time from 0 to solver.t_end = {end:g} s")
         spec = self.spec.changed({"solver.t_end": t, "solver.output_step": t})
         finished = complete(prepare(spec.mechanism, spec.packages, ()))
         solution = finished.solution

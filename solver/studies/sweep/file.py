@@ -1,8 +1,6 @@
 """sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md."""
 
-import csv
 import hashlib
-import io
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +12,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...package.common.container import get_text, new_file, open_file, set_text
 from ...package.common.object_file import check_file_checksum, version_of, write_file_checksum
-from ...package.common.plain_data import cell_text
+from ...package.common.plain_data import cell_text, csv_text
 from ...results import ResultError
 from ...results.summary import MEASURES
 from ...run.preparation import output_times
@@ -242,7 +240,7 @@ def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
 def _load(path: Path, file: h5py.File) -> SweepResult:
     _check_lengths(path, file)
     signals, histories = file.get("signals", {}), file.get("histories", {})
-    texts = {name: _words(file[f"members/{name}"]) for name in TEXTS}
+    texts = [_words(file[f"members/{name}"]) for name in TEXTS]
     numbers = {
         group: {name: file[f"{group}/{name}"][()].tolist() for name in names}
         for group, names in (("checks", CHECKS), ("cost", COST))
@@ -251,22 +249,20 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
     units = {n: get_text(g, "unit") for n, g in signals.items()}
     series = {n: d[()] for n, d in histories.items() if n != "t"}
     rows = []
-    for k, t_end in enumerate(file["members/t_end"][()].tolist()):
-        row = Row(
-            **{name: words[k] for name, words in texts.items() if name != "warnings"},
-            warnings=tuple(texts["warnings"][k].split()),
-        )
-        if not np.isnan(t_end):
+    ends = file["members/t_end"][()].tolist()
+    for k, (key, status, message, code, codes) in enumerate(zip(*texts, strict=True)):
+        row = Row(key, status, message, code, ends[k], warnings=tuple(codes.split()))
+        if not np.isnan(ends[k]):
             row = replace(
                 row,
-                t_end=t_end,
                 signals={
                     n: {"unit": units[n]}
                     | {m: None if np.isnan(v[k]) else float(v[k]) for m, v in table.items()}
                     for n, table in measured.items()
                 },
                 histories={n: v[k] for n, v in series.items()},
-                **{group: {n: v[k] for n, v in of.items()} for group, of in numbers.items()},
+                checks={n: v[k] for n, v in numbers["checks"].items()},
+                cost={n: v[k] for n, v in numbers["cost"].items()},
             )
         rows.append(row)
     words = {n: get_text(histories[n], "description") for n in series}
@@ -309,8 +305,6 @@ def _check_lengths(path: Path, file: h5py.File) -> None:
 
 def sweep_csv(result: SweepResult) -> str:
     """Return the table of a sweep: a line for each member, a head with units."""
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
     names = zip(result.parameter_names, result.parameter_units, strict=True)
     head = ["member", *(cell_text(f"{name} [{unit}]" if unit else name) for name, unit in names)]
     head += ["status", "code", "t_end [s]"]
@@ -318,14 +312,14 @@ def sweep_csv(result: SweepResult) -> str:
     for name, unit in result.signal_units.items():
         units = {"t_min": "s", "t_max": "s", DAMAGE: "-"}
         head += [f"{name} {m} [{units.get(m, unit)}]" for m in kept[name]]
-    writer.writerow([*head, *CHECKS, *COST, "warnings", "message"])
+    lines: list[list[Any]] = [[*head, *CHECKS, *COST, "warnings", "message"]]
     columns = [result.signal(name, measure) for name, known in kept.items() for measure in known]
     columns += [values for _, values in result.numbers()]
     for k, (row, *numbers) in enumerate(zip(result.rows, *columns, strict=True)):
         line = [k, *result.values[k], row.status, row.code]
         line += ["" if np.isnan(x) else x for x in (row.t_end, *numbers)]
-        writer.writerow([*line, " ".join(row.warnings), cell_text(row.message)])
-    return stream.getvalue()
+        lines.append([*line, " ".join(row.warnings), cell_text(row.message)])
+    return csv_text(lines)
 
 
 def _text(row: Row, name: str) -> str:
