@@ -260,8 +260,8 @@ lint: $(TESTS) ## Style: ruff
 
 .PHONY: types
 types: $(TESTS) ## Types: mypy
-	$(VENV)/bin/mypy
-	$(VENV)/bin/mypy tools
+	$(PY) tools/types_of_sources.py
+	$(PY) tools/types_of_sources.py tools
 
 .PHONY: imports
 imports: $(TESTS) ## Allowed directions between modules: import-linter

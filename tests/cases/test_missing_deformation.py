@@ -47,7 +47,8 @@ law = {{ constant = {size} }}
 
 
 def told(tmp_path, text, beam, **solver):
-    found = judged(tmp_path, text, {"column": beam.package}, **RADAU | solver)
+    """Findings of a third of a second: several periods of the modes that bend."""
+    found = judged(tmp_path, text, {"column": beam.package}, t_end=0.3, **RADAU | solver)
     return [w for w in found.summary["warnings"] if w["code"] == "modes-too-few"]
 
 

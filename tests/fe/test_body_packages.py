@@ -60,6 +60,7 @@ def test_axial_modes_of_a_long_thin_beam() -> None:
     assert package.frequencies[-3:] == pytest.approx(axial, rel=2e-3)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
 def test_package_is_sound_and_complete(tmp_path: Path, mass_form: str) -> None:
     path = tmp_path / "arm.vtkhdf"
@@ -98,6 +99,7 @@ def test_x2_axis_turns_the_section() -> None:
     assert np.allclose(flat.frequencies, turned.frequencies, rtol=1e-9)
 
 
+@pytest.mark.one_end
 def test_tapered_and_twisted_body_is_sound(tmp_path: Path) -> None:
     """Two analysed sections, K and M between them, stresses at both."""
     slim = {**rectangle_spec(0.03, 0.010, ALUMINIUM), "name": "slim"}
@@ -206,6 +208,7 @@ def missing_compliance(package: ModalPackage) -> Array:
     return (C - F @ np.linalg.solve(package.stiffness, F.T)) / np.outer(size, size)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("reference", [{"kind": "clamped", "at": "root"}, {"kind": "mean-axis"}])
 def test_compliance_of_a_shell(reference: dict[str, Any]) -> None:
     """Modes have a part of it, the static shapes of all loads the whole."""

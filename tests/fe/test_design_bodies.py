@@ -160,6 +160,7 @@ def test_curved_tapered_classical_and_spinning_beams() -> None:
     assert max(worst(straight, 1.0).values()) < 100.0 * LIMIT
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("shape", ["tube", "box"])
 def test_ply_angles_of_round_and_square_tubes(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Section, modes in pairs, recovery: angles of all walls together, and of one."""
@@ -187,6 +188,7 @@ LAYUP = {
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(
     "changes",
     [
@@ -203,6 +205,7 @@ def test_lay_ups_of_shells(changes: dict[str, Any], monkeypatch: pytest.MonkeyPa
     assert max(found.values()) < LIMIT, found
 
 
+@pytest.mark.one_end
 def test_the_file_has_them(tmp_path: Path) -> None:
     design = {"turn": [LAYUP["turn"][0] | {"factor": 2.0, "offset": 10.0}]}
     package = build_body(skewed(design=design))
@@ -239,6 +242,7 @@ def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("kind", ["region", "stiffener"])
 def test_regions_of_one_material_and_stiffeners(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body, "rounded", lambda values: values)

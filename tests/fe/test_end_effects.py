@@ -139,6 +139,7 @@ def test_the_indicated_share_grows_as_the_bar_gets_shorter() -> None:
     assert np.all((indicated / true > 1.0 / 3.0) & (indicated / true < 3.0))
 
 
+@pytest.mark.one_end
 def test_an_i_section_in_torsion_loses_vlasovs_length() -> None:
     """S / compliance = sqrt(E I_w / (G J)), with I_w = I_3 h^2 / 4 of the middle lines."""
     b, h, t = 0.1, 0.196, 0.004

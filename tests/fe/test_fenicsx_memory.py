@@ -54,6 +54,7 @@ def test_factors_are_given_back() -> None:
     assert _resident() - before < 4.0  # those of `dropped` alone are 3 each time
 
 
+@pytest.mark.one_end
 def test_refined_sections_are_given_back() -> None:
     def once() -> int:
         return len(analyse(section("21", 0.5), accuracy=1e-4).provenance["refinements"])

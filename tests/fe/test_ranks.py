@@ -148,6 +148,7 @@ def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> N
             assert rank["of the cells"] == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.one_end
 def test_sections_by_two_ranks(tmp_path: Path) -> None:
     alone = both(tmp_path, "section", SECTIONS)
     for name in SECTIONS:
@@ -178,6 +179,7 @@ def test_refined_section_by_two_ranks(tmp_path: Path) -> None:
     assert np.abs((two.K - one.K) / np.outer(size, size)).max() < CLOSE
 
 
+@pytest.mark.one_end
 def test_shells_by_two_ranks(tmp_path: Path) -> None:
     alone = both(tmp_path, "shell", SHELLS)
     for name in SHELLS:

@@ -25,6 +25,7 @@ AIRFOILS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("change", AIRFOILS.values(), ids=AIRFOILS.keys())
 def test_airfoil(change: dict[str, Any]) -> None:
     """Whole, without slivers, and every node of the skin on a row at its depth."""

@@ -77,6 +77,7 @@ def here(capfd: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[int
     return code, *capfd.readouterr()
 
 
+@pytest.mark.one_end
 def test_good_ones_are_made_beside_a_bad_one(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -93,6 +94,7 @@ def test_good_ones_are_made_beside_a_bad_one(
     assert read_section(out / "other.vtkhdf").K[0, 1] > 0.0
 
 
+@pytest.mark.one_end
 def test_nothing_is_made_twice_and_options_are_inputs(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -178,6 +180,7 @@ def test_answers_one_by_one(tmp_path: Path) -> None:
     assert status == ["failed", "built", "unchanged"]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("n", [2, 3])
 def test_shares_are_the_whole(tmp_path: Path, capfd: pytest.CaptureFixture[str], n: int) -> None:
     files = write(tmp_path, a=bar(0), b=bar(0, 0.05), c=bar(30), d=bar(30, 0.05), e=bar(45))

@@ -36,6 +36,7 @@ def section(name: str, accuracy: float | None = None, **sizes: Any) -> Any:
     return analyse(spec, estimate=accuracy is not None, accuracy=accuracy)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(("name", "count"), [("box", 4), ("tube", 0), ("rectangle", 0)])
 def test_corners(name: str, count: int) -> None:
     assert name in SHAPES

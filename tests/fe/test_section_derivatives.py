@@ -135,6 +135,7 @@ def differences(section: SectionFile, expected: list[Numbers]) -> Numbers:
 PRISMATIC = box()
 
 
+@pytest.mark.one_end
 def test_twelve_angles() -> None:
     """Also ply axes, and nothing that does not change."""
     section = analyse(PRISMATIC, estimate=False, design=ANGLES)

@@ -94,6 +94,7 @@ def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
     assert warning["code"] == "few-digits"
 
 
+@pytest.mark.one_end
 def test_thin_open_arc() -> None:
     """An arc of radius 400 times its wall: the exact stiffness of a strip rolled up."""
     arc = {"outer_radius": 0.4005, "wall": 0.001, "start_deg": 30.0, "span_deg": 120.0}

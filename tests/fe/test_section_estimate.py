@@ -171,6 +171,7 @@ def test_exponents_do_not_change_when_a_section_is_turned() -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-9)
 
 
+@pytest.mark.one_end
 def test_estimate_of_round_edges_by_closed_forms() -> None:
     """Disc, ellipse, and a tube whose inner half is 100 times as stiff: plies have edges, too."""
     nu, G = 0.3, 0.5 / 1.3
@@ -279,6 +280,7 @@ def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("accuracy-not-met")
 def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     from plymotion.preprocess.section import analysis

@@ -93,6 +93,7 @@ def codes(mesh: SectionMesh) -> list[str]:
 SOUND = squares((0, 0)) + groups(body="1")
 
 
+@pytest.mark.one_end
 def test_a_sound_mesh_passes(mesh: Mesher) -> None:
     assert codes(mesh(SOUND)) == []
     assert mesh(SOUND).cells.n_cell == 4
@@ -101,12 +102,14 @@ def test_a_sound_mesh_passes(mesh: Mesher) -> None:
 # parts
 
 
+@pytest.mark.one_end
 def test_parts_apart(mesh: Mesher) -> None:
     text = squares((0, 0), (3, 0), (6, 0)) + groups(flange="1", web="2, 3")
     with pytest.raises(SectionError, match=r"in 3 parts without a common edge: flange from \(0, 0"):
         mesh(text)
 
 
+@pytest.mark.one_end
 def test_parts_that_are_not_merged(mesh: Mesher) -> None:
     """Side by side with nodes at the same positions: the most frequent mistake."""
     text = squares((0, 0), (1, 0)) + groups(left="1", right="2")
@@ -115,12 +118,14 @@ def test_parts_that_are_not_merged(mesh: Mesher) -> None:
     assert codes(mesh(text + "Coherence;\n")) == []
 
 
+@pytest.mark.one_end
 def test_parts_whose_nodes_do_not_match(mesh: Mesher) -> None:
     text = squares((0, 0), (1.0, 0.25), n=(2, 3)) + groups(left="1", right="2")
     with pytest.raises(SectionError, match=r"in 2 parts.*nodes must be the same.*BooleanFragments"):
         mesh(text)
 
 
+@pytest.mark.one_end
 def test_parts_that_touch_in_one_node(mesh: Mesher) -> None:
     text = squares((0, 0), (1, 1)) + "Coherence;\n" + groups(low="1", high="2")
     with pytest.raises(SectionError, match=r"in 2 parts.*single nodes, as at \(1, 1\).*hinge"):
@@ -274,6 +279,7 @@ THIN: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", SHAPES)
 def test_thin_graded_cells_of_the_library_are_no_slivers(name: str) -> None:
     for density in (0.5, 1.0):
@@ -284,6 +290,7 @@ def test_thin_graded_cells_of_the_library_are_no_slivers(name: str) -> None:
 # regions
 
 
+@pytest.mark.one_end
 def test_surface_in_two_groups(mesh: Mesher) -> None:
     text = squares((0, 0), (1, 0)) + "Coherence;\n" + groups(skin="1, 2", spar="2")
     message = r"surface 2, from \(1, .*is in 2 physical groups: 'skin' and 'spar'; expected exactly"
@@ -299,6 +306,7 @@ def test_cells_in_two_groups_of_an_old_file(mesh: Mesher) -> None:
         mesh(text, 2.2)
 
 
+@pytest.mark.one_end
 def test_cells_without_group(mesh: Mesher) -> None:
     text = squares((0, 0), (1, 0)) + "Coherence;\n" + groups(left="1")
     for save in (0.0, 4.1):
@@ -309,6 +317,7 @@ def test_cells_without_group(mesh: Mesher) -> None:
         mesh(text, 2.2, SaveAll=1)
 
 
+@pytest.mark.one_end
 def test_no_group_at_all(mesh: Mesher) -> None:
     for save in (0.0, 4.1, 2.2):
         with pytest.raises(SectionError, match=r"no physical surface, expected one for each reg"):
@@ -356,6 +365,7 @@ def test_regions_of_arrays(names: list[str], message: str, tmp_path: Path) -> No
         section_mesh({"arrays": str(path)}, "part.mesh")
 
 
+@pytest.mark.one_end
 def test_group_without_a_name_is_called_by_its_number(mesh: Mesher) -> None:
     text = squares((0, 0)) + "Physical Surface(7) = {1};\n"
     for save in (0.0, 4.1, 2.2):

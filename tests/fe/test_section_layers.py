@@ -62,6 +62,7 @@ def stiffness(spec: dict[str, Any]) -> Any:
     return analyse(spec, estimate=False).K
 
 
+@pytest.mark.one_end
 def test_one_printed_layup_is_two_beams() -> None:
     """Lay-up 3 bends and twists read along the contour, extends and twists read in fixed axes."""
     contour, cartesian = stiffness(box(LAYUP_3)), stiffness(box(LAYUP_3, "cartesian"))
@@ -73,6 +74,7 @@ def test_one_printed_layup_is_two_beams() -> None:
     assert abs(cartesian[3, 4]) < 0.05 * abs(contour[3, 4])
 
 
+@pytest.mark.one_end
 def test_cartesian_turns_the_angles_of_the_walls_that_run_backwards() -> None:
     """Bottom runs along -x2, right along -x3: there the same angle has the other sign."""
     angles = {
@@ -86,6 +88,7 @@ def test_cartesian_turns_the_angles_of_the_walls_that_run_backwards() -> None:
     assert scaled(stiffness(box(turned)) - K, K).max() < 1e-12
 
 
+@pytest.mark.one_end
 def test_outermost_ply_comes_first() -> None:
     """The fibres on the outside stiffen bending more than those on the inside."""
     first = dict.fromkeys(DIRECTIONS, [0.0] * 3 + [90.0] * 3)
@@ -133,6 +136,7 @@ Physical Curve("outer") = {1:4};
 """
 
 
+@pytest.mark.one_end
 def test_circle_and_curve_give_the_same_tube(tmp_path: Path) -> None:
     (tmp_path / "ring.geo").write_text(RING)
     plies = [

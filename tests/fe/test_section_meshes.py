@@ -43,6 +43,7 @@ def test_library(name: str, record: Callable[[str, Any], None]) -> None:
     record(f"mesh/{name}/moments", moments(mesh) / moments(mesh)[0])
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", SHAPES)
 def test_scripts_stand_alone(name: str, repository_root: Path, tmp_path: Path) -> None:
     """As in the gmsh window: with their own defaults, from any folder."""
@@ -74,6 +75,7 @@ def test_arcs_lie_on_their_circle() -> None:
         assert np.abs(radius[near] - face).max() < 1e-13
 
 
+@pytest.mark.one_end
 def test_thin_curved_rows_do_not_fold(tmp_path: Path) -> None:
     """A tube of 16 plies, radius 200 times the wall; as a script of the library and of a user."""
     spec = expand("tube", {"outer_radius": 0.1, "wall": 0.0005}, {"wall": [1.0] * 16})
@@ -140,6 +142,7 @@ def test_thin_unsymmetric_walls_bend(name: str) -> None:
     assert (np.abs(coarse - fine) / np.outer(size, size)).max() < 5e-4
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", ["box", "two-cell", "i", "channel", "rectangle", "tube"])
 def test_every_ply_ends_on_element_edges(name: str) -> None:
     """Unequal plies, of another number in every wall: the engine finds no cell with two plies."""

@@ -75,6 +75,7 @@ def script() -> str:
     return "\n".join([*lines, "Coherence;"]) + "\n"
 
 
+@pytest.mark.one_end
 def test_published_stiffness(tmp_path: Path) -> None:
     path = tmp_path / "pipe.geo"
     path.write_text(script())

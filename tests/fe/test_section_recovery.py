@@ -79,6 +79,7 @@ def stresses(section: SectionFile, F: Any) -> tuple[Any, Any, Any]:
     return stress, strain, A @ tensor @ np.swapaxes(A, 1, 2)
 
 
+@pytest.mark.one_end
 def test_stresses_carry_the_resultants(section: SectionFile) -> None:
     """Integrals of s11, s12, s13 and of their moments are F to 1e-9."""
     x2, x3 = section.recovery.points.T
@@ -118,6 +119,7 @@ def test_ply_axes_are_right_handed_rotations(section: SectionFile) -> None:
     assert np.linalg.det(A) == pytest.approx(1.0)
 
 
+@pytest.mark.one_end
 def test_coarse_points_see_the_same_stresses() -> None:
     """Recovery at four points of each cell instead of nine: the mean stress of a ply stays."""
     spec = box([0, 30, 0, 30, 0, 30])

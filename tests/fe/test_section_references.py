@@ -72,6 +72,7 @@ def test_paper_boxes_on_default_and_fine_meshes(path: Path) -> None:
     assert scaled(fine.K - expected, expected).max() < max(1e-4, change)
 
 
+@pytest.mark.one_end
 def test_lay_up_2_with_30_deg_outermost() -> None:
     """Published diagonals of the box fit 0 deg outermost; the other order is another beam."""
     evidence = {"nabsa": [0.0, 30.0], "other": [30.0, 0.0]}
@@ -91,6 +92,7 @@ def test_lay_up_2_with_30_deg_outermost() -> None:
     assert found["other"] == pytest.approx([96484, 41050, 60041, 18230], rel=3e-3)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("path", BOXES[:3], ids=lambda path: path.stem)
 def test_published_box_stiffnesses(path: Path) -> None:
     """NABSA's three digits (Popescu and Hodges 2000), diagonal and main couplings.

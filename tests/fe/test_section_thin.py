@@ -85,6 +85,7 @@ def test_tube(t: float) -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("t", WALLS)
 def test_strip(t: float) -> None:
     found = analyse(described("rectangle", {"width": 1.0, "height": t}))
@@ -130,6 +131,7 @@ def test_box_with_very_thin_walls() -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.one_end
 def test_both_kinds_of_unknowns_give_the_same_stiffness() -> None:
     """Where both are accurate: a wall of 1/30."""
     spec = described("rectangle", {"width": 1.0, "height": 1.0 / 30.0})
@@ -176,6 +178,7 @@ def test_round_mesh_without_thin_cells_keeps_its_unknowns() -> None:
     assert unknowns is None or len(unknowns.whole) > 0
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("t", on_one_end(0.1, 1e-2))
 @pytest.mark.parametrize("soft", ["faces", "core"])
 def test_stiffness_ratio(soft: str, t: float) -> None:
@@ -199,6 +202,7 @@ def test_stiffness_ratio(soft: str, t: float) -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("ill-conditioned")
 def test_what_looks_singular_is_allowed_on_request() -> None:
     """A core of a modulus 1e-13 times that of the faces hardly holds them together."""
@@ -279,6 +283,7 @@ def membrane_tube(A: Any) -> Any:
     return np.linalg.inv(np.einsum("pis,pq,qjs->ij", loads, a, loads) * 2.0 * np.pi / 360)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("angles", [[45.0], [45.0, -45.0], [0.0, 45.0, -45.0, 90.0]])
 @pytest.mark.parametrize("t", on_one_end(1e-4, 1e-5))
 def test_laminated_tube(t: float, angles: list[float]) -> None:
@@ -297,6 +302,7 @@ def test_laminated_tube(t: float, angles: list[float]) -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("t", on_one_end(1e-3, 1e-5))
 @pytest.mark.parametrize(("angles", "ratio"), [(None, 1e-9), ((45.0, -45.0), 1e-3)])
 def test_sandwich_tube(t: float, angles: tuple[float, float] | None, ratio: float) -> None:

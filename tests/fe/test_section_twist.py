@@ -136,6 +136,7 @@ def solved() -> tuple[SectionSpace, Any, Any, CentralSolutions]:
     return space, C, k, central_solutions(space, k, C)
 
 
+@pytest.mark.one_end
 def test_warping_does_no_work_on_central_stresses(solved: Any) -> None:
     """S = S_e - K^ N - N T with N = -P' W, whatever is pinned."""
     space, C, k, found = solved
@@ -156,6 +157,7 @@ def test_stresses_integrate_to_their_resultants(solved: Any) -> None:
     assert np.abs(found.strains.Z.T @ P - np.eye(6)).max() < 1e-11
 
 
+@pytest.mark.one_end
 def test_mirror(solved: Any) -> None:
     """Mirrored in x3: k1 and k2 change sign, and so do the resultants F3, M1, M2."""
     space, _, k, found = solved
@@ -165,6 +167,7 @@ def test_mirror(solved: Any) -> None:
     assert (np.abs(other * np.outer(sign, sign) - found.K) / size_of(found.K)).max() < 1e-11
 
 
+@pytest.mark.one_end
 def test_rotation(solved: Any) -> None:
     """Mesh, material and k turned together about x1."""
     space, C, k, found = solved
@@ -239,6 +242,7 @@ def test_first_order_in_twist() -> None:
     assert K[0, 3] == pytest.approx(k_1 * (Ip - J), rel=1e-5)
 
 
+@pytest.mark.one_end
 def test_thin_strip() -> None:
     """K11 = E b t, K14 = E t b^3 k1 / 12, and 1 / S44 = G J + E t b^5 k1^2 / 180."""
     b, t, k_1 = 1.0, 0.005, 0.02
@@ -410,6 +414,7 @@ def test_very_thin_twisted_strip_needs_a_high_degree_and_one_row() -> None:
     assert scaled(K[1] - K[0], K[0]).max() < 1e-6
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("strongly-curved")
 def test_strong_curvature() -> None:
     (warning,) = analyse(described(initial_curvature=[0.0, 0.0, 12.0]), estimate=False).warnings
@@ -418,6 +423,7 @@ def test_strong_curvature() -> None:
         analyse(described(initial_curvature=[0.0, 0.0, 25.0]))
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("taper-neglected")
 def test_taper_is_in_the_estimate() -> None:
     plain, slight, strong = (

@@ -75,6 +75,7 @@ def saved(script: Path, target: Path, **options: float) -> Path:
     return target
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("kind", KINDS)
 def test_user_script_and_saved_mesh_agree(kind: str, tmp_path: Path) -> None:
     script = ring(tmp_path, kind)
@@ -115,6 +116,7 @@ def test_eight_and_nine_nodes_make_the_same_section(tmp_path: Path) -> None:
     assert moments(eight) == pytest.approx(moments(nine), rel=1e-4)
 
 
+@pytest.mark.one_end
 def test_parameters_lists_and_scale(tmp_path: Path) -> None:
     script = ring(tmp_path, "quad9")
     fine = section_mesh({"file": str(script), "parameters": {"n": 8}}, "x")
@@ -144,6 +146,7 @@ def test_script_with_a_macro_is_read_again_and_again(tmp_path: Path) -> None:
         assert np.ptp(mesh.curves["foot"][..., 0]) == pytest.approx(a)
 
 
+@pytest.mark.one_end
 def test_one_table_for_all_regions_of_a_script(tmp_path: Path) -> None:
     path = tmp_path / "two.geo"
     path.write_text(
@@ -190,6 +193,7 @@ def test_arrays(tmp_path: Path) -> None:
     assert moments(mesh)[0] == pytest.approx(8.0)
 
 
+@pytest.mark.one_end
 def test_equal_requests_share_a_mesh_until_the_file_changes(tmp_path: Path) -> None:
     script = ring(tmp_path, "quad")
     first = section_mesh({"file": str(script)}, "x")

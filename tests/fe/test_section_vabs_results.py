@@ -123,6 +123,7 @@ def solved(text: str, folder: Path) -> Any:
     return analyse(spec_of_another_code(file, folder), estimate=False)
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("no-density")
 @pytest.mark.parametrize("name", ["laminate", "cas1", "i-section", "three-cells"])
 def test_stiffness_and_mass(name: str, tmp_path: Path) -> None:

@@ -27,6 +27,7 @@ def box() -> Any:
     return analyse(section("21", 0.5), estimate=False)
 
 
+@pytest.mark.one_end
 def test_vabs_round_trip(box: Any, tmp_path: Path) -> None:
     assert turning_cells(box) == 0
     file = write_vabs(box, tmp_path / "box.dat")

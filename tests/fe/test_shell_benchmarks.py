@@ -48,6 +48,7 @@ def test_plates_on_the_coarse_mesh(name: str) -> None:
     assert numbers(name, 16) == pytest.approx(expected(name), rel=tolerances(name)[0])
 
 
+@pytest.mark.one_end
 def test_interlaminar_shear_of_the_strip() -> None:
     tau = numbers("r0031_1", (60, 40), elements={"plate": "mitc3"})[2]
     assert tau == pytest.approx(expected("r0031_1")[2], rel=2e-2)

@@ -64,6 +64,7 @@ def skewed(offset: float = 0.0, **changes: Any) -> dict[str, Any]:
     return body(shell, **changes)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
 @pytest.mark.parametrize(
     "reference",
@@ -89,6 +90,7 @@ def test_package_is_sound(tmp_path: Path, mass_form: str, reference: dict[str, A
     assert kinds == {"root": end, "tip": end, "mid": ("node", 1), "edge": ("node", 1)}
 
 
+@pytest.mark.one_end
 def test_chord_of_a_hollow_body(tmp_path: Path) -> None:
     """Its ends are centres of rims, where the mesh has no node."""
     spec = body(box(), reference={"kind": "chord", "at": ["root", "tip"]})
@@ -195,6 +197,7 @@ def test_rigid_interface_moves_as_one() -> None:
     assert (np.abs(root.phi_B).max(), np.abs(root.psi_B).max()) == (0.0, 0.0)
 
 
+@pytest.mark.one_end
 def test_mean_axis_has_no_rigid_motion() -> None:
     spec = body(box(), reference={"kind": "mean-axis"}, modes=[{"kind": "lowest", "count": 8}])
     spec["modes"].append({"kind": "attachment", "at": "tip"})
@@ -264,6 +267,7 @@ def test_a_thin_free_shell_keeps_its_six_rigid_motions_apart() -> None:
     assert [f for f in plausibility_findings(package) if f.level != "note"] == []
 
 
+@pytest.mark.one_end
 def test_same_package_from_a_file_of_the_command(tmp_path: Path) -> None:
     spec = hand((8, 2))
     product, target = BodyPackages(), tmp_path / "hand.vtkhdf"

@@ -160,12 +160,14 @@ def column(n: tuple[int, int], direction: str, cells: dict[str, str]) -> float:
     return first_factor(spec) / (np.pi**2 * EI / (4.0 * L**2))
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("cells", KINDS, ids=NAMES)
 def test_columns_in_and_out_of_their_plane(cells: dict[str, str]) -> None:
     assert column((40, 4), "thin", cells) == pytest.approx(1.0, rel=0.005)
     assert column((40, 4), "wide", cells) == pytest.approx(1.0, rel=0.01)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("cells", KINDS, ids=NAMES)
 def test_axially_compressed_cylinder(cells: dict[str, str]) -> None:
     """Classical stress E h / (R sqrt(3 (1 - nu^2))), on one octant with planes of symmetry."""
@@ -230,6 +232,7 @@ def test_rigid_rotations_of_a_stressed_shell_have_the_exact_second_order_work() 
     assert work == pytest.approx([mean[1], mean[0], mean[0] + mean[1]], rel=1e-9)
 
 
+@pytest.mark.one_end
 def test_factors_far_below_one_are_found() -> None:
     """A load ten times and a thousand times the critical one."""
     stack, materials = isotropic(1.0, 0.3, 0.01)
@@ -244,6 +247,7 @@ def test_factors_far_below_one_are_found() -> None:
         assert found == pytest.approx(one / (large / one), rel=1e-8)
 
 
+@pytest.mark.one_end
 def test_tension_does_not_buckle_and_its_reverse_does() -> None:
     stack, materials = isotropic(1.0, 0.3, 0.01)
     pushed = compressed(8, stack, materials, SIMPLE, "x", {})
@@ -259,6 +263,7 @@ def test_tension_does_not_buckle_and_its_reverse_does() -> None:
     assert found.reversed[0] == pytest.approx(-first_factor(pushed), rel=1e-8)
 
 
+@pytest.mark.one_end
 def test_constant_loads_and_frequencies_fall_together() -> None:
     """f^2 falls linearly to 0 at the critical load, and half of it leaves half as a factor."""
     stack, materials = isotropic(1.0, 0.3, 0.01)
@@ -296,6 +301,7 @@ def test_bent_prestress_is_warned_about() -> None:
     assert not analyse(spec).warnings
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("buckles-in-plane")
 def test_a_thick_plate_that_turns_in_its_plane_is_warned_about() -> None:
     """Held in its plane at one node, a thick plate under dead loads turns there long before it

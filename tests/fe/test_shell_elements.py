@@ -69,6 +69,7 @@ def test_turning_everything_turns_the_stiffness(plate, membrane, drilling) -> No
     assert np.abs(there - R @ here @ R.T).max() < 1e-14 * np.abs(here).max()
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("order", [(1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0)])
 @pytest.mark.parametrize(("plate", "membrane", "drilling"), EVERY)
 def test_no_corner_is_special(plate, membrane, drilling, order) -> None:

@@ -52,6 +52,7 @@ def test_series(slenderness, value) -> None:
     assert series(1 / slenderness) == pytest.approx(value, abs=6e-6)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("plate", "slenderness", "n"),
     [
@@ -65,6 +66,7 @@ def test_deflection(plate, slenderness, n) -> None:
     assert deflection(n, 1 / slenderness, plate) == pytest.approx(exact, rel=5e-3)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("slenderness", [5, 100, 1e4])
 def test_dkmt_converges_on_irregular_meshes(slenderness) -> None:
     errors = [

@@ -31,6 +31,7 @@ def _askew(turn: Any, **tables: Any) -> Any:
     return analyse(spec, mesh=mesh_from(points, cells, left=left))
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("turn", [np.eye(3), TURN], ids=["in a coordinate plane", "askew"])
 def test_bending_does_not_see_the_drilling(turn: Any) -> None:
     """A flat plate: 5 unknowns a node give what 6 give."""
@@ -56,6 +57,7 @@ def test_unknowns_of_a_plate_and_of_a_box() -> None:
     assert walls.freedom.n_free == tied.freedom.n_free - flat
 
 
+@pytest.mark.one_end
 def test_box_of_five_is_the_limit_of_a_weak_tie() -> None:
     weak = {**TIE, "drilling_factor": 1e-7}
     tip = {"end": {"at": "tip", "kind": "average"}}

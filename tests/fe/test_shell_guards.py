@@ -60,6 +60,7 @@ def test_axis_of_a_loose_motion_of_a_tiny_shell() -> None:
         analyse(plate(3, 1e-13, 1e-10, 1e-10, supports=held, loads=PRESS))
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("thickness", [1e-2, 1e-4, 1e-6])
 def test_rigid_motions_of_a_thin_shell_have_no_energy(thickness: float) -> None:
     """What rounding leaves of them is up to 1e-4 of the lowest elastic value, of either sign."""
@@ -151,6 +152,7 @@ def test_regions_without_laminate() -> None:
         ShellProblem(spec)
 
 
+@pytest.mark.one_end
 def test_nodes_of_no_cell(tmp_path: Path) -> None:
     script = tmp_path / "stray.py"
     script.write_text(
@@ -176,6 +178,7 @@ def test_script_that_fails(tmp_path: Path) -> None:
         ShellProblem(plate(1, 0.1, mesh={"file": str(script)}))
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("cst-in-plane-bending", "dst-thick")
 def test_elements_that_lock_or_do_not_converge() -> None:
     paper = {"membrane": "cst", "plate": "dst"}
@@ -205,6 +208,7 @@ def test_supports_on_links() -> None:
     assert held.cases.reactions_G[0, 0, :3] == pytest.approx(np.zeros(3), abs=1e-9)
 
 
+@pytest.mark.one_end
 def test_command_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     good, bad = tmp_path / "good.json", tmp_path / "bad.json"
     good.write_text(json.dumps(plate(3, 0.01, supports=CLAMPED, loads=PRESS)))

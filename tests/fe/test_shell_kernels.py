@@ -105,6 +105,7 @@ def test_data_of_other_cells_are_refused() -> None:
         pattern.summed([(whole, quads, table)])
 
 
+@pytest.mark.one_end
 def test_without_a_compiler_the_message_says_so(tmp_path) -> None:
     program = (
         "import sys\nfrom plymotion.preprocess.__main__ import main\nsys.exit(main(sys.argv[1:]))"

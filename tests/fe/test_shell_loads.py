@@ -101,6 +101,7 @@ def test_pressure_follows_the_normal() -> None:
     assert total(ShellProblem(spec), at="top", pressure=2.0) == pytest.approx(-up, abs=1e-12)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("membrane", ["opt", "allman", "cst"])
 def test_pull_on_an_edge_is_uniform_stress(membrane: str) -> None:
     """An unsymmetric mesh; the bowed sides of opt and allman need moments at the nodes."""

@@ -270,6 +270,7 @@ def test_results_are_in_the_order_of_the_mesh_file(tmp_path: Path) -> None:
     assert sorted(map(sorted, corners.tolist())) == [[10, 30, 40], [20, 30, 40]]
 
 
+@pytest.mark.one_end
 def test_curved_cells_are_refused(tmp_path: Path) -> None:
     script = tmp_path / "quads.py"
     script.write_text(

@@ -116,6 +116,7 @@ def analysed(spec: dict[str, Any]) -> tuple[str, list[str]]:
     return str(found.provenance["verification"]), [w["code"] for w in found.warnings]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("cells", CELLS)
 def test_two_routes_agree(cells: dict[str, str]) -> None:
     supports = CLAMPED | {"right": {"at": "right", "fixed": ["uz"], "only": "loads"}}
@@ -181,6 +182,7 @@ def linked(kind: str, cells: dict[str, str] | None = None) -> dict[str, Any]:
     return spec
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("kind", ["rigid", "average"])
 @pytest.mark.parametrize("cells", CELLS)
 def test_links_and_stiffeners_agree(kind: str, cells: dict[str, str]) -> None:
@@ -215,6 +217,7 @@ def test_a_moment_at_a_point_is_not_judged() -> None:
     assert codes == []
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("at", ["corner-11", ["corner-10", "corner-11"]])
 def test_rigid_links_of_points(at: str | list[str]) -> None:
     links = {"end": {"at": at, "kind": "rigid"}}
@@ -224,6 +227,7 @@ def test_rigid_links_of_points(at: str | list[str]) -> None:
     assert "verification-differs" not in codes, words
 
 
+@pytest.mark.one_end
 def test_what_is_not_compared_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     held = {"point": {"at": "corner-00", "fixed": "all"}}
     assert analysed(plate(4, 0.01, supports=held, frequencies={}))[0] == (

@@ -72,6 +72,7 @@ def strip(n: tuple[int, int], h: float, **cells: str) -> float:
     return float(analyse(spec).probes.values[0, 0] * G * J / 10.0)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("h", [0.02, 0.1, 0.5])
 def test_narrow_strip_in_torsion(h: float) -> None:
     # bilinear rotations of one cell across: 1 + (h/b)^2/k in place of Mindlin's tanh
@@ -102,6 +103,7 @@ def curved_out(n: tuple[int, int], **cells: str) -> float:
     return float(analyse(spec).probes.values[0, 0] / 0.5022)
 
 
+@pytest.mark.one_end
 def test_curved_beam_out_of_its_plane() -> None:
     for n in ((6, 1), (12, 1), (48, 4)):
         assert 0.98 < curved_out(n, **QUADS) < 1.0
@@ -133,6 +135,7 @@ def mixed(tmp_path: Path, **tables: Any) -> dict[str, Any]:
     return plate(1, 0.05, **{"mesh": {"file": str(script)}, "supports": HELD, **tables})
 
 
+@pytest.mark.one_end
 def test_recombined_and_mixed_meshes(tmp_path: Path) -> None:
     found = analyse(mixed(tmp_path, loads=PULL, frequencies={"count": 4}))
     count = corner_counts(found.mesh.cells)
@@ -152,6 +155,7 @@ def test_recombined_and_mixed_meshes(tmp_path: Path) -> None:
     assert np.array_equal(again.mesh.cells, found.mesh.cells)
 
 
+@pytest.mark.one_end
 def test_constant_stress_through_a_mixed_mesh(tmp_path: Path) -> None:
     held = {
         "left": {"at": "left", "fixed": ["ux", "uz", "ry", "rz"]},
@@ -206,6 +210,7 @@ def test_stations_have_the_mass_of_the_matrix(form: str) -> None:
     assert np.abs(found - exact).max() < 1e-12 * np.abs(exact).max()
 
 
+@pytest.mark.one_end
 def test_body_of_quadrilaterals(tmp_path: Path) -> None:
     """A package with its stresses: no findings, and the exposure of its plies at the root."""
     shell = plate((12, 4), 1.0, 0.4, 0.1)

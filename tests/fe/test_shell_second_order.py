@@ -164,6 +164,7 @@ def test_rigid_interface_turns_with_its_nodes() -> None:
             assert np.allclose(h[node, :3, i, i], exact, atol=1e-12 * np.abs(h).max())
 
 
+@pytest.mark.one_end
 def test_package_keeps_the_second_order(tmp_path: Any) -> None:
     package = build_body(strip((8, 2)))
     write_package(tmp_path / "a.vtkhdf", package)
@@ -173,6 +174,7 @@ def test_package_keeps_the_second_order(tmp_path: Any) -> None:
     assert build_body(strip((8, 2), second_order=False)).second_order is None
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(("count", "ratio", "bound"), [(4, 5.0, 2e-3), (12, 10.0, 1e-3)])
 def test_spinning_square_plate(count: int, ratio: float, bound: float) -> None:
     """Modes at rest with second-order data against the plate under its centrifugal stresses.

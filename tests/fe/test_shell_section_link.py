@@ -74,6 +74,7 @@ def test_rigid_motions_and_work() -> None:
     assert np.abs(rigid[freedom.free].T @ nodal - rigid[-6:].T).max() < 1e-10
 
 
+@pytest.mark.one_end
 def test_open_section_and_refusals() -> None:
     """A slit tube carries torsion by the twisting moments of its walls; no straight edge does."""
     size = {"radius": 0.1, "length": 1.0, "first_deg": 20.0, "second_deg": 320.0}
@@ -166,6 +167,7 @@ def test_torque_at_the_open_end_of_a_box(length: float) -> None:
         assert distorted(found) == []
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(("length", "better"), [(0.5, "average"), (3.0, "section")])
 def test_torque_at_the_open_end_of_a_channel(length: float, better: str) -> None:
     """Vlasov's twist with the warping restrained at the root. In a short channel bending of the
@@ -204,6 +206,7 @@ def test_loads_that_do_not_distort(kind: str, load: dict[str, Any]) -> None:
         assert distorted(thin_walled(shape, 1.0, kind, load)) == []
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(("kind", "count"), [("average", 1), ("section", 0)])
 def test_interface_of_a_body(kind: str, count: int) -> None:
     modes: list[dict[str, Any]] = [{"kind": "lowest", "count": 4}]

@@ -70,6 +70,7 @@ def _folded(fold: bool) -> tuple[dict[str, Any], ShellMesh]:
     return spec, _strip(4, fold)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("fold", [False, True])
 def test_second_method_agrees_on_both_sides_of_a_rib(fold: bool) -> None:
     """Cells on its two sides have rotations of their own, as have two walls at a fold."""

@@ -73,6 +73,7 @@ def package(bar_file: Path) -> ModalPackage:
     return build_body(bar_body(bar_file))
 
 
+@pytest.mark.one_end
 def test_package_is_valid(package: ModalPackage, tmp_path: Path) -> None:
     write_package(tmp_path / "bar.vtkhdf", package)
     assert validate(tmp_path / "bar.vtkhdf") == []
@@ -82,6 +83,7 @@ def test_package_is_valid(package: ModalPackage, tmp_path: Path) -> None:
     assert set(package.cell_types.tolist()) == {5}  # the surface as triangles
 
 
+@pytest.mark.one_end
 def test_surface_stress_of_a_bent_bar(bar_file: Path) -> None:
     """M c / I on the faces at the top, in the middle of the bar; sides have it in proportion."""
     package = build_body(bar_body(bar_file))
@@ -105,6 +107,7 @@ def test_surface_stress_of_a_bent_bar(bar_file: Path) -> None:
 PLY = {**WOUND, "strength": {"Xt": 1.5e9, "Xc": 1e9, "Yt": 40e6, "Yc": 180e6, "S12": 70e6}}
 
 
+@pytest.mark.one_end
 def test_strength_of_a_bar_pulled_at_an_angle_to_its_fibres(bar_file: Path) -> None:
     """An off-axis coupon: stresses in material axes, and the ratio of a criterion by hand."""
     c, s = np.cos(np.radians(30.0)), np.sin(np.radians(30.0))

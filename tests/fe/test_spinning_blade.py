@@ -47,6 +47,7 @@ def test_trapeze_effect_and_propeller_moment(
     assert found[0] == pytest.approx(REFERENCE["with_trapeze"], rel=REFERENCE["tolerance"])
 
 
+@pytest.mark.one_end
 def test_propeller_moment_alone(section: dict[str, Any]) -> None:
     spec = read_spec(blade(section))
     found = analyse(section, where="section", estimate=False)

@@ -32,6 +32,7 @@ def of_section(scale: float = 1.0, material: Any = METAL, **more: Any) -> list[s
     return [warning["code"] for warning in found.warnings]
 
 
+@pytest.mark.one_end
 def test_sections() -> None:
     assert of_section() == of_section(material=CARBON) == []
     for change in ({"E": 70.0}, {"E": 70e3}, {"rho": 2.7}, {"E": 70.0, "rho": 2.7}):
@@ -69,6 +70,7 @@ def of_shell(
     return [warning["code"] for warning in found.warnings if warning["code"].endswith("units")]
 
 
+@pytest.mark.one_end
 def test_shells(tmp_path: Path) -> None:
     assert of_shell(tmp_path, 1.0, 2e-3) == of_shell(tmp_path, 1.0, 1e-3, CARBON, 8) == []
     assert of_shell(tmp_path, 1.0, 2.0) == ["size-units"]  # mm for m: thicker than long
@@ -78,6 +80,7 @@ def test_shells(tmp_path: Path) -> None:
     assert of_shell(tmp_path, 1.0, 2e-3, METAL | {"E": 70.0, "rho": 2.7}) == ["material-units"]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("density", [1.0, 0.5])
 def test_examples_without_units_are_no_mistakes(density: float) -> None:
     """BECAS, ANBA4: E = 100, rho = 1; a density of 0.5 is no such example."""
