@@ -154,7 +154,7 @@ def _of_program(
         for part in parts_over(low, high):
             if drive or part.code in JUMPING:
                 jump |= part.breaks
-            else:
+            elif part.code != op.TANH:  # smooth: a narrow part
                 kink |= part.breaks
         return kink, jump
 

@@ -30,6 +30,8 @@ UNSURE, SHARE = 0.03, 0.2
 CLOSER, PARTS = 2, 8  # times, and parts of an interval, in which a break is located
 # Longest steps over a jump within which it comes back; attempts to pass it that are no motion.
 AHEAD, OFTEN = 20.0, 30
+# Of a state that friction holds: bends in a row, most steps between them and error by one [tol].
+RESTS, SOON, LITTLE = 10, 30.0, 100.0
 
 
 class HiddenForces:
@@ -53,6 +55,7 @@ class HiddenForces:
         self._breaking = [each for each in self._watched if each.breaking.any()]
         self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
         self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
+        self._bends: dict[int, tuple[float, int]] = {}  # last bend [s], those soon behind others
         self.chattering: dict[int, float] = {}  # expressions, and since when [s]
 
     def __bool__(self) -> bool:
@@ -80,8 +83,10 @@ class HiddenForces:
             for each in list(self._breaking):
                 i, part, jump, factor, reach = first_break(each, t, values, 0, 0.0)
                 while i >= 0 and t[i] + part * (t[i + 1] - t[i]) < found:
-                    gain = (t[i + 1] - t[i]) * self._gain.get(each.program, np.inf)
-                    if jump > 0.0 or (gain * min(factor, reach) > UNSURE and not over_bends):
+                    h = float(t[i + 1] - t[i])
+                    cost = h * self._gain.get(each.program, np.inf) * min(factor, reach)
+                    bends = cost > UNSURE and not over_bends
+                    if jump > 0.0 or (bends and not self._rests(each, float(t[i]), h, cost)):
                         path = _path(t[i : i + 2], y[i : i + 2], rate)
                         more = self._within(each, path, np.inf if over_bends else reach, rate, norm)
                         if more and more[0] < found:
@@ -155,6 +160,17 @@ class HiddenForces:
         gain = norm((rates[0] - 2.0 * rates[1] + rates[2]) * weight) / turn
         self._gain[each.program] = gain
         return gain * min(factor, reach)
+
+    def _rests(self, watched: Watched, at: float, h: float, cost: float) -> bool:
+        """Tell whether friction holds the state, which short steps throw over its rise and back.
+
+        Then steps pass bends often, each soon after the last one, at little cost.
+        """
+        last, count = self._bends.get(watched.program, (-np.inf, 0))
+        soon = watched.rises and at - last < SOON * h and (cost < LITTLE or count > RESTS)
+        count = count + (at > last) if soon else 0
+        self._bends[watched.program] = max(at, last), count
+        return count > RESTS
 
     def _chatters(self, watched: Watched, at: float) -> bool:
         """Count an attempt to step up to a jump at time `at`; tell whether it is one too many."""

@@ -22,7 +22,7 @@ SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is bel
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 HALVES, LOOKS = 48, 4  # of a step, in which a break is located, and is looked for
 SAME = 1e-9  # part of a step, within which two breaks are one: x > 1 and max(x - 1, 0)
-BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE}
+BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE, op.TANH}
 # BEND: largest error that a bend of a force causes in a step (of rk5, rk8, radau), as a factor of
 # the length of the step and of the distance of the force from its continuation. BESIDE: distance
 # of the points beside a bend, of the shorter part of the step. ROUNDING: of a force.
@@ -38,6 +38,7 @@ class Watched(NamedTuple):
     program: int
     stack: Array  # memory (math/expressions/program.py)
     timed: bool  # reads the time
+    rises: bool  # may rise from one value to another within little of what it reads
     loads: IntArray  # (l,) quantities that it reads
     cubic: IntArray  # (l,) 1: the rate of a quantity follows it among all quantities
     curved: IntArray  # (n,) 1: a part is not linear in them
@@ -73,6 +74,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         p,
         model.quantities.stack,
         bool((codes == op.TIME).any()),
+        bool((codes == op.TANH).any()),
         loads,
         cubic.astype(np.int64),
         curved.astype(np.int64),

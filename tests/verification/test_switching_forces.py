@@ -3,7 +3,7 @@
 Motions between jumps are parabolas or harmonic, so all numbers are closed forms.
 """
 
-from math import asin, atan2, cos, exp, hypot, log, pi, sqrt
+from math import asin, atan2, cos, exp, hypot, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -51,6 +51,39 @@ def test_dry_friction_on_a_spring(tmp_path, integrator):
     )
     assert x == pytest.approx(middle + (third - middle) * cos(0.3 * pi), abs=20 * RTOL * first)
     assert not summary["warnings"]
+
+
+@pytest.mark.parametrize("rest_velocity", [1e-5, 1e-7])
+@pytest.mark.parametrize("integrator", ["rk5", "radau"])
+def test_smoothed_friction_that_is_narrower_than_a_step(tmp_path, integrator, rest_velocity):
+    """As dry friction, whose jump became a steep rise that no error estimate sees: the velocity was
+    off by up to 94 rtol. Four half swings.
+    """
+    k, c, v, n = 25.0, 1.0, 3.0, 4
+    w, middle = sqrt(k), c / k
+    begin = (pi / 2 - atan2(middle, v / w)) / w
+    swing = hypot(middle, v / w) - (2 * n + 1) * middle  # after n of them, about `middle`
+    laws = force("spring", "coordinate_force", joint="rail", expression=f"-{k} * x") + force(
+        "dry", "friction", joint="rail", coulomb=c, rest_velocity=rest_velocity
+    )
+    t_end = begin + (n + 0.4) * pi / w
+    solver = f'integrator = "{integrator}"\n'
+    _, found, summary = run(tmp_path, carriage(laws, speed=v), t_end, t_end / 8, solver)
+    side = swing - middle  # the turn before was on the side of positive x
+    assert found["x"][-1] == pytest.approx(middle + side * cos(0.4 * pi), abs=5 * RTOL)
+    assert found["v"][-1] == pytest.approx(-side * w * sin(0.4 * pi), abs=5 * RTOL * v)
+    assert summary["cost"]["steps"] < 300
+
+
+@pytest.mark.parametrize("integrator", ["rk5", "radau"])
+def test_friction_at_rest_costs_no_stops(tmp_path, integrator):
+    """Explicit steps throw the mass over the rise of the friction that holds it, and back."""
+    law = force("f", "friction", joint="rail", coulomb=2.0, rest_velocity=1e-9)
+    solver = f'integrator = "{integrator}"\n'
+    _, found, summary = run(tmp_path, carriage(law, speed=1.0), 0.6, 0.1, solver)
+    assert found["x"][-1] == pytest.approx(0.25, abs=10 * RTOL)
+    assert found["v"][-1] == pytest.approx(0.0, abs=10 * RTOL)
+    assert summary["cost"]["steps"] < 1500
 
 
 @pytest.mark.parametrize("ways", [(0.5, 1.5), (1.5, 0.5)])

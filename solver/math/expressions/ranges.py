@@ -15,6 +15,7 @@ from ..laws import N_COEFFICIENT
 from . import operations as op
 from .program import Programs, unary
 
+FLAT = 4.0  # argument of tanh at which it bends, for a step that is long beside its rise
 PLACES = 5  # of a piece of a curve at which its values are looked at
 
 
@@ -200,6 +201,8 @@ def _breaks(code: int, u: float, v: float) -> bool:
         return u <= 0.0 and v >= 0.0 and u < v
     if code == op.FLOOR:
         return bool(np.floor(u) < np.floor(v))
+    if code == op.TANH:
+        return (u <= -FLAT and v > -FLAT) or (u < FLAT and v >= FLAT)
     return code == op.SMOOTH and ((u <= 0.0 and v > 0.0) or (u < 1.0 and v >= 1.0))
 
 
@@ -212,6 +215,8 @@ def _branch(code: int, u: float) -> int:
         return int(np.floor(u))
     if code == op.SMOOTH:
         return 2 if u >= 1.0 else 1 if u > 0.0 else 0
+    if code == op.TANH:
+        return 2 if u >= FLAT else 1 if u > -FLAT else 0
     return 0
 
 
