@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..dynamics.analysis.rank import FreeMotions, free_motions
-from ..dynamics.analysis.recovery import extent
+from ..dynamics.analysis.recovery import extent, shape_sizes
 from ..dynamics.elements.joints.table import DRIVES, JOINTS, NAMES
 from ..dynamics.evaluation.accelerations import Equations, assemble
 from ..dynamics.evaluation.evaluation import started
@@ -33,7 +33,7 @@ _TOLERANCE = (
     1e-10  # tolerance of the unbalanced accelerations, relative to the largest due to the loads
 )
 _NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that is treated as zero
-_MAX_STEP = 0.3  # [m, rad, modes]
+_MAX_STEP = 0.3  # [m, rad]
 _MAX_ITERATIONS = 200
 _NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
 _CLOSED = 1e-12
@@ -86,7 +86,7 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         else:
             along = directions.T @ here.unbalanced
             step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), _NEUTRAL)))
-        positions = _downhill(model, here, positions, limited(step))
+        positions = _downhill(model, here, positions, limited(model, step))
     raise InputError(
         f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
         f"{pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
@@ -159,16 +159,23 @@ def closed(model: Model, positions: Array) -> Array:
         if np.max(np.abs(equations.Phi), initial=0.0) < _CLOSED:
             return positions
         step = -free_motions(equations, model.inertia_scale).P @ equations.Phi
-        positions = moved(model, positions, limited(step))
+        positions = moved(model, positions, limited(model, step))
     raise InputError(
         "solver.start: the joints cannot be closed during the search for equilibrium "
         f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions closer to it"
     )
 
 
-def limited(step: Array) -> Array:
-    """Return a step (n_vel,) that moves no coordinate by more than 0.3 m, rad or modal units."""
-    return step * min(1.0, _MAX_STEP / max(float(np.max(np.abs(step))), 1e-300))
+def limited(model: Model, step: Array) -> Array:
+    """Return a step (n_vel,) that moves and turns nothing by more than 0.3 m or rad.
+
+    A mode counts by its displacement: a unit of it is 2 mm in a blade of 70 t.
+    """
+    size = np.abs(step)
+    for i in range(model.n_body):
+        j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
+        size[j : j + m] *= shape_sizes(model, i)
+    return step * min(1.0, _MAX_STEP / max(float(np.max(size)), 1e-300))
 
 
 def _sized(step: Array, size: float) -> Array:
@@ -437,7 +444,7 @@ def _newton(model: Model, positions: Array, spin: Spin) -> tuple[Array | None, A
         turn = here.turn(free)
         if turn is not None:  # a turn as a whole changes nothing: its stiffness is round-off
             K = K + np.abs(K).max() * np.outer(turn, turn) / float(turn @ turn)
-        step = limited(free.Z @ _solved(K, unbalanced))
+        step = limited(model, free.Z @ _solved(K, unbalanced))
         for _ in range(12):
             try:
                 there = closed(model, moved(model, positions, step))

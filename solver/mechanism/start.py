@@ -14,10 +14,11 @@ from ..dynamics.analysis.quasi_static import (
 from ..dynamics.analysis.recovery import extent, shape_sizes
 from ..dynamics.elements.added_inertia import undetermined_body
 from ..dynamics.elements.joints.table import DRIVES, NAMES
+from ..dynamics.elements.marker import marker_motion
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.elimination import is_tree
 from ..dynamics.evaluation.series import balance
-from ..dynamics.model.coordinates import Spin
+from ..dynamics.model.coordinates import Spin, moved
 from ..dynamics.model.model import Model, modal_matrix
 from ..errors import InputError, few
 from ..math.arrays import Array
@@ -76,6 +77,7 @@ _DIVERGED = 1e8  # energy of a change, of that of the first
 _NOTHING = 1e-20  # strain energy over that of the first change that is round-off
 _STILL = 1e-13  # displacement over the size that is round-off
 _MAX_ITERATIONS = 40
+_SWING, _RELAXED = 0.4, 0.7  # a change against the one before, over its size; what is taken of it
 
 
 def quasi_static_state(
@@ -96,6 +98,7 @@ def quasi_static_state(
     """
     first, joined, rigid, tree = 0.0, False, 0, is_tree(model)
     energies, size = np.zeros(model.n_body), extent(model, y)
+    share, last = 1.0, np.zeros(0)
     for _ in range(_MAX_ITERATIONS):
         changes = (
             quasi_static_deformations_of_loops(model, 0.0, y, rigid)
@@ -112,13 +115,19 @@ def quasi_static_state(
             break
         if not energies.sum() < _DIVERGED * first:
             raise _not_converged(body_names, energies, joined=joined)
+        here = np.concatenate(changes)
+        if last.size and here @ last < -_SWING * float(last @ last):
+            share = _RELAXED  # loads that follow the shape make it swing about its goal
+        last = here
         before, whole = y, 0.0
         y = y.copy()
         for i, change in enumerate(changes):
             a = int(model.pos_start[i]) + 7
-            y[a : a + len(change)] += change
+            y[a : a + len(change)] += share * change
             whole += _energy(model, i, y[a : a + len(change)])
-        if not (joined or tree or frames_close(model, y)):
+        if tree:
+            y[: model.n_pos] = _carried(model, before, y)
+        elif not (joined or frames_close(model, y)):
             joined, y, rigid = True, before, motions_without_strain(model, 0.0, before)
             continue
         deformed = replace(start, positions=y[: model.n_pos])
@@ -128,6 +137,36 @@ def quasi_static_state(
     else:
         raise _not_converged(body_names, energies, joined=joined)
     return y
+
+
+def _carried(model: Model, before: Array, y: Array) -> Array:
+    """Return positions (n_pos,) of y (n,) with both places of each joint as they were before.
+
+    A tree: bodies follow from the ground outwards, or from a body. The joints keep their
+    coordinates, so that a stiff spring of one does not push.
+    """
+    positions, placed = y[: model.n_pos], {-1}
+    while len(placed) <= model.n_body:
+        pairs = [ends if int(model.marker_body[ends[0]]) in placed else ends[::-1]
+                 for ends in model.joint_marker.tolist()]  # fmt: skip
+        bodies = [(int(model.marker_body[k]), int(model.marker_body[m])) for k, m in pairs]
+        following = (k for k, (a, b) in enumerate(bodies) if a in placed and b not in placed)
+        joint = next(following, None)
+        if joint is None:
+            placed.add(min(set(range(model.n_body)) - placed))
+            continue
+        now = np.concatenate([positions, y[model.n_pos :]])
+        old, new = ([marker_motion(model, k, at) for k in pairs[joint]] for at in (before, now))
+        turn = new[0].A @ old[0].A.T
+        place, body = new[0].x + turn @ (old[1].x - old[0].x), bodies[joint][1]
+        turn = turn @ old[1].A @ new[1].A.T
+        i, j = int(model.pos_start[body]), int(model.vel_start[body])
+        step, frame = np.zeros(model.n_vel), rotation_matrix(positions[i + 3 : i + 7])
+        step[j : j + 3] = place + turn @ (positions[i : i + 3] - new[1].x) - positions[i : i + 3]
+        step[j + 3 : j + 6] = frame.T @ matrix_to_vector(turn)
+        positions = moved(model, positions, step)
+        placed.add(body)
+    return positions
 
 
 def _not_converged(body_names: list[str], energies: Array, *, joined: bool) -> InputError:

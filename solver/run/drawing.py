@@ -238,15 +238,34 @@ def _surface(package: ModalPackage) -> Surface:
 def _outlines(package: ModalPackage) -> tuple[list[Outline], Array | None]:
     """Return the outline of each element, or one for all, and the axes at the first node."""
     recovery, n = package.recovery, len(package.nodes_B)
-    found = [section_outline(s.recovery) for s in package.sections if s.recovery is not None]
-    known = [outline for outline in found if outline is not None]
-    if recovery is None or not known or len(known) < len(package.sections):
+    found = [section_outline(s.recovery) if s.recovery else None for s in package.sections]
+    known = [k for k, outline in enumerate(found) if outline is not None]
+    if recovery is None or not known:
         width = GLYPH * float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
         return [square(width)], None
-    if len(known) == 1:
-        return known, recovery.A_BE
+    # Sections between analysed stations have no cells: they are drawn by those around them.
+    middle = [float(recovery.station_x[recovery.section == k].mean()) for k in range(len(found))]
+    whole = [
+        outline or _between([(middle[j], o) for j in known if (o := found[j])], middle[k])
+        for k, outline in enumerate(found)
+    ]
     _, starts = _stations_of_nodes(package)
-    return [known[int(recovery.section[starts[e]])] for e in range(n - 1)], recovery.A_BE
+    return [whole[int(recovery.section[starts[e]])] for e in range(n - 1)], recovery.A_BE
+
+
+def _between(known: list[tuple[float, Outline]], x: float) -> Outline:
+    """Return the outline at x of known ones along a beam: the nearer one, in between in size."""
+    known = sorted(known, key=lambda pair: pair[0])
+    places = [place for place, _ in known]
+    near = min((abs(place - x), k) for k, place in enumerate(places))[1]
+    low, high = (
+        np.array([getattr(o.points, side)(axis=0) for _, o in known]) for side in ("min", "max")
+    )
+    begin, end = (
+        np.array([np.interp(x, places, corners[:, a]) for a in (0, 1)]) for corners in (low, high)
+    )
+    share = (known[near][1].points - low[near]) / (high[near] - low[near])
+    return replace(known[near][1], points=begin + share * (end - begin))
 
 
 def _stations_of_nodes(package: ModalPackage) -> tuple[IntArray, IntArray]:

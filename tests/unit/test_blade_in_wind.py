@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from samples.beam_samples import MEAN_AXIS, reduced
 from samples.blade_samples import along, blade_table, write_blade
 from samples.rotor_samples import ANGLES, polar
 from scipy.integrate import solve_ivp
@@ -179,6 +180,28 @@ def test_the_tower_is_a_tube(rigid_case):
     K = tower[0, 4:25]
     np.testing.assert_allclose(K[[0, 18, 20]], [2e11 * area, *[2e11 * second] * 2], rtol=1e-9)
     assert tower[0, 25] == pytest.approx(7800.0 * area)
+
+
+def test_blades_twist_under_moments_along_them(rigid_case):
+    """Uniform blade, a moment at each strip that grows outwards: strain energy over the exact one.
+
+    Vibrations and the shapes of the root alone miss much of it.
+    """
+    body = tomllib.loads((rigid_case[0] / "rotor.toml").read_text())["bodies"]["blade-1"]
+    K = np.diag([1e9, 1e8, 1e8, 2e7, 3e7, 1e8])
+    shares = []
+    for modes in (body["modes"], body["modes"][:2]):
+        beam = reduced(
+            MEAN_AXIS, modes, elements=24, length=20.0, K=K, interfaces=body["interfaces"]
+        )
+        strips = [beam.interface(name) for name in body["interfaces"] if name[0] == "a"]
+        x = np.array([s.position_B[0] for s in strips])
+        load = sum(p * (s.psi_B[0] - beam.interface("root").psi_B[0])
+                   for p, s in zip(x - 8.0, strips, strict=True))  # fmt: skip
+        exact = (x - 8.0) @ np.minimum.outer(x, x) @ (x - 8.0) / K[3, 3]
+        shares.append(load @ np.linalg.solve(beam.package.stiffness, load) / exact)
+    assert shares[0] == pytest.approx(1.0, abs=0.02)
+    assert shares[1] < 0.9, shares
 
 
 def test_messages_of_what_is_missing(tmp_path):

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from samples.result_samples import swinging_rod
 
+from plymotion.solver.package import read_package
 from plymotion.solver.report.figures import crossings, outermost_point, plane, segments, spread
 from plymotion.solver.report.story import Story
 from plymotion.solver.results import BodyGeometry, Signal
+from plymotion.solver.run.drawing import _outlines
 
 pytest.importorskip("matplotlib")
 
@@ -66,6 +68,22 @@ def test_outlines_of_cells() -> None:
     np.testing.assert_array_equal(quad, own[[0, 1, 2, 3, 0]])
     np.testing.assert_array_equal(edge, own[[0, 4, 1]])
     np.testing.assert_array_equal(point, own[[2]])
+
+
+def test_blades_between_analysed_stations_have_an_outline(repository):
+    """Three stations of the blade have cells; chords are linear between them."""
+    package = read_package(repository / "tests/packages/wind-turbine/blade-1.gust.vtkhdf")
+    outlines, _ = _outlines(package)
+    middle = package.nodes_B[:, 0] / package.nodes_B[-1, 0]
+    middle = 0.5 * (middle[:-1] + middle[1:])
+    chords = np.array([np.ptp(outline.points[:, 0]) for outline in outlines])
+    scale = chords[0] / np.interp(middle[0], [0.0, 0.5, 1.0], [0.62, 0.45, 0.28])
+    expected = scale * np.interp(middle, [0.0, 0.5, 1.0], [0.62, 0.45, 0.28])
+    np.testing.assert_allclose(chords, expected, rtol=0.05)
+    assert all(
+        np.ptp(outline.points[:, 1]) < 0.25 * c for outline, c in zip(outlines, chords, strict=True)
+    )
+    assert min(len(outline.loops) for outline in outlines) >= 4  # skin and three cells
 
 
 def test_energy_balance_notices_a_lost_joule() -> None:

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from samples.beam_samples import CLAMPED, clamped_file, reduced
+from samples.beam_samples import CLAMPED, MEAN_AXIS, clamped_file, reduced
 from samples.case_samples import HEAD, run_text
 from samples.stiffening_samples import rectangle
 
@@ -69,6 +69,47 @@ def test_a_drive_with_acceleration_does_not_ring(beam, tmp_path):
     np.testing.assert_allclose(np.abs(gentle["moment"][0]), moment, rtol=1e-4)
     assert np.ptp(gentle["tip"][:10]) < 0.05 * np.abs(gentle["tip"]).max()
     assert np.ptp(sudden["tip"]) > 1.5 * np.abs(gentle["tip"][0])
+
+
+def long_beam(folder, reference):
+    """A beam of 100 m and 810 t: a unit of a mode is 1 mm. Sags by 6 m when clamped."""
+    K, mass = rectangle(70e9, 0.3, 2700.0, 3.0, 1.0)
+    kept = [{"kind": "bending-xy", "count": 3}, {"kind": "attachment", "at": "root"}]
+    package = reduced(reference, kept, K=K, mass=mass, length=100.0, elements=10).package
+    write_package(folder / "beam.vtkhdf", package)
+    return package
+
+
+def test_equilibrium_of_a_long_beam(tmp_path):
+    """Its modal coordinates are in the thousands: steps are limited by displacements."""
+    package = long_beam(tmp_path, CLAMPED)
+    text = ARM.format(joint="fixed", more="")
+    _, found, _ = run_text(tmp_path, text, t_end=0.01, step=0.01, more='start = "equilibrium"')
+    tip = next(place for place in package.interfaces if place.name == "tip")
+    static = tip.phi_B[1] @ np.linalg.solve(package.stiffness, package.invariants.S_B[1] * -9.81)
+    assert static < -5.0
+    np.testing.assert_allclose(found["tip"][0], static, rtol=1e-6)
+
+
+def test_joints_keep_their_coordinates(tmp_path):
+    """A mean axis turns as the root bends: a stiff drive of the hinge would push back.
+
+    Its moment carries the weight, so that the beam rests with the deflection of a clamped one,
+    w L^4 / 8 EI (1 + 4 EI / GA L^2).
+    """
+    long_beam(tmp_path, MEAN_AXIS)
+    weight = 2700.0 * 3.0 * 9.81
+    text = ARM.replace('component = "y"', 'component = "y"\nseen_from = "beam.root"', 1)
+    hinge = 'axis = [0.0, 0.0, 1.0]\n[forces.drive]\nkind = "coordinate_force"\njoint = "root"\n'
+    hinge += f'expression = "{0.5 * weight * 100.0**2} - 1e12 * x"'
+    more = hinge + '\n[signals.angle]\nkind = "joint"\njoint = "root"'
+    text = text.format(joint="revolute", more=more)
+    _, found, summary = run_text(tmp_path, text, t_end=0.2, step=0.02, more=QUASI)
+    EI, GA = 70e9 * 3.0**3 / 12.0, 5.0 / 6.0 * 70e9 / 2.6 * 3.0
+    static = -weight * 100.0**4 / (8.0 * EI) * (1.0 + 4.0 * EI / (GA * 100.0**2))
+    np.testing.assert_allclose(found["tip"], static, rtol=2e-3)
+    assert np.abs(found["angle"]).max() < 1e-6
+    assert "loads-begin-suddenly" not in {w["code"] for w in summary["warnings"]}
 
 
 def test_loads_that_grow_with_the_deformation_are_told(beam, tmp_path):
