@@ -24,6 +24,7 @@ from plymotion.solver.workers.executors import Here
 from tests.samples.design_samples import BEST, CARBON, angles, oscillator, tube
 
 PLIES = 12
+RANDOM = 500
 BEAM = Path("cases/actuated-beam/case.toml").absolute()
 ANGLE = 0.2  # step of differences [deg]
 SIX, SIX_WEIGHTS = (-3, -2, -1, 1, 2, 3), (-1, 9, -45, 45, -9, 1)
@@ -145,6 +146,28 @@ def actuated_beam(folder: Path) -> dict[str, Any]:
     return {**found, "largest_error": max(errors)}
 
 
+def random_designs(folder: Path) -> dict[str, Any]:
+    """The best of 16 starts of the actuated beam, against the best of random designs."""
+    begin = time.process_time()
+    found = optimise(Order(beam(starts=16), BEAM, False, "tip", folder), Here)
+    study = time.process_time() - begin
+    trials = Trials(Order(beam(), BEAM, False, "tip", folder / "random"))
+    rng, begin, values = np.random.default_rng(36), _processor_time(), []
+    for _ in range(RANDOM):
+        values += trials.values(rng.uniform(-90.0, 90.0, PLIES)).shown[:1]
+    ends = [start["best"]["shown"][0] for start in found["starts"] if start["best"]]
+    return {
+        "optimum_mm": 1e3 * min(ends),
+        "starts": len(ends),
+        "starts_within_1e-3": sum(e < 1.001 * min(ends) for e in ends),
+        "designs_of_the_study": sum(len(start["history"]) for start in found["starts"]),
+        "study_cpu_s_without_preprocessor": study,
+        "random": RANDOM,
+        "random_best_median_mm": [1e3 * float(f(values)) for f in (np.min, np.median)],
+        "random_cpu_s": _processor_time() - begin,
+    }
+
+
 def _seconds(call: Callable[[Any], object], p: Any) -> float:
     """Return the processor time of a call [s], that of the preprocessor that it keeps included."""
     begin = _processor_time()
@@ -171,7 +194,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         found = {
             each.__name__: each(Path(folder) / each.__name__)
-            for each in (extension_twist, oscillating, frequency_slopes, actuated_beam)
+            for each in (
+                extension_twist,
+                oscillating,
+                frequency_slopes,
+                actuated_beam,
+                random_designs,
+            )
         }
     out = Path(sys.argv[1])
     out.parent.mkdir(parents=True, exist_ok=True)

@@ -237,6 +237,7 @@ def shell(
     file: str | Path,
     *,
     buckling: int | None = None,
+    bound: str | None = None,
     out: str | Path = "build/shells",
     force: bool = False,
 ) -> Shell:
@@ -246,6 +247,7 @@ def shell(
     Parameters
     ----------
     buckling : number of load factors of each load case
+    bound : "frequency", "buckling" or "compliance": its bound over all angles of the plies
     out : folder of shell files
     force : analyse what is up to date
 
@@ -264,7 +266,7 @@ def shell(
     """
 
     def spec_of(entry: Entry) -> dict[str, Any]:
-        return load_shell(entry.file, buckling)
+        return load_shell(entry.file, buckling, bound)
 
     return Shell(_analysed(Path(file), "shell", spec_of, out, force=force))
 

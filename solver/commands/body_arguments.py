@@ -141,6 +141,9 @@ def add_shell(parser: Any) -> None:
     text += "of this step; error = false in [buckling] leaves it out"
     kept: dict[str, Any] = {"nargs": "?", "const": 4, "metavar": "COUNT"}
     parser.add_argument("--buckling", type=whole_number, help=text, **kept)
+    text = "what no angles of the plies can exceed, and a lay-up near it: the lowest frequency, "
+    text += "the load factor or the compliance under the one load case"
+    parser.add_argument("--bound", choices=("frequency", "buckling", "compliance"), help=text)
     text = "compute strain energies and frequencies by a second method as well, and compare"
     flag(parser, "verify", text)
     _add_described(parser, "force", "quiet")

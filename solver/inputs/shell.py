@@ -397,10 +397,14 @@ class ShellDescription(Table):
     probes: dict[Name, Probe] = entry("values to show for each load case", default={})
     frequencies: Frequencies | None = optional("natural frequencies; absent: none")
     buckling: Buckling | None = optional("load factors of buckling; absent: none")
+    bound: Literal["frequency", "buckling", "compliance"] | None = optional(
+        "bound of the lowest frequency, or of load factor or work of the one load case, over "
+        "all angles of the plies, also with `--bound`; absent: none"
+    )
 
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
-        if not self.loads and self.frequencies is None:
+        if not self.loads and self.frequencies is None and self.bound is None:
             raise ValueError("loads: no result requested; expected `loads`, `frequencies` or both")
         empty = [name for name, case in self.loads.items() if not case]
         if empty:
@@ -417,6 +421,8 @@ class ShellDescription(Table):
                 )
         if self.buckling and not self.loads:
             raise ValueError("buckling without loads: expected at least one [loads.CASE.NAME]")
+        if self.bound in ("buckling", "compliance") and not self.loads:
+            raise ValueError(f'bound = "{self.bound}" without loads: expected [loads.CASE.NAME]')
         if self.loads and not self.supports:
             raise ValueError("loads without supports: expected at least one table [supports.NAME]")
         return self

@@ -97,19 +97,21 @@ def _curves(mesh: Any) -> dict[str, IntArray]:
 ALL = "all"
 
 
-def load_shell(file: Path, buckling: int | None = None) -> dict[str, Any]:
+def load_shell(file: Path, buckling: int | None = None, bound: str | None = None) -> dict[str, Any]:
     """Return the specification of a described shell.
 
     Parameters
     ----------
     buckling : number of load factors of each load case, in place of that of the description
+    bound : quantity that is bounded over all lay-ups, in place of that of the description
 
     Raises
     ------
     InputError
         One line per error: file, key, value, expectation.
     """
-    spec = shell_spec(read_toml(file, "shell description"), file)
+    table = read_toml(file, "shell description")
+    spec = shell_spec(table if bound is None else {**table, "bound": bound}, file)
     if buckling is None:
         return spec
     if not spec["loads"]:
@@ -143,7 +145,7 @@ def shell_spec(table: Mapping[str, Any], file: Path) -> dict[str, Any]:
     refuse(f"{file}: {problem}" for problem in problems)
     laminates, regions = _regions(description)
     used = {ply["material"] for laminate in laminates.values() for ply in laminate["plies"]}
-    asked = {"elements", "links", "loads", "probes", "frequencies", "buckling"}
+    asked = {"elements", "links", "loads", "probes", "frequencies", "buckling", "bound"}
     spec = {
         "name": file.stem,
         "title": description.title,

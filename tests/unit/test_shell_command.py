@@ -137,6 +137,22 @@ def test_json_holds_the_numbers() -> None:
     assert table["zero_modes"] == 1
 
 
+def test_bound_in_words() -> None:
+    found = {
+        "of": "compliance", "case": "q", "unit": "J", "symmetric": True, "bound": 2.0,
+        "value": 2.5, "gap": 0.25, "found": 2.1, "found_gap": 0.05,
+        "found_gap_without_shear": 0.002, "found_angles_deg": [45.0, -45.0, -45.0, 45.0],
+    }  # fmt: skip
+    shell = plate()
+    shell = dataclasses.replace(shell, provenance={**shell.provenance, "bound": found})
+    lines = [line[16:] for line in shell_text(shell).splitlines()]
+    at = lines.index("compliance under q: at least 2 J for any symmetric lay-up of these plies")
+    assert lines[at + 1] == "this one 2.5 J, at most 25 % above any there is"
+    rest = "best found 2.1 J, at most 5 % above (without transverse shear 0.2 %): [45/-45]s"
+    assert lines[at + 2] == rest
+    assert shell_json(shell)["bound"] == found
+
+
 @pytest.mark.parametrize(
     ("angles", "text"),
     [

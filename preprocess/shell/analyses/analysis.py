@@ -22,6 +22,7 @@ from ..mesh import ShellMesh
 from ..model.guards import Progress, Warnings
 from ..model.problem import ShellProblem
 from ..model.regions import cell_axes
+from .bound import bound
 from .buckling import Stressed
 from .cases import load_cases
 from .discretisation import FinerMesh
@@ -71,6 +72,7 @@ def analyse(
     modes, left_out = shell_modes(stressed, finer, warnings, begin)
     buckling = shell_buckling(stressed, finer, warnings, begin)
     error = case_errors(problem, cases, finer, verify, warnings)
+    bounded = None if spec.get("bound") is None else bound(stressed, spec["bound"], begin)
     cases = dataclasses.replace(cases, error=error)
     second = None
     if verify:
@@ -103,6 +105,7 @@ def analyse(
             "elements": {**problem.choice._asdict(), "mass_form": problem.mass_form},
             "dofs": problem.freedom.n_dof,
             "frequency_errors": left_out or None,
+            "bound": bounded,
             "verification": None if second is None else second.words,
             "ranks": problem.team.size,
             "seconds": time.perf_counter() - start,

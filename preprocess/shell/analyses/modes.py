@@ -41,14 +41,11 @@ def shell_modes(
     if table is None:
         return None, ""
     count = mode_count(table, f"{problem.where}.frequencies")
-    mesh, freedom = problem.mesh, problem.modes_freedom
-    free = table.get("free", False)
-    if free:
-        freedom = Freedom(mesh, problem.links, flat=problem.flat)
-    rigid, drilling = problem.free_motions(freedom)
+    mesh, free = problem.mesh, table.get("free", False)
+    freedom, rigid, drilling = free_or_held(problem, free)
     if drilling:
         warnings.append(drilling_warning(len(drilling)))
-    free_motions = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
+    free_motions = as_columns(freedom, rigid, drilling)
     begin(f"{count} modes, {freedom.n_free} unknowns")
     case, where = table.get("prestress"), f"{problem.where}.frequencies.prestress"
     K = stressed.stiffness(case, where)
@@ -78,6 +75,19 @@ def shell_modes(
         error,
     )
     return modes, left_out
+
+
+def free_or_held(problem: ShellProblem, free: bool) -> tuple[Freedom, list[Array], list[Array]]:
+    """Degrees of freedom of modes, with or without the supports, and their free motions."""
+    freedom = problem.modes_freedom
+    if free:
+        freedom = Freedom(problem.mesh, problem.links, flat=problem.flat)
+    return freedom, *problem.free_motions(freedom)
+
+
+def as_columns(freedom: Freedom, rigid: list[Array], drilling: list[Array]) -> Array:
+    """Free motions, (n_dof, k)."""
+    return np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
 
 
 def shell_buckling(

@@ -17,13 +17,15 @@ The specification may be written by hand:
  "probes": {"tip": {"at": "end", "what": "uz"}},
  "frequencies": {"count": 6, "free": false, "prestress": "pull", "error": true},
  "buckling": {"count": 4, "cases": ["pull"], "constant": "weight", "in_plane": true,
-              "error": true}}
+              "error": true},
+ "bound": "frequency"}
 
 SI and degrees; docs/shell-description.md explains each key.
 """
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -68,7 +70,7 @@ TABLES = (
     "frequencies",
     "buckling",
 )
-OTHER = ("name", "title", "format", "allow")
+OTHER = ("name", "title", "format", "allow", "bound")
 REGION = (
     *("laminate", "material", "thickness", "offset", "shear_correction"),
     *("axis", "axis_curve", "axis_about", "flip"),
@@ -158,10 +160,10 @@ class Assembly:
         self._mesh, self._choice, self._extra = mesh, choice, extra
         self._kinds = _by_corners(regions)
 
-    def of(self, regions: Sequence[Region]) -> "Assembly":
-        """The same cells with other laminates."""
+    def of(self, regions: Sequence[Region], choice: Choice | None = None) -> "Assembly":
+        """The same cells with other laminates, and other elements."""
         other = copy.copy(self)
-        other._kinds = _by_corners(regions)
+        other._kinds, other._choice = _by_corners(regions), choice or self._choice
         return other
 
     @cached_property
@@ -299,6 +301,15 @@ class ShellProblem:
         if self.beside is not None:
             K = K + self.beside.stiffness(self.choice)
         return self._with_lines(K, [stiffener.stiffness() for stiffener in self.stiffeners])
+
+    def stiffness_of(self, ABDs: Sequence[Array], choice: Choice) -> sp.csr_matrix:
+        """Stiffness of all degrees of freedom with the same A, B, D, Ds in all cells."""
+        A, B, D, Ds = ABDs
+        cells = [
+            replace(region, stiffness=region.stiffness._replace(A=A, B=B, D=D, Ds=Ds))
+            for region in self.own
+        ]
+        return self._assembly.of(cells, choice).matrix(lambda k: stiffness_kernel(k, choice))
 
     @cached_property
     def beside(self) -> CellsBeside | None:

@@ -37,7 +37,7 @@ def run_shell(options: argparse.Namespace) -> int:
         entries_of(options.files),
         options,
         [f"--{word}" for word in ("verify", "force") if getattr(options, word)],
-        spec_of=lambda entry: load_shell(entry.file, options.buckling),
+        spec_of=lambda entry: load_shell(entry.file, options.buckling, options.bound),
         show=each(table_of, text_of, options),
     )
 

@@ -186,13 +186,18 @@ def imbalance(shell: ShellFile, case: int, load: Array, reactions: Array) -> flo
 def stacking(laminate: ShellLaminate) -> str:
     """The angles of a laminate in the usual short form, [0/45/-45/90]s."""
     plies = laminate.plies
-    n = len(plies)
     words = [f"{ply.angle_deg:g}" for ply in plies]
     same = [
         (ply.material, ply.angle_deg, round((ply.top - ply.bottom) / laminate.thickness, 9))
         for ply in plies
     ]
-    if n > 1 and n % 2 == 0 and same == same[::-1]:
+    return short_stacking(words, mirrored=same == same[::-1])
+
+
+def short_stacking(words: list[str], *, mirrored: bool) -> str:
+    """The angles of plies in the usual short form."""
+    n = len(words)
+    if n > 1 and n % 2 == 0 and mirrored:
         return f"[{_repeated(words[: n // 2])}s"
     return f"[{_repeated(words)}"
 
@@ -268,8 +273,9 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
         "seconds": shell.provenance.get("seconds"),
         "warnings": list(shell.warnings),
     }
-    if (words := shell.provenance.get("verification")) is not None:
-        table["verification"] = words
+    for key in ("verification", "bound"):
+        if (found := shell.provenance.get(key)) is not None:
+            table[key] = found
     if modes is not None:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero

@@ -13,6 +13,7 @@ from .findings import (
     PlyExtreme,
     case_findings,
     not_estimated,
+    short_stacking,
     stacking,
     title_of,
 )
@@ -67,7 +68,8 @@ def shell_text(shell: ShellFile) -> str:
         lines += ["", *laminate_lines(laminate)]
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
-    lines += ["", *_modes(shell), *_buckling(shell), *_verification(shell), *_effort(shell)]
+    lines += ["", *_modes(shell), *_buckling(shell), *_bound(shell)]
+    lines += [*_verification(shell), *_effort(shell)]
     return "\n".join([*lines, *warning_lines(shell.warnings)])
 
 
@@ -246,6 +248,29 @@ def _buckling(shell: ShellFile) -> list[str]:
     if found.error is None and len(found.factors):
         lines.append(f"{'Mesh error':16}not estimated")
     return lines
+
+
+def _bound(shell: ShellFile) -> list[str]:
+    found = shell.provenance.get("bound")
+    if found is None:
+        return []
+    side, from_it = ("least", "above") if found["of"] == "compliance" else ("most", "below")
+    case = f" under {found['case']}" if found["case"] else ""
+    kind = "symmetric lay-up" if found["symmetric"] else "lay-up"
+    angles = [f"{angle:g}" for angle in found["found_angles_deg"]]
+    other = short_stacking(angles, mirrored=angles == angles[::-1])
+    limit, own, best = (
+        f"{found[key]:.5g} {found['unit']}".strip() for key in ("bound", "value", "found")
+    )
+    own_gap, gap, rigid = (
+        f"{100.0 * found[key]:.2g} %" for key in ("gap", "found_gap", "found_gap_without_shear")
+    )
+    return [
+        f"{'Bound':16}{found['of']}{case}: at {side} {limit} for any {kind} of these plies",
+        f"{'':16}this one {own}, at most {own_gap} {from_it} any there is",
+        f"{'':16}best found {best}, at most {gap} {from_it} (without transverse shear {rigid}): "
+        f"{_short(other, 40)}",
+    ]
 
 
 def _verification(shell: ShellFile) -> list[str]:

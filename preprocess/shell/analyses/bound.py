@@ -1,0 +1,417 @@
+"""Bounds of a lowest frequency, a load factor and a compliance over all lay-ups of given plies.
+
+Lay-ups have the plies of the laminate, each at any angle a. The stiffness of a ply has the
+harmonics t = (cos 2a, sin 2a, cos 4a, sin 4a), so A, B and D are affine in twelve lamination
+parameters p (Tsai and Hahn 1980), and so is the stiffness K of triangles without transverse shear.
+That of quadrilaterals is concave: its linearisation about any p is above it. With W the mass
+(frequency squared), minus the geometric stiffness (load factor), or f f' of a load (1/compliance),
+
+    lambda(p) = min x' K(p) x / (x' W x)   over x with x' W x > 0,
+
+and each x gives a linear function of p that is nowhere below lambda. Mixtures enlarge the set of
+lay-ups: each ply has shares of many angles, and p is in the convex hull of that of lay-ups. With
+factors s_i >= 0 of sum 1,
+
+    lambda <= max_p sum_i s_i x_i' K(p) x_i / (x_i' W x_i) = c + sum over plies of max_a g(a),
+
+g a combination of the four harmonics. Its maximum on a fine grid and the largest error between the
+points of the grid bound that over all angles. A linear program finds the factors and the best
+mixture for some x (cutting planes), an eigenproblem in a basis of modes the next x; modes of the
+whole shell for the best mixture extend the basis until both agree.
+
+Transverse shear makes a shell softer, so the bound is one of shells with it, too.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from scipy.optimize import linprog
+
+from ....solver.math.arrays import Array, IntArray
+from ...laminate.report import is_symmetric
+from ...laminate.stiffness import Laminate, moments
+from ..cells import ShellError
+from ..elements.membranes.opt import best_beta0
+from ..model.guards import Progress, check_supported
+from ..model.problem import ShellProblem
+from .buckling import Buckling, Stressed
+from .cases import solve_cases
+from .frequencies import natural_modes
+from .modes import as_columns, free_or_held
+
+PATTERNS = np.array(  # of the plane stiffness of a ply, by harmonic
+    [
+        [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0]],
+        [[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.5, 0.5, 0.0]],
+        [[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, -1.0]],
+        [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, -1.0, 0.0]],
+    ]
+)
+ROUNDING = 1e-9  # relative: a smaller parameter is a sum that cancels
+RIGID = 1e6  # transverse shear stiffness over the in-plane one
+MODES = 6  # of the whole shell, for each mixture; most cutting planes of one
+MOST_KEPT = 100  # cutting planes, those nearest to the best mixture
+CLOSE = 1.5  # times the lowest value: modes that give cutting planes
+AGREED, NEAR = 1e-5, 2e-4  # relative differences: of the linear program, of the basis
+MOST_CUTS, MOST_BASES, ROUNDS = 150, 15, 2  # iterations, and those of the search
+COARSE, FINE = np.arange(-90.0, 90.0, 5.0), np.arange(-90.0, 90.0, 0.05)  # [deg]
+TURNS = ([10.0 * k for k in range(1, 18)], [-5.0, 5.0], [-2.0, 2.0], [-1.0, 1.0])  # of the search
+SAME = 1e-6  # relative difference of resultants by rounding
+
+
+def harmonics(angles_deg: Array) -> Array:
+    """cos 2a, sin 2a, cos 4a, sin 4a of angles (...), (..., 4)."""
+    a = np.radians(2.0 * angles_deg)
+    return np.stack([np.cos(a), np.sin(a), np.cos(2.0 * a), np.sin(2.0 * a)], axis=-1)
+
+
+class Plies:
+    """Plies at any angle; mirrored ones of a symmetric laminate have the same.
+
+    Attributes
+    ----------
+    mean : A, B, D at p = 0, (3, 3, 3) [N/m, N, N m]
+    rows : plies of each angle
+    columns : (g, 12, 4) parameters p per harmonic of each angle, in the order A, B, D
+    """
+
+    def __init__(self, laminate: Laminate) -> None:
+        along = Laminate(tuple(ply._replace(angle_deg=0.0) for ply in laminate.plies)).plane
+        H, k = moments(laminate), len(laminate.plies)
+        self.symmetric = is_symmetric(laminate)
+        Q11, Q22, Q12, Q66 = along[:, 0, 0], along[:, 1, 1], along[:, 0, 1], along[:, 2, 2]
+        U2, U3 = 0.5 * (Q11 - Q22), 0.125 * (Q11 + Q22 - 2.0 * Q12 - 4.0 * Q66)
+        u = np.stack([U2, U2, U3, U3], axis=1)
+        at_zero = np.einsum("lh,hij->lij", u[:, ::2], PATTERNS[::2])
+        self.mean: Array = np.einsum("nl,lij->nij", H, along - at_zero)
+        own = np.einsum("nl,lh,hj->lnhj", H, u, np.eye(4)).reshape(k, 12, 4)
+        mirrored = [sorted({i, k - 1 - i}) for i in range((k + 1) // 2)]
+        rows = mirrored if self.symmetric else [[i] for i in range(k)]
+        columns = np.array([own[each].sum(axis=0) for each in rows])
+        size = np.repeat(np.abs(H).max(axis=1), 4)[:, None] * np.abs(along).max()
+        columns[np.abs(columns) < ROUNDING * size] = 0.0
+        kept = np.flatnonzero(np.abs(columns).max(axis=(1, 2)))  # the others have no direction
+        self.rows, self.columns = [rows[i] for i in kept], columns[kept]
+
+    def parameters(self, angles_deg: Array) -> Array:
+        """Parameters (12,) of a lay-up of angles (g,)."""
+        return np.asarray(np.einsum("gjh,gh->j", self.columns, harmonics(angles_deg)))
+
+    def stiffness(self, p: Array) -> Array:
+        """A, B, D of parameters (12,), (3, 3, 3)."""
+        return self.mean + np.einsum("nh,hij->nij", p.reshape(3, 4), PATTERNS)
+
+
+class Mixture(NamedTuple):
+    """The best mixture for some cutting planes: its parameters, the angles of its largest shares,
+    and a bound of lambda of all lay-ups."""
+
+    p: Array  # (12,)
+    angles_deg: Array  # (g,)
+    bound: float
+
+
+class Cuts:
+    """Linear functions c + q.p above lambda of all lay-ups."""
+
+    def __init__(self, plies: Plies) -> None:
+        self._columns, self._angles = plies.columns, COARSE
+        self._c, self._q = np.zeros(0), np.zeros((0, 12))
+
+    def add(self, c: Array, q: Array) -> None:
+        """More of them, (k,) and (k, 12)."""
+        self._c, self._q = np.concatenate([self._c, c]), np.concatenate([self._q, q])
+
+    def best(self) -> Mixture:
+        """The mixture whose least function is largest."""
+        scale = float(np.abs(self._c).max())
+        at = self._columns @ harmonics(self._angles).T
+        g, _, a = at.shape
+        values = np.einsum("ij,gja->iga", self._q / scale, at).reshape(-1, g * a)
+        found = linprog(
+            np.append(np.zeros(g * a), -1.0),
+            A_ub=np.c_[-values, np.ones(len(values))],
+            b_ub=self._c / scale,
+            A_eq=np.c_[np.kron(np.eye(g), np.ones(a)), np.zeros(g)],
+            b_eq=np.ones(g),
+            bounds=[(0.0, None)] * (g * a) + [(None, None)],
+        )
+        if found.status:
+            raise ShellError(f"bound: the linear program failed: {found.message}")
+        s = np.maximum(-found.ineqlin.marginals, 0.0)
+        s /= s.sum()
+        combined = np.einsum("i,ij,gjh->gh", s, self._q, self._columns)
+        values = combined @ harmonics(FINE).T
+        curvature = np.abs(combined) @ np.array([4.0, 4.0, 16.0, 16.0])
+        between = 0.5 * curvature * np.radians(0.5 * (FINE[1] - FINE[0])) ** 2
+        shares = found.x[:-1].reshape(g, a)
+        mixture = Mixture(
+            np.einsum("gja,ga->j", at, shares),
+            self._angles[shares.argmax(axis=1)],
+            float(s @ self._c + (values.max(axis=1) + between).sum()),
+        )
+        used = self._angles[(shares > ROUNDING).any(axis=0)]
+        self._angles = np.unique(np.concatenate([COARSE, used, FINE[values.argmax(axis=1)]]))
+        near = np.argsort(self._c + self._q @ mixture.p)[:MOST_KEPT]
+        self._c, self._q = self._c[near], self._q[near]
+        return mixture
+
+
+class Basis:
+    """The shell in a basis of modes X (n_dof, m), linearised about a mixture.
+
+    Parameters
+    ----------
+    p, K, slopes : the mixture, its stiffness and the derivatives of that by some parameters
+    W : (m, m) X'W X
+    """
+
+    def __init__(
+        self, X: Array, W: Array, p: Array, K: sp.csr_matrix, slopes: dict[int, sp.csr_matrix]
+    ) -> None:
+        size, axes = scipy.linalg.eigh(X.T @ (K @ X))
+        kept = size > ROUNDING * size[-1]
+        T = axes[:, kept] / np.sqrt(size[kept])
+        X = X @ T
+        self._G = np.zeros((12, *T.shape[1:], *T.shape[1:]))
+        for j, slope in slopes.items():
+            self._G[j] = X.T @ (slope @ X)
+        self._W, self._K = T.T @ W @ T, np.eye(T.shape[1]) - np.tensordot(p, self._G, 1)
+
+    def value(self, p: Array) -> float:
+        """Lambda of parameters (12,)."""
+        last = [len(self._W) - 1] * 2
+        K = self._K + np.tensordot(p, self._G, 1)
+        return float(1.0 / scipy.linalg.eigvalsh(self._W, K, subset_by_index=last)[0])
+
+    def cuts(self, p: Array) -> tuple[Array, Array]:
+        """Functions c + q.p, (k,) and (k, 12), of the lowest modes at parameters p."""
+        mu, Y = scipy.linalg.eigh(self._W, self._K + np.tensordot(p, self._G, 1))
+        Y = (Y / np.sqrt(np.abs(mu)))[:, mu > mu[-1] / CLOSE][:, -MODES:]
+        c = np.einsum("mi,mn,ni->i", Y, self._K, Y)
+        return c, np.einsum("mi,jmn,ni->ij", Y, self._G, Y, optimize=True)
+
+
+def searched(basis: Basis, plies: Plies, angles_deg: Array) -> Array:
+    """Angles (g,) of a large lambda near some, turned one by one."""
+    best, most = angles_deg, basis.value(plies.parameters(angles_deg))
+    for turns in TURNS:
+        better = True
+        while better:
+            better = False
+            for k in range(len(best)):
+                tried = np.repeat(best[None], len(turns), axis=0)
+                tried[:, k] += turns
+                values = [basis.value(plies.parameters(each)) for each in tried]
+                if max(values) > most * (1.0 + AGREED):
+                    best, most, better = tried[int(np.argmax(values))], max(values), True
+    return np.round(90.0 - (90.0 - best) % 180.0, 9)
+
+
+class Quantity(NamedTuple):
+    """What is bounded.
+
+    Attributes
+    ----------
+    modes : lambda (m,) and x (n_dof, m) of a stiffness
+    weighed : x' W x of some x (n_dof, m), (m, m)
+    shown : what a user reads of lambda
+    unit, case : its unit and its load case
+    """
+
+    modes: Callable[[sp.csr_matrix], tuple[Array, Array]]
+    weighed: Callable[[Array], Array]
+    shown: Callable[[float], float]
+    unit: str
+    case: str | None
+
+
+def frequency(stressed: Stressed, where: str) -> Quantity:
+    """The lowest frequency with strain energy, of the shell without prestress."""
+    problem = stressed.problem
+    table = problem.spec.get("frequencies", {})
+    if table.get("prestress") is not None:
+        raise ShellError(f"{where} = 'frequency': expected no frequencies.prestress")
+    M, (freedom, *motions) = problem.M, free_or_held(problem, table.get("free", False))
+    free_motions = as_columns(freedom, *motions)
+
+    def modes(K: sp.csr_matrix) -> tuple[Array, Array]:
+        found = natural_modes(K, M, freedom, MODES, free_motions)
+        return found.values[found.n_zero :], found.shapes[:, found.n_zero :]
+
+    def hertz(value: float) -> float:
+        return float(np.sqrt(value)) / (2.0 * np.pi)
+
+    return Quantity(modes, lambda X: X.T @ (M @ X), hertz, "Hz", None)
+
+
+def load_factor(stressed: Stressed, where: str) -> Quantity:
+    """The first load factor under a load case whose resultants no lay-up changes."""
+    problem, table = stressed.problem, stressed.problem.spec.get("buckling", {})
+    case, in_plane = _case(stressed, table.get("cases"), where), table.get("in_plane", True)
+    if table.get("constant") is not None:
+        raise ShellError(f"{where} = 'buckling': expected no buckling.constant")
+    loads, rng = {case: problem.spec["loads"][case]}, np.random.default_rng(0)
+    f, given = problem.loads.columns(loads, problem.where)
+    N = problem.resultants(stressed.u[:, [stressed.names.index(case)]])[0, :, :3]
+    for _ in range(2):
+        plies = len(problem.regions[0].laminate.laminate.plies)
+        other = turned(problem, range(plies), rng.uniform(-90.0, 90.0, plies))
+        u = solve_cases(other.K, problem.freedom, f, (case,), given=given).displacements
+        if np.abs(other.resultants(u)[0, :, :3] - N).max() > SAME * np.abs(N).max():
+            raise ShellError(
+                f"{where} = 'buckling': the stresses of load case {case} depend on the lay-up, "
+                "and its load factor has no such bound; expected loads on edges, and supports "
+                "that do not hinder the contraction (docs/shells.md)"
+            )
+    freedom, Kg = problem.modes_freedom, stressed.geometric(case, where, in_plane)
+    check_supported(freedom, *problem.free_motions(freedom))
+
+    def modes(K: sp.csr_matrix) -> tuple[Array, Array]:
+        equations = Buckling(K, freedom, where)
+        found = equations.load_factors(Kg, MODES, where)
+        equations.close()
+        if not len(found.values):
+            raise ShellError(f"{where} = 'buckling': no buckling under load case {case}")
+        return found.values, found.shapes
+
+    return Quantity(modes, lambda X: -(X.T @ (Kg @ X)), float, "", case)
+
+
+def compliance(stressed: Stressed, where: str) -> Quantity:
+    """The work f'u of a load case."""
+    problem, case = stressed.problem, _case(stressed, None, where)
+    loads = {case: problem.spec["loads"][case]}
+    f, given = problem.loads.columns(loads, problem.where)
+    if given is not None and given.any():
+        raise ShellError(f"{where} = 'compliance': load case {case} has a motion; expected forces")
+
+    def modes(K: sp.csr_matrix) -> tuple[Array, Array]:
+        u = solve_cases(K, problem.freedom, f, (case,)).displacements
+        return 1.0 / (f.T @ u)[0], u
+
+    return Quantity(modes, lambda X: (X.T @ f) @ (f.T @ X), lambda value: 1.0 / value, "J", case)
+
+
+QUANTITIES = {"frequency": frequency, "buckling": load_factor, "compliance": compliance}
+
+
+def _case(stressed: Stressed, cases: list[str] | None, where: str) -> str:
+    names = list(stressed.names) if cases is None else cases
+    if len(names) != 1:
+        raise ShellError(f"{where}: expected one load case, found {', '.join(names) or 'none'}")
+    return names[0]
+
+
+def turned(problem: ShellProblem, rows: Sequence[int], angles_deg: Array) -> ShellProblem:
+    """A shell of one laminate with other angles of some plies."""
+    name = problem.regions[0].laminate_name
+    laminates = problem.spec["laminates"]
+    plies = [dict(ply) for ply in laminates[name]["plies"]]
+    for row, angle in zip(rows, angles_deg.tolist(), strict=True):
+        plies[row]["angle_deg"] = angle
+    changed = {**laminates, name: {**laminates[name], "plies": plies}}
+    return problem.relaid({**problem.spec, "laminates": changed})
+
+
+def _check(problem: ShellProblem, where: str) -> None:
+    names = sorted({region.laminate_name for region in problem.regions})
+    if len(names) > 1 or names[0] not in problem.spec.get("laminates", {}):
+        raise ShellError(f"{where}: expected one laminate of plies, found {', '.join(names)}")
+    if problem.stiffeners:
+        raise ShellError(f"{where}: expected a shell without stiffeners")
+    if problem.team.size > 1:
+        raise ShellError(f"{where}: expected one process, found {problem.team.size}")
+    if problem.choice.plate not in ("dkmt", "dkt"):
+        raise ShellError(f"{where}: expected elements.plate = dkmt or dkt")
+
+
+def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
+    """A bound of a quantity over all lay-ups, and a lay-up near it, as plain data.
+
+    Parameters
+    ----------
+    of : key of QUANTITIES
+
+    Raises
+    ------
+    ShellError : a shell or a quantity that has no such bound, by name.
+    """
+    problem = stressed.problem
+    where = f"{problem.where}.bound"
+    _check(problem, where)
+    laminate = problem.regions[0].laminate.laminate
+    plies = Plies(laminate)
+    if not plies.rows:
+        raise ShellError(f"{where}: no ply has a direction; expected an orthotropic material")
+    quantity = QUANTITIES[of](stressed, where)
+    begin(f"bound of {of}")
+    choice = problem.choice._replace(plate="dkmt")
+    if isinstance(choice.beta0, str):  # its largest value is that of p = 0
+        choice = choice._replace(beta0=float(best_beta0(plies.mean[:1])[0]))
+
+    def stiffness(p: Array) -> sp.csr_matrix:
+        rigid = RIGID * plies.mean[0, 2, 2] * np.eye(2)
+        return problem.stiffness_of((*plies.stiffness(p), rigid), choice)
+
+    def slopes(p: Array) -> dict[int, sp.csr_matrix]:
+        return {
+            j: (stiffness(p + step) - stiffness(p - step)) / (2.0 * step[j])
+            for j, step in steps.items()
+        }
+
+    size = np.abs(plies.columns).max(axis=2).sum(axis=0)
+    steps = {int(j): 1e-3 * size[j] * np.eye(12)[j] for j in np.flatnonzero(size)}
+    affine = all(region.nodes.shape[1] == 3 for region in problem.regions)
+    best = np.array([laminate.plies[rows[0]].angle_deg for rows in plies.rows])
+    value, X = quantity.modes(problem.K)
+    values, more = quantity.modes(stiffness(plies.parameters(best)))
+    X, most = np.c_[X, more], float(values[0])
+    cuts, p, least = Cuts(plies), np.zeros(12), np.inf
+    linear = p, stiffness(p), slopes(p)
+    for _ in range(MOST_BASES):
+        K = stiffness(p)
+        values, more = quantity.modes(K)
+        if least < values[0] * (1.0 + NEAR):
+            break
+        X = np.c_[X, more]
+        if p.any() and not affine:
+            linear = p, K, slopes(p)
+        basis = Basis(X, quantity.weighed(X), *linear)
+        for _ in range(MOST_CUTS):
+            cuts.add(*basis.cuts(p))
+            mixture = cuts.best()
+            p, least = mixture.p, min(least, mixture.bound)
+            if least < basis.value(p) * (1.0 + AGREED):
+                break
+    for near in (False, True) * ROUNDS:  # with the modes of the lay-ups that were found
+        basis = Basis(X, quantity.weighed(X), *linear)
+        start = best if near else np.round(mixture.angles_deg)
+        angles = searched(basis, plies, start)
+        values, more = quantity.modes(stiffness(plies.parameters(angles)))
+        X = np.c_[X, more]
+        if values[0] > most:
+            best, most = angles, float(values[0])
+    rows: IntArray = np.array([row for each in plies.rows for row in each])
+    every = np.array([a for each, a in zip(plies.rows, best, strict=True) for _ in each])
+    other = turned(problem, rows.tolist(), every)
+    reached = quantity.modes(other.K)[0]
+    if reached[0] < value[0]:  # by transverse shear
+        other, reached = problem, value
+    limit, own, found = (quantity.shown(float(each)) for each in (least, value[0], reached[0]))
+    return {
+        "of": of,
+        "case": quantity.case,
+        "unit": quantity.unit,
+        "bound": limit,
+        "symmetric": plies.symmetric,
+        "value": own,
+        "gap": abs(own / limit - 1.0),
+        "found": found,
+        "found_gap": abs(found / limit - 1.0),
+        "found_gap_without_shear": abs(quantity.shown(most) / limit - 1.0),
+        "found_angles_deg": [ply.angle_deg for ply in other.regions[0].laminate.laminate.plies],
+    }
