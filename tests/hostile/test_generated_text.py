@@ -136,18 +136,28 @@ def test_the_script_for_exudyn_is_python_that_finds_its_package(
     count("export: hostile names in generated files", "done")
 
 
+def lines_of_deck(package: ModalPackage, code: str, body: str, folder: Path) -> list[bytes]:
+    file, out = folder / "arm.vtkhdf", folder / f"arm{DECKS[code]}"
+    write_package(file, named(package, body))
+    assert exchange(["export", str(file), "--to", code, "-o", str(out)]) == 0
+    return out.read_bytes().splitlines()
+
+
+@pytest.fixture(scope="module", params=DECKS)
+def deck(
+    request: pytest.FixtureRequest, package: ModalPackage, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[str, list[bytes]]:
+    """A format, and the lines of the package with a plain name."""
+    folder = tmp_path_factory.mktemp("plain")
+    return request.param, lines_of_deck(package, request.param, "arm", folder)
+
+
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("code", DECKS)
 def test_a_name_adds_no_line_to_a_deck(
-    package: ModalPackage, code: str, name: str, tmp_path: Path
+    package: ModalPackage, deck: tuple[str, list[bytes]], name: str, tmp_path: Path
 ) -> None:
-    texts = []
-    for body in ("arm", name):
-        file, out = tmp_path / "arm.vtkhdf", tmp_path / f"arm{DECKS[code]}"
-        write_package(file, named(package, body))
-        assert exchange(["export", str(file), "--to", code, "-o", str(out)]) == 0
-        texts.append(out.read_bytes().splitlines())
-    plain, hostile = texts
+    code, plain = deck
+    hostile = lines_of_deck(package, code, name, tmp_path)
     assert len(plain) == len(hostile)
     for one, other in zip(plain, hostile, strict=True):
         assert one == other or b"arm" in one

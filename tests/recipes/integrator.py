@@ -23,7 +23,7 @@ PENDULUM = (
 
 def checked(**keys):
     """The case with these keys of `[solver]`."""
-    solver = {"t_end": 0.5, "output_step": 0.1, "integrator": '"heun"', **keys}
+    solver = {"t_end": 0.2, "output_step": 0.1, "integrator": '"heun"', **keys}
     lines = [f"{key} = {value}" for key, value in solver.items()]
     file = folder / "case.toml"
     file.write_text("\n".join([HEAD + PENDULUM, "[solver]", *lines, "[runs.base]\n"]))
