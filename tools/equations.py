@@ -14,7 +14,7 @@ import ast
 import re
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -135,13 +135,17 @@ class Test:
         return known or re.search(rf"\.{re.escape(name)}\b", self.imports) is not None
 
 
-def functions_of_tests(root: Path = ROOT) -> list[Test]:
-    """All test functions of the repository."""
+def functions_of_tests(code: Iterable[Place], root: Path = ROOT) -> list[Test]:
+    """All test functions of files that name an equation or a function of the code."""
+    names = {place.name.split(".")[0] for place in code} - {""}
+    needed = re.compile(rf"Eq\. \(|\b(?:{'|'.join(sorted(names))})\b")
     found = []
     for path in sources(root, ("tests",)):
         if not path.name.startswith("test_"):
             continue
         text = path.read_text("utf-8")
+        if not needed.search(text):
+            continue  # parsing takes longer
         lines = text.splitlines()
         tree = ast.parse(text)
         imports = modules_imported(tree)
@@ -173,7 +177,8 @@ def titles_and_reasons(root: Path = ROOT) -> tuple[dict[int, str], dict[int, str
 
 def table(root: Path = ROOT) -> str:
     """The text of docs/equations.md."""
-    code, tests = places(root), functions_of_tests(root)
+    code = places(root)
+    tests = functions_of_tests((place for where in code.values() for place in where), root)
     titles, reasons = titles_and_reasons(root)
     lines = [
         "# From the paper's equations to code and tests",

@@ -89,11 +89,7 @@ def test_soft_free_run_stops_where_the_linear_hand_loses_definiteness(build, ref
 
 
 def test_soft_free_run_can_be_told_to_go_on(build, repository):
-    runs = _edited(
-        build,
-        repository,
-        ("t_end = 1.0", 't_end = 0.13\non_invalid = "warn"'),
-    )
+    runs = _edited(build, repository, ("t_end = 1.0", 't_end = 0.13\non_invalid = "warn"'))
     _, summary = execute(read_run(runs / "isotropic-soft-free.json"), progress=False)
     assert summary["completed"]
     assert [w["code"] for w in summary["warnings"]].count(SPIN.name) == 1

@@ -256,47 +256,6 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
     assert_same_bits(out / "sweep.h5", expected)
 
 
-KILLED = """
-import sys
-from harness import executor_samples
-from plymotion.solver.__main__ import main
-from plymotion.solver.studies.sweep import work
-work.compute_portion = executor_samples.noted_portion
-work.SAVE_S = 0.0  # each row at once
-sys.exit(main(sys.argv[1:]))
-"""
-
-
-def test_a_dask_scheduler_that_is_killed_is_a_message(tmp_path):
-    """No traceback of dask; finished members are kept, and the sweep goes on without it."""
-    pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    cluster = Cluster(tmp_path)
-    try:
-        cluster.worker()
-        file = ball(tmp_path, f"{FORCE} = {[float(k) for k in range(60)]}")
-        path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
-        words = ["sweep", str(file), "--quiet", "--no-figures", "--scheduler", str(cluster.file)]
-        process = subprocess.Popen(
-            [sys.executable, "-c", KILLED, *words],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=os.environ | {"PYTHONPATH": path},
-        )
-        results = file.with_suffix("") / "sweep.h5"
-        until(lambda: results.exists() and read_sweep(results).count("finished"))
-        cluster.processes[0].kill()
-        told, errors = process.communicate(timeout=WAIT_S)
-    finally:
-        cluster.close()
-    assert process.returncode == 2
-    expected = f"error: --scheduler {cluster.file}: lost the connection to the workers\n"
-    assert (told, errors) == ("", expected)
-    assert 0 < read_sweep(results).count("finished") < 60
-    assert sweep(file) == 0
-    assert read_sweep(results).count("finished") == 60
-
-
 def test_dask_workers_may_come_later(tmp_path, cluster):
     """The command waits for them, as for those of a queue."""
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0]")
@@ -348,3 +307,42 @@ def test_ranks_of_an_mpi_job_give_the_same(tmp_path, alone):
     )
     assert done.returncode == 3, done.stderr
     assert_same_bits(tmp_path / "mpi/sweep.h5", expected)
+
+
+KILLED = """
+import sys
+from harness import executor_samples
+from plymotion.solver.__main__ import main
+from plymotion.solver.studies.sweep import work
+work.compute_portion = executor_samples.noted_portion
+work.SAVE_S = 0.0  # each row at once
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_dask_scheduler_that_is_killed_is_a_message(tmp_path, cluster):
+    """No traceback of dask; finished members are kept, and the sweep goes on without it.
+
+    The last test of this file: the others share the scheduler.
+    """
+    cluster.worker()
+    file = ball(tmp_path, f"{FORCE} = {[float(k) for k in range(60)]}")
+    path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
+    words = ["sweep", str(file), "--quiet", "--no-figures", "--scheduler", str(cluster.file)]
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED, *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": path},
+    )
+    results = file.with_suffix("") / "sweep.h5"
+    until(lambda: results.exists() and read_sweep(results).count("finished"))
+    cluster.processes[0].kill()
+    told, errors = process.communicate(timeout=WAIT_S)
+    assert process.returncode == 2
+    expected = f"error: --scheduler {cluster.file}: lost the connection to the workers\n"
+    assert (told, errors) == ("", expected)
+    assert 0 < read_sweep(results).count("finished") < 60
+    assert sweep(file) == 0
+    assert read_sweep(results).count("finished") == 60

@@ -20,13 +20,7 @@ from plymotion.solver.math.rows import ComputedRows, LongRows, StoredRows
 from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.results import RunResult, datasets, read_result, write_result
 from plymotion.solver.results import file as writer
-from plymotion.solver.results.datasets import (
-    PACKED,
-    Datasets,
-    blocks,
-    chunk_shape,
-    packing,
-)
+from plymotion.solver.results.datasets import PACKED, Datasets, blocks, chunk_shape, packing
 from plymotion.solver.run.execution import execute, read_run, run_file
 
 SIGNALS = {

@@ -10,12 +10,7 @@ import pytest
 from samples.package_samples import cantilever, same
 from samples.panel_sample import panel, with_face_stresses
 
-from plymotion.solver.package import (
-    ModalPackage,
-    read_package,
-    validate,
-    write_package,
-)
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.schema import (
     FORMAT,
     FORMAT_VERSION,

@@ -57,11 +57,7 @@ def installed(
     # Python compiles a module when it is first imported; pip would compile all of them.
     words = ["-m", "pip", "--python", str(home / "bin/python"), "install", "--quiet"]
     words += ["--no-compile", *(["--no-deps"] if own else [])]
-    done = subprocess.run(
-        [sys.executable, *words, str(wheel)],
-        capture_output=True,
-        text=True,
-    )
+    done = subprocess.run([sys.executable, *words, str(wheel)], capture_output=True, text=True)
     if not own and "No matching distribution found" in done.stderr:
         pytest.skip(f"not installed for Python 3.{request.param}: {done.stderr}")
     assert done.returncode == 0, done.stderr

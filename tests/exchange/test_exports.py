@@ -91,11 +91,7 @@ def test_dmig_needs_independent_interfaces(
 ) -> None:
     body = bar()
     package = from_matrices(
-        body.M,
-        body.K,
-        body.nodes,
-        body.dofs,
-        **request(modes=[{"kind": "lowest", "count": 3}]),
+        body.M, body.K, body.nodes, body.dofs, **request(modes=[{"kind": "lowest", "count": 3}])
     )
     write_package(tmp_path / "few.vtkhdf", package)
     out = tmp_path / "few.bdf"

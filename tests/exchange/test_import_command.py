@@ -100,10 +100,7 @@ def test_progress_and_errors_come_from_a_process_of_its_own(folder: Path) -> Non
 
 
 INVALID = {
-    "damping_ratio = 0.01": (
-        "damping_ratio = -0.5",
-        "damping_ratio = -0.5: expected a fraction",
-    ),
+    "damping_ratio = 0.01": ("damping_ratio = -0.5", "damping_ratio = -0.5: expected a fraction"),
     'body = "arm"': ('body = "a\\nb"', "body: the name 'a\\\\nb'"),
     "tip": ("a/b", "its interfaces: no valid package is made of it: interfaces: 'a/b'"),
 }

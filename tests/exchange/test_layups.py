@@ -253,8 +253,7 @@ def test_a_deck_in_millimetres(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("theta", "e1"),
-    [("", [1.0, 0.0, 0.0]), ("30.", [0.75**0.5, 0.5, 0.0]), ("0", [1.0, 0.0, 0.0])],
+    ("theta", "e1"), [("", [1.0, 0.0, 0.0]), ("30.", [0.75**0.5, 0.5, 0.0]), ("0", [1.0, 0.0, 0.0])]
 )
 def test_angles_count_from_the_first_side(tmp_path: Path, theta: str, e1: list[float]) -> None:
     layups = deck(tmp_path, theta=theta)

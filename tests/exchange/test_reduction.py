@@ -127,11 +127,7 @@ def test_equal_frequencies_are_all_found() -> None:
     """A square bar has each bending frequency twice."""
     body = brick((0.5, 0.02, 0.02), (10, 2, 2))
     package = from_matrices(
-        body.M,
-        body.K,
-        body.nodes,
-        body.dofs,
-        **request(modes=[{"kind": "lowest", "count": 3}]),
+        body.M, body.K, body.nodes, body.dofs, **request(modes=[{"kind": "lowest", "count": 3}])
     )
     f = package.frequencies
     assert f[1] == pytest.approx(f[0], rel=1e-9)

@@ -85,12 +85,7 @@ BARS: dict[str, Any] = {
         constant(CFRP),
         rectangle_spec(0.04, 0.04, CFRP),
     ),
-    "strip": (
-        (0.12, 0.04, 0.004),
-        (24, 12, 2),
-        of_metal,
-        rectangle_spec(0.04, 0.004, METAL),
-    ),
+    "strip": ((0.12, 0.04, 0.004), (24, 12, 2), of_metal, rectangle_spec(0.04, 0.004, METAL)),
     "sandwich": ((0.1, 0.04, 0.02), (24, 4, 10), layered, sandwich(0.002, 0.016)),
 }
 

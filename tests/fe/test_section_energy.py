@@ -101,9 +101,7 @@ def test_thin_open_arc() -> None:
     spec = {
         "mesh": expand("tube", arc),
         "materials": {"m": {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}},
-        "regions": {
-            "wall": {"plies": [{"material": "m"}], "direction": {"circle": [0.0, 0.0]}},
-        },
+        "regions": {"wall": {"plies": [{"material": "m"}], "direction": {"circle": [0.0, 0.0]}}},
     }
     section = analyse(spec, estimate=False)
     area = np.radians(120.0) * 0.4 * 0.001

@@ -77,12 +77,7 @@ def test_one_printed_layup_is_two_beams() -> None:
 @pytest.mark.one_end
 def test_cartesian_turns_the_angles_of_the_walls_that_run_backwards() -> None:
     """Bottom runs along -x2, right along -x3: there the same angle has the other sign."""
-    angles = {
-        "top": [20.0] * 6,
-        "bottom": [30.0] * 6,
-        "left": [40.0] * 6,
-        "right": [50.0] * 6,
-    }
+    angles = {"top": [20.0] * 6, "bottom": [30.0] * 6, "left": [40.0] * 6, "right": [50.0] * 6}
     turned = {**angles, "bottom": [-30.0] * 6, "right": [-50.0] * 6}
     K = stiffness(box(angles, "cartesian"))
     assert scaled(stiffness(box(turned)) - K, K).max() < 1e-12

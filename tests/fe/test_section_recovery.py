@@ -55,11 +55,7 @@ def tube(angle: float) -> dict[str, Any]:
 
 @pytest.fixture(
     scope="module",
-    params=[
-        box([0, 30, 0, 30, 0, 30]),
-        box([15, -15, 15, -15, 15, -15], degree=3),
-        tube(45.0),
-    ],
+    params=[box([0, 30, 0, 30, 0, 30]), box([15, -15, 15, -15, 15, -15], degree=3), tube(45.0)],
     ids=["box", "box of degree 3", "tube"],
 )
 def section(request: pytest.FixtureRequest) -> SectionFile:

@@ -11,9 +11,7 @@ from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes
 from plymotion.preprocess.shell.body.body import shell_model, shell_modes
 from plymotion.preprocess.shell.body.interfaces import read_shell_body
-from plymotion.preprocess.shell.body.second_order import (
-    second_order_fields,
-)
+from plymotion.preprocess.shell.body.second_order import second_order_fields
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.problem import ShellProblem
 from plymotion.preprocess.shell.model.supports import read_supports
@@ -64,10 +62,7 @@ def offset_plate(**changes: Any) -> dict[str, Any]:
     return body(shell, ("left", "right"), **changes)
 
 
-FRAMES = [
-    {"kind": "clamped", "at": ["root"]},
-    {"kind": "mean-axis"},
-]
+FRAMES = [{"kind": "clamped", "at": ["root"]}, {"kind": "mean-axis"}]
 
 
 @pytest.mark.parametrize("reference", FRAMES, ids=lambda r: r["kind"])

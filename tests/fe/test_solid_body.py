@@ -249,9 +249,7 @@ LOADS = {
 
 def test_load_cases_are_in_equilibrium_and_bend_as_a_beam(bar_file: Path) -> None:
     model = model_of(
-        bar_file,
-        0.006,
-        interfaces={"root": end(0.0, "rigid"), "tip": end(LENGTH, "average")},
+        bar_file, 0.006, interfaces={"root": end(0.0, "rigid"), "tip": end(LENGTH, "average")}
     )
     held = HeldSolid(model.body, model.links, ["root"])
     mass = 2700.0 * LENGTH * WIDTH * HEIGHT

@@ -122,10 +122,7 @@ class Forks:
             self._orders, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             command = [sys.executable, "-c", SERVER, str(theirs.fileno()), json.dumps(MODULES)]
             self._server = subprocess.Popen(
-                command,
-                pass_fds=[theirs.fileno()],
-                env=os.environ | OFF,
-                stdin=subprocess.DEVNULL,
+                command, pass_fds=[theirs.fileno()], env=os.environ | OFF, stdin=subprocess.DEVNULL
             )
             theirs.close()
         names = ("SIGINT", "SIGTERM", "SIGHUP")

@@ -80,15 +80,7 @@ def matrices(
 
 
 def factor(
-    C: Any,
-    Ds: Any,
-    R: float,
-    L: float,
-    n: int,
-    terms: Any,
-    N: Any,
-    p: float = 0.0,
-    free: Any = SS3,
+    C: Any, Ds: Any, R: float, L: float, n: int, terms: Any, N: Any, p: float = 0.0, free: Any = SS3
 ) -> float:
     """The smallest load factor with n waves around and the given numbers of half waves along.
 

@@ -14,9 +14,7 @@ from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its w
 
 
 def held_compliance(
-    size: tuple[float, float, float],
-    count: tuple[int, int, int],
-    stiffness: Callable[[Any], Any],
+    size: tuple[float, float, float], count: tuple[int, int, int], stiffness: Callable[[Any], Any]
 ) -> np.ndarray:
     """Return the compliance (6, 6) at the face x1 = L, for [F1, F2, F3, M1, M2, M3] there.
 

@@ -35,10 +35,7 @@ def test_an_offset_moves_the_axes_parallel(laminate: Laminate, z: float, shear: 
     np.testing.assert_allclose(there.A, here.A, rtol=0, atol=1e-13 * size)
     np.testing.assert_allclose(there.B, here.B + z * here.A, rtol=0, atol=1e-13 * size * reach)
     np.testing.assert_allclose(
-        there.D,
-        here.D + 2 * z * here.B + z**2 * here.A,
-        rtol=0,
-        atol=1e-13 * size * reach**2,
+        there.D, here.D + 2 * z * here.B + z**2 * here.A, rtol=0, atol=1e-13 * size * reach**2
     )
     m0, m1, m2 = here.mass
     np.testing.assert_allclose(

@@ -116,12 +116,7 @@ def clamped_file(folder: Path, count: int) -> ModalPackage:
     return package
 
 
-def straight_line(
-    x_B: Array | Sequence[float],
-    K: Array,
-    mass: Array,
-    A_BE: Array,
-) -> BeamLine:
+def straight_line(x_B: Array | Sequence[float], K: Array, mass: Array, A_BE: Array) -> BeamLine:
     """A uniform beam along the x axis.
 
     Parameters

@@ -33,10 +33,7 @@ def symmetric(thickness: float) -> dict[str, list[float]]:
     x = 0.5 * (1.0 + np.cos(np.linspace(0.0, np.pi, 60)))
     y = 5.0 * thickness * (0.2969 * np.sqrt(x) + x * (-0.126 + x * (-0.3516 + x * (0.2843))))
     y -= 5.0 * thickness * 0.1036 * x**4
-    return {
-        "x": [*x.tolist(), *x[-2::-1].tolist()],
-        "y": [*y.tolist(), *(-y[-2::-1]).tolist()],
-    }
+    return {"x": [*x.tolist(), *x[-2::-1].tolist()], "y": [*y.tolist(), *(-y[-2::-1]).tolist()]}
 
 
 def circle() -> dict[str, list[float]]:

@@ -13,8 +13,4 @@ def meshed(elements: int, **keys: Any) -> dict[str, Any]:
     body = BeamBody.model_validate({**BAR, "elements": elements, **keys})
     line = line_of(body)
     nodes = division(body, line)
-    return {
-        "length": line.length,
-        "elements": len(nodes) - 1,
-        "line": line_table(line, nodes),
-    }
+    return {"length": line.length, "elements": len(nodes) - 1, "line": line_table(line, nodes)}

@@ -47,13 +47,7 @@ def laminate_of(name: str, laminate: Laminate, materials: tuple[str, ...]) -> Sh
         )
     )
     return ShellLaminate(
-        name,
-        plies,
-        stiffness.ABD,
-        stiffness.Ds,
-        stiffness.mass,
-        stress_operators(laminate),
-        known,
+        name, plies, stiffness.ABD, stiffness.Ds, stiffness.mass, stress_operators(laminate), known
     )
 
 

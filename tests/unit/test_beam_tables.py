@@ -70,8 +70,7 @@ def test_segments_of_a_table_have_its_stations(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "section",
-    [{"stiffness": np.eye(6).tolist()}, {"stiffness": 1, "mass": 2, "trapeze": 3}],
+    "section", [{"stiffness": np.eye(6).tolist()}, {"stiffness": 1, "mass": 2, "trapeze": 3}]
 )
 def test_the_preprocessor_refuses_other_matrices(section):
     with pytest.raises(SpecError, match=r"section.(stiffness|mass): expected .*numbers"):

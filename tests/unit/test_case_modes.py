@@ -104,11 +104,7 @@ BAD = {
         '{ kind = "mean-axis" }',
         r'modes\[0\]\.kind = "spinning-xz": expected reference\.kind "clamped" or "chord"',
     ),
-    "how many": (
-        '{ kind = "spinning-xz", count = 9 }',
-        "{}",
-        r"modes\.0\.count = 9: .*8",
-    ),
+    "how many": ('{ kind = "spinning-xz", count = 9 }', "{}", r"modes\.0\.count = 9: .*8"),
     "count": ('{ kind = "static-axial", count = 2 }', "{}", r"modes\.0\.count: unknown key"),
 }
 

@@ -12,8 +12,7 @@ from plymotion.solver.run.execution import execute, read_run
 
 
 @pytest.mark.parametrize(
-    ("count", "text"),
-    [(0, ""), (1, "0"), (5, "0, 1, 2, 3, 4"), (6, "0, 1, 2, 3, 4 and 1 more")],
+    ("count", "text"), [(0, ""), (1, "0"), (5, "0, 1, 2, 3, 4"), (6, "0, 1, 2, 3, 4 and 1 more")]
 )
 def test_first_five_and_how_many_more(count: int, text: str) -> None:
     assert few(map(str, range(count))) == text

@@ -239,9 +239,7 @@ def test_stepping_an_ended_run_is_a_programming_error(name):
 def test_a_run_can_be_continued(name):
     integrator = run(name, rtol=1e-8, atol=1e-10)
     first = integrate(
-        integrator,
-        [0.0, 5.0],
-        on_step=lambda i: StopRequest(i.t, "pause") if i.t > 2 else None,
+        integrator, [0.0, 5.0], on_step=lambda i: StopRequest(i.t, "pause") if i.t > 2 else None
     )
     assert first.status == "stopped"
     second = integrate(integrator, [4.0, 5.0])

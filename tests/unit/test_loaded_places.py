@@ -26,11 +26,7 @@ def test_a_force_along_the_coordinate_of_a_joint_adds_no_place():
 def test_each_place_once_in_the_order_of_use():
     table = pendulum(links=2)
     table["forces"] = {
-        "rope": {
-            "kind": "spring",
-            "between": ["ground.origin", "link1.tip"],
-            "stiffness": 1.0,
-        }
+        "rope": {"kind": "spring", "between": ["ground.origin", "link1.tip"], "stiffness": 1.0}
     }
     mechanism = Mechanism.model_validate(table)
     assert loaded_places("link1", mechanism) == ["root", "tip"]

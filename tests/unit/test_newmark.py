@@ -16,13 +16,7 @@ def test_an_oscillator_under_a_constant_load(deformed):
     t, w, load = np.linspace(0.0, 1.0, 2001), 20.0, 3.0
     start = np.array([load / w**2]) if deformed else None
     q, v, _ = newmark(
-        t,
-        np.full((len(t), 1), load),
-        one(1.0)[None],
-        np.array([0]),
-        one(w**2),
-        one(0.0),
-        start,
+        t, np.full((len(t), 1), load), one(1.0)[None], np.array([0]), one(w**2), one(0.0), start
     )
     exact = np.full(len(t), load / w**2) if deformed else load / w**2 * (1.0 - np.cos(w * t))
     # gamma = 0.55: amplitudes decrease by (gamma - 1/2) w^2 h t / 2 at most

@@ -30,10 +30,7 @@ def designed() -> ModalPackage:
     stiffer = {"modes/stiffness": 2.0 * package.stiffness}
     return replace(
         package,
-        design=(
-            Derivative("b", "number", (), stiffer),
-            Derivative("a", "angle", TARGETS, tenth),
-        ),
+        design=(Derivative("b", "number", (), stiffer), Derivative("a", "angle", TARGETS, tenth)),
     )
 
 

@@ -74,10 +74,7 @@ def test_round_trip_of_a_body_without_modes_sections_or_labels(tmp_path: Path) -
 def test_names_outside_ascii_and_order_of_interfaces_survive(tmp_path: Path) -> None:
     full = cantilever()
     base, tip = full.interfaces
-    renamed = (
-        dataclasses.replace(tip, name="z Spitze ü"),
-        dataclasses.replace(base, name="a 端"),
-    )
+    renamed = (dataclasses.replace(tip, name="z Spitze ü"), dataclasses.replace(base, name="a 端"))
     package = dataclasses.replace(full, body="Träger", interfaces=renamed)
     write_package(tmp_path / "b.vtkhdf", package)
     assert same(package, read_package(tmp_path / "b.vtkhdf"))

@@ -106,20 +106,14 @@ BAD_STRENGTH = {"cfrp": {**PLY, "strength": {"Xt": 1.0}}}
         ),
         (with_section(materials={"cfrp": 3}), f"{SECTION}/materials: cfrp: expected a table"),
         (with_section(materials=BAD_STRENGTH), f"{SECTION}/materials: cfrp.strength.Xc: missing"),
-        (
-            with_section(points=np.zeros((11, 2))),
-            "points: expected shape (p, 2) = (12, 2)",
-        ),
+        (with_section(points=np.zeros((11, 2))), "points: expected shape (p, 2) = (12, 2)"),
         (with_stations(section=np.ones(17, dtype=np.int64)), "recovery/section: expected rows 0"),
         (
             with_stations(station_x=-np.arange(17.0)),
             "recovery/station_x: expected positions in asc",
         ),
         (with_stations(A_BE=2 * np.eye(3)), "recovery/A_BE: expected a rotation matrix"),
-        (
-            with_stations(resultants_E=np.zeros((17, 6, 3))),
-            "(17, 6, 4), got (17, 6, 3)",
-        ),
+        (with_stations(resultants_E=np.zeros((17, 6, 3))), "(17, 6, 4), got (17, 6, 3)"),
         (with_stations(resultants_E=np.full((17, 6, 4), np.inf)), "resultants_E: expected finite"),
     ],
 )

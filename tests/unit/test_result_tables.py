@@ -9,11 +9,7 @@ import pytest
 from samples.result_samples import crowd
 
 from plymotion.solver.math.rows import StoredRows, temporary_file
-from plymotion.solver.results import (
-    ResultError,
-    read_result,
-    write_result,
-)
+from plymotion.solver.results import ResultError, read_result, write_result
 from plymotion.solver.results.schema import BodyView, Loads
 from plymotion.solver.results.surfaces import all_positions, node_positions
 

@@ -78,10 +78,7 @@ PLIES = rectangle().recovery.plies
             dataclasses.replace(rectangle(), warping=np.zeros((6, 116, 3))),
             ["/section/warping", "(6, n, 3) = (6, 117, 3)"],
         ),
-        (
-            dataclasses.replace(rectangle(), provenance={"x": object()}),
-            ["provenance", "JSON"],
-        ),
+        (dataclasses.replace(rectangle(), provenance={"x": object()}), ["provenance", "JSON"]),
         (with_mesh(ply=np.full(24, 4)), ["/section/mesh/ply", "rows 0 ... 3", "4 ... 4"]),
         (with_mesh(region=np.full(24, -1)), ["/section/mesh/region", "rows 0 ... 1"]),
         (with_mesh(regions=("a", "a")), ["/section/mesh/regions", "unique"]),

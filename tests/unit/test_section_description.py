@@ -81,12 +81,7 @@ def test_walls_get_plies_directions_and_rows(box):
     for ply in range(1, 7):  # each ends on a mesh line
         assert min(abs(row - ply / 6) for row in rows) < 1e-9
     directions = {name: region["direction"]["vector"] for name, region in spec["regions"].items()}
-    assert directions == {
-        "top": [1, 0],
-        "right": [0, -1],
-        "bottom": [-1, 0],
-        "left": [0, 1],
-    }
+    assert directions == {"top": [1, 0], "right": [0, -1], "bottom": [-1, 0], "left": [0, 1]}
     assert angles(spec["regions"]["top"]) == [0, 30, 0, 30, 0, 30]
     assert angles(spec["regions"]["left"]) == [-15, -15, 15, 15, -15, -15]
     assert spec["regions"]["left"]["plies"][0] == {

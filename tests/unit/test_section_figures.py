@@ -11,12 +11,7 @@ from samples.section_samples import rectangle
 from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.package.section.schema import Ply, SectionFile
 from plymotion.solver.package.section.stress import cell_means, unit_stress
-from plymotion.solver.report.section.drawing import (
-    CellField,
-    detail_of,
-    ply_colours,
-    shape_of,
-)
+from plymotion.solver.report.section.drawing import CellField, detail_of, ply_colours, shape_of
 from plymotion.solver.report.section.figures import draw_section, shear_flow
 
 

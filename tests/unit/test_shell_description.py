@@ -180,8 +180,7 @@ def test_plies_of_their_own_repeats(plate: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "held"),
-    [("symmetry-x", ["ux", "ry", "rz"]), ("symmetry-y", ["uy", "rx", "rz"])],
+    ("word", "held"), [("symmetry-x", ["ux", "ry", "rz"]), ("symmetry-y", ["uy", "rx", "rz"])]
 )
 def test_mirrors(plate: Path, word: str, held: list[str]) -> None:
     change(plate, 'fixed = "all"', f'fixed = "{word}"')

@@ -300,17 +300,9 @@ def test_defaults_and_their_reasons() -> None:
 @pytest.mark.parametrize(
     ("table", "kind", "message"),
     [
-        (
-            {**KAW_TABLE, "Xs": 1e6},
-            "orthotropic",
-            r"cfrp\.strength\.Xs: unknown strength of",
-        ),
+        ({**KAW_TABLE, "Xs": 1e6}, "orthotropic", r"cfrp\.strength\.Xs: unknown strength of"),
         ({**KAW_TABLE, "F12_stra": 1}, "orthotropic", r"F12_stra: .*did you mean 'F12_star'"),
-        (
-            {k: v for k, v in KAW_TABLE.items() if k != "Yc"},
-            "orthotropic",
-            r"Yc: missing, exp",
-        ),
+        ({k: v for k, v in KAW_TABLE.items() if k != "Yc"}, "orthotropic", r"Yc: missing, exp"),
         ({**KAW_TABLE, "Xc": -1500e6}, "orthotropic", r"Xc = -1.5e\+09 Pa: expected a value above"),
         ({**KAW_TABLE, "S12": "68"}, "orthotropic", r"S12 = '68': expected a number \[Pa\]"),
         ({**KAW_TABLE, "S12": math.nan}, "orthotropic", r"S12 = nan: expected a number"),
@@ -318,11 +310,7 @@ def test_defaults_and_their_reasons() -> None:
         ({**KAW_TABLE, "F12_star": -0.6}, "orthotropic", r"F12_star = -0.6: expected -0.5 <= F12_"),
         ({**KAW_TABLE, "F12_star": 1.0}, "orthotropic", r"F12_star = 1: expected -0.5 <= F12"),
         ({}, "isotropic", r"yield_stress: missing, expected a stress"),
-        (
-            {"Xt": 1.0},
-            "isotropic",
-            r"Xt: unknown strength of an isotropic material; expected",
-        ),
+        ({"Xt": 1.0}, "isotropic", r"Xt: unknown strength of an isotropic material; expected"),
         (3.0, "isotropic", r"expected a table of strengths, got 3.0"),
         ({}, "granular", r"a material of kind 'granular' has no strengths"),
     ],

@@ -116,10 +116,7 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
     case = pm.load(out)
     assert list(case.couplings) == ["jaw_2_mimic", "thumb_mimic"]
     case.joints.jaw_1.drive = {"polynomial": [0.0, 0.1]}
-    case.joints["drive"] = {
-        "kind": "fixed",
-        "between": ["ground.drive", "cart.drive"],
-    }
+    case.joints["drive"] = {"kind": "fixed", "between": ["ground.drive", "cart.drive"]}
     case.solver.t_end = 0.2
     found = pm.run(case, out=str(tmp_path / "build")).signals
     assert found["jaw_1_q"].final == pytest.approx(0.02, abs=1e-9)

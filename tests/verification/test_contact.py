@@ -190,10 +190,7 @@ def test_a_tilted_disc_rolls_in_a_circle(tmp_path):
         ({"disc_axis": [0, 1, 0]}, "forces.k.radius = 0: expected the radius of the disc"),
         ({"radius": -1.0}, "forces.k.radius = -1.0"),
         ({"restitution": 0.0}, "forces.k.restitution = 0.0"),
-        (
-            {"between": ["ground.floor", "ball.d"]},
-            'forces.k.between = "ball.d": body "ball"',
-        ),
+        ({"between": ["ground.floor", "ball.d"]}, 'forces.k.between = "ball.d": body "ball"'),
     ],
 )
 def test_bad_input(tmp_path, keys, words):

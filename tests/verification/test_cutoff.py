@@ -161,10 +161,7 @@ class _UntilStalled:
 @pytest.mark.provokes("steps-tiny")
 @pytest.mark.parametrize(
     ("changes", "words"),
-    [
-        ({"cutoff_frequency": 0.0}, "cutoff_frequency"),
-        ({"integrator": "gear"}, "max_order = 2"),
-    ],
+    [({"cutoff_frequency": 0.0}, "cutoff_frequency"), ({"integrator": "gear"}, "max_order = 2")],
 )
 def test_a_stall_that_is_not_answered_is_explained(four_bar, changes, words):
     """Soon, with body, mode and remedy; what the user has set stays set."""

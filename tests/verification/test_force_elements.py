@@ -2,13 +2,7 @@
 
 import numpy as np
 import pytest
-from samples.flexible_samples import (
-    body_of,
-    difference,
-    random_marker,
-    random_points,
-    random_state,
-)
+from samples.flexible_samples import body_of, difference, random_marker, random_points, random_state
 
 from plymotion.solver.dynamics.elements.forces.table import FIRST_LOAD, KINDS, N_PARAMETER
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative, energies

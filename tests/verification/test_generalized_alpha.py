@@ -157,11 +157,7 @@ def amplification(rho: float, wh: float) -> np.ndarray:
     """
     alpha_m, alpha_f, gamma, beta = coefficients(rho)
     # unknowns y_1, h v_1, h^2 a_1
-    new = [
-        [1.0, 0.0, -beta],
-        [0.0, 1.0, -gamma],
-        [(1 - alpha_f) * wh**2, 0.0, 1 - alpha_m],
-    ]
+    new = [[1.0, 0.0, -beta], [0.0, 1.0, -gamma], [(1 - alpha_f) * wh**2, 0.0, 1 - alpha_m]]
     old = [[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1 - gamma], [-alpha_f * wh**2, 0.0, -alpha_m]]
     return np.linalg.solve(np.array(new), np.array(old))
 

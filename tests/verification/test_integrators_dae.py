@@ -32,10 +32,7 @@ def test_observed_order_is_two(make, formulation):
         y = integrate(made, [0.0, t_end]).y[-1]
         assert made.counters.steps == n
         errors.append(
-            [
-                np.abs((y - exact)[: model.n_pos]).max(),
-                np.abs((y - exact)[model.n_pos : -1]).max(),
-            ]
+            [np.abs((y - exact)[: model.n_pos]).max(), np.abs((y - exact)[model.n_pos : -1]).max()]
         )
     rates = np.log2(np.array(errors[:-1]) / errors[1:])
     np.testing.assert_allclose(rates, 2.0, atol=0.25)

@@ -3,23 +3,13 @@
 import numpy as np
 import pytest
 from samples.case_samples import rigid, run_text
-from samples.flexible_samples import (
-    body_of,
-    difference,
-    random_marker,
-    random_points,
-    random_state,
-)
+from samples.flexible_samples import body_of, difference, random_marker, random_points, random_state
 
 from plymotion.solver.dynamics.elements.joints.contract import FREEDOMS
 from plymotion.solver.dynamics.elements.joints.table import CONSTRAINTS, DRIVES, KINDS
 from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.math import laws
-from plymotion.solver.math.rotations import (
-    along_parameters,
-    matrix_to_parameters,
-    vector_to_matrix,
-)
+from plymotion.solver.math.rotations import along_parameters, matrix_to_parameters, vector_to_matrix
 from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
