@@ -230,6 +230,9 @@ def add_blade(parser: Any) -> None:
     parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help=text)
     text = "also the case of the turbine in the wind, and its steady operation (docs/rotor.md)"
     flag(parser, "rotor", text)
+    text = "with --rotor: a library with Bladed's interface and its input file, such as ROSCO's"
+    names = ("LIBRARY", "INPUT")
+    parser.add_argument("--controller", type=Path, nargs=2, metavar=names, help=text)
     flag(parser, "no-estimate", "skip the error estimate")
     flag(parser, "check", "write meshes and descriptions of the stations only")
     flag(parser, "quiet", "no progress")

@@ -36,12 +36,18 @@ def calling_forces(mechanism: "Mechanism") -> list[str]:
 def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
     """Return the functions of the user by force, each with a memory of its own; runs their files.
 
+    Functions of one file see the same variables of it.
+
     Raises
     ------
     InputError
         A file that fails, or has no such function.
     """
-    return {name: _loaded(f"forces.{name}.code", code) for name, code in _codes(mechanism).items()}
+    spaces: dict[tuple[str, str], dict[str, object]] = {}
+    return {
+        name: _loaded(f"forces.{name}.code", code, spaces)
+        for name, code in _codes(mechanism).items()
+    }
 
 
 def _codes(mechanism: "Mechanism") -> dict[str, Any]:
@@ -54,10 +60,12 @@ def _codes(mechanism: "Mechanism") -> dict[str, Any]:
     return found
 
 
-def _loaded(key: str, code: Any) -> Called:
-    space: dict[str, object] = {"__name__": "user_code"}
+def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, object]]) -> Called:
+    space = spaces.setdefault((code.file, code.source), {})
     try:
-        exec(compile(code.source, code.file, "exec"), space)
+        if not space:
+            space["__name__"] = "user_code"
+            exec(compile(code.source, code.file, "exec"), space)
     except Exception as error:
         raise InputError(f'{key}.file = "{code.file}": {_words(error)}') from error
     function = space.get(code.function)

@@ -1,6 +1,9 @@
 """What `plymotion blade --rotor` writes: strips, polars and operation from a windIO file."""
 
 import csv
+import os
+import shutil
+import subprocess
 import tomllib
 from copy import deepcopy
 from types import SimpleNamespace
@@ -89,14 +92,26 @@ def whole():
 
 
 @pytest.fixture(scope="module")
-def rigid_case(tmp_path_factory):
-    """Folder, the case of the turbine on rigid blades, its rotor and its operating points."""
+def written(tmp_path_factory):
+    """Folder, and what `write_turbine` needs before its folder."""
     folder = tmp_path_factory.mktemp("turbine")
     blade = read_blade(write_blade(folder, whole()))
     M = np.diag([100.0, 100.0, 100.0, 50.0, 10.0, 40.0])
     made = [SimpleNamespace(r=r, results=SimpleNamespace(M=M)) for r in (0.0, 0.5, 1.0)]
     _, strips, rotor, points = write_rotor(blade, folder)
+    return folder, (blade, made, strips, rotor, points)
+
+
+@pytest.fixture(scope="module")
+def rigid_case(written):
+    """Folder, the case of the turbine on rigid blades, its rotor and its operating points."""
+    folder, (blade, made, strips, rotor, points) = written
     write_turbine(blade, made, strips, rotor, points, folder)
+    return folder, *with_rigid_blades(folder, rotor, points)
+
+
+def with_rigid_blades(folder, rotor, points):
+    """The case of the turbine on rigid blades, its rotor, its operating points and its tower."""
     case = tomllib.loads((folder / "rotor.toml").read_text())
     points_of = rotor.mechanism.model_dump()["bodies"]["blade-1"]["interfaces"]
     tower = np.loadtxt(folder / "tower.csv", delimiter=",", skiprows=1)
@@ -112,7 +127,7 @@ def rigid_case(tmp_path_factory):
         del case[group][name]
     case["ground"] = {"top": {"position": case["bodies"]["nacelle"]["position"]}}
     case["joints"]["yaw"]["between"][0] = "ground.top"
-    return folder, case, rotor, points, tower
+    return case, rotor, points, tower
 
 
 def test_the_speed_follows_its_loop(rigid_case, tmp_path):
@@ -170,6 +185,63 @@ def test_the_speed_follows_its_loop(rigid_case, tmp_path):
     expected = solve_ivp(rates, (0.0, 16.0), np.zeros(5), t_eval=result.t, rtol=1e-8).y[0]
     change = found["speed"] - point.speed
     assert np.abs(change - expected).max() < 0.1 * np.abs(expected).max()
+
+
+BLADED = """
+/* Pitch: 0.3 rad after the first second, as fast as the speed grows before; torque: 1e5 N m. */
+void DISCON(float *swap, int *failed, const char *input, const char *output, char *message) {
+  *failed = input[0] == '/' ? 0 : -1;
+  if (swap[1] > 2.01f) *failed = -1;
+  for (int k = 0; k < 9; k++) message[k] = "too late"[k];
+  swap[44] = swap[1] > 0.99f ? 0.3f : swap[3];
+  swap[46] = 1e5f * (swap[0] > 0.5f) + 10.0f * swap[19];
+}
+"""
+
+
+def test_a_library_with_the_interface_of_bladed_controls_torque_and_pitch(written, tmp_path):
+    """Its records: status, time, pitch and speed go in, torque and pitch come out."""
+    compiler = shutil.which(os.environ.get("CC") or "cc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    folder, (blade, made, strips, rotor, points) = written
+    (tmp_path / "control.c").write_text(BLADED)
+    library, given = tmp_path / "control.so", tmp_path / "DISCON.IN"
+    given.write_text("")
+    subprocess.run(
+        [compiler, "-shared", "-fPIC", "-o", library, tmp_path / "control.c"], check=True
+    )
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+    files = write_turbine(blade, made, strips, rotor, points, tmp_path, (library, given))
+    assert tmp_path / "bladed.py" in files
+    case, *_ = with_rigid_blades(tmp_path, rotor, points)
+    case["solver"] |= {"t_end": 2.0, "output_step": 0.05}
+    case["signals"]["start"] = {"kind": "force", "of": "generator"}
+    case["runs"] = {"all": {}}
+    for key in ("figures", "sweeps", "coarse", "variants"):
+        del case[key]
+    (tmp_path / "case.toml").write_text(toml_text(case))
+    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build")
+    spec = read_run(tmp_path / "build/runs/all.json")
+    with pytest.raises(InputError, match=r"bladed\.py\": runs Python code"):
+        execute(spec, progress=False)
+    result, _ = execute(spec, progress=False, allow_python=True)
+    found = {s.name: s.values for s in result.signals}
+    late = (result.t > 0.2) & (result.t < 1.9)
+    torque = found["torque"] + found["start"]
+    np.testing.assert_allclose(torque[late], -1e5 - 10.0 * found["speed"][late], rtol=1e-4)
+    before, after = found["pitch"][result.t < 1.0], found["pitch"][result.t > 1.8]
+    np.testing.assert_allclose(before, before[0], atol=0.02)
+    np.testing.assert_allclose(after, 0.3, atol=0.02)
+    spec = spec.changed({"solver.t_end": 3.0})
+    with pytest.raises(InputError, match=r"control\.so: too late"):
+        execute(spec, progress=False, allow_python=True)
+    program = (tmp_path / "bladed.py").read_text()
+    (tmp_path / "bladed.py").write_text(program.replace("control.so", "absent.so"))
+    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build")
+    spec = read_run(tmp_path / "build/runs/all.json")
+    with pytest.raises(InputError, match=r"code\.file = .*absent\.so: cannot open"):
+        execute(spec, progress=False, allow_python=True)
 
 
 def test_the_tower_is_a_tube(rigid_case):

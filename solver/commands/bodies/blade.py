@@ -37,6 +37,10 @@ def run_blade(options: argparse.Namespace) -> int:
 
 def _run_blade(options: argparse.Namespace) -> int:
     out = options.out or folder_of(options.file)
+    for file in options.controller or ():
+        if not (options.rotor and file.is_file()):
+            why = "no such file" if options.rotor else "expected --rotor"
+            raise InputError(f"blade: --controller {file}: {why}")
     codes: list[int] = []
 
     def failed(name: str, r: float, error: Exception) -> None:
@@ -60,7 +64,8 @@ def _run_blade(options: argparse.Namespace) -> int:
     print(station_text(meshed.blade, stations))
     print(f"{out}/{TABLE}: {len(complete(stations))} stations")
     try:
-        files = write_whole(meshed, stations, options.to, rotor=options.rotor)
+        control = options.controller or ()
+        files = write_whole(meshed, stations, options.to, rotor=options.rotor, controller=control)
     except InputError as error:
         if len(complete(stations)) == len(meshed.places):
             raise

@@ -137,7 +137,12 @@ def collected(meshed: Meshed, failed: Container[str]) -> list[Station]:
 
 
 def write_whole(
-    meshed: Meshed, stations: Sequence[Station], code: str | None, *, rotor: bool = False
+    meshed: Meshed,
+    stations: Sequence[Station],
+    code: str | None,
+    *,
+    rotor: bool = False,
+    controller: Sequence[Path] = (),
 ) -> list[Path]:
     """Write what needs all stations: the beam body, its case, files for another code.
 
@@ -145,6 +150,7 @@ def write_whole(
     ----------
     code : "beamdyn" or "hawc2"; None: no files for another code
     rotor : also its strips and polars in the wind, and its steady operation
+    controller : of that rotor, see `write_turbine`
 
     Raises
     ------
@@ -164,7 +170,8 @@ def write_whole(
         written, strips, wind, points = write_rotor(meshed.blade, meshed.folder)
         files += written
         if len(done) > 1:
-            files += write_turbine(meshed.blade, stations, strips, wind, points, meshed.folder)
+            turbine = meshed.blade, stations, strips, wind, points, meshed.folder
+            files += write_turbine(*turbine, controller)
     return files
 
 

@@ -23,6 +23,8 @@ from .windio import Blade, turbine_table
 ROTOR_CASE, TOWER = "rotor.toml", "tower.csv"
 MODES = 4  # lowest vibrations of a free blade, beside the static shapes
 TEMPLATES = Path(__file__).with_name("turbine_case.txt")
+BLADED, BLADED_TEXT = "bladed.py", Path(__file__).with_name("bladed.txt")
+SAMPLE = 0.05  # [s] between calls of a controller with the interface of Bladed
 FLAT = 5.0  # [deg] above the least pitch, where the change of the torque by pitch is not used
 BEARING = 2.0 * math.pi * 10.0  # [rad/s] of a blade on its pitch drive
 
@@ -38,12 +40,14 @@ def write_turbine(
     rotor: RigidRotor,
     points: Sequence[Point],
     folder: Path,
+    controller: Sequence[Path] = (),
 ) -> list[Path]:
     """Write the case of a turbine, and the table of its tower; returns the files.
 
     Parameters
     ----------
     points : steady operation over the wind
+    controller : a library with the interface of Bladed, and its input file; else our own
 
     Raises
     ------
@@ -94,7 +98,9 @@ def write_turbine(
             centre=_list(tables.numbers(nacelle, f"{where}.location", 3)),
             inertia=_symmetric(tables.numbers(nacelle, f"{where}.inertia", 6)),
         )
-    text = part["HEAD"].format(
+    own_law = not controller
+    text = "".join(part[k] for k in ("HEAD", "CONTROL" if own_law else "BLADED", "HUB")).format(
+        bladed=BLADED, sample=SAMPLE, start_torque=steady.torque,
         name=blade.file.name, file=ROTOR_CASE, title=toml_value(f"{blade.file.stem} in the wind"),
         wind=steady.wind, speed=steady.speed, pitch=steady.pitch, fine=math.radians(steady.fine),
         rated=t.rated, slowest=t.slowest or 0.2 * t.rated, torque=t.rated_torque,
@@ -113,6 +119,14 @@ def write_turbine(
     loaded = [("tip", ["z", "rx"]), *((name, ["rx"]) for name in twisted)]
     shapes = [{"kind": "attachment", "at": at, "directions": list(d)} for at, d in loaded]
     k = J_pitch * BEARING**2
+    if controller:
+        library, given = (str(file.resolve()) for file in controller)
+        ratio = _ratio(drive)
+        program = BLADED_TEXT.read_text("utf-8").format(
+            library=library, input=given, sample=SAMPLE, blades=t.blades, ratio=ratio, k=k
+        )
+        write_text(folder / BLADED, program)
+        files.append(folder / BLADED)
     places = ", ".join(f"{s.name} = {{ at = {s.at:.8g} }}" for s in strips)
     for i, name in enumerate(rotor.blades):
         local = blade_axes(i, t.blades, blade.hub.cone_deg)
@@ -129,12 +143,14 @@ def write_turbine(
                 shapes=toml_value(shapes)[1:-1],
                 root=_list(centre + turn @ root), spin=toml_value(spin), places=places,
                 rotation=_list(np.degrees(matrix_to_vector(A))), axis=_list(-A[:, 0]), k=k,
-                c=1.4 * k / BEARING,
+                c=1.4 * k / BEARING, asked="state('pitch')" if own_law else "pitch_deg * pi / 180",
             )
         )  # fmt: skip
+        parts += [] if own_law else [part["DEMAND"].format(i=i + 1, bladed=BLADED, sample=SAMPLE)]
     tail = part["TAIL"].format(
         wind=steady.wind, step=step.wind, step_speed=step.speed,
-        step_pitch=step.pitch, step_fine=math.radians(step.fine),
+        step_pitch=step.pitch, step_fine=math.radians(step.fine), step_torque=step.torque,
+        torque="generator" if own_law else "control", torques=_list([p.torque for p in points]),
         winds=_list([p.wind for p in points]), speeds=_list([p.speed for p in points]),
         pitches=_list([p.pitch for p in points]),
         fines=_list([math.radians(p.fine) for p in points]),
@@ -167,11 +183,15 @@ def _hub(tables: Tables, components: Mapping[str, Any], drive: Mapping[str, Any]
     inertia = np.diag(tables.numbers(given, f"{path}.inertia")[:3])
     machine = (drive.get("generator") or {}).get("elastic_properties")
     if machine:
-        ratio = float((drive.get("gearbox") or {}).get("gear_ratio") or 1.0)
+        ratio = _ratio(drive)
         where = "components.drivetrain.generator.elastic_properties.inertia"
         turning = ratio**2 * tables.numbers(machine, where)[0]
         inertia += turning * np.diag([1.0, 0.5, 0.5])  # a disc
     return {"hub_mass": mass, "hub_centre": centre, "hub_inertia": inertia.tolist()}
+
+
+def _ratio(drive: Mapping[str, Any]) -> float:
+    return float((drive.get("gearbox") or {}).get("gear_ratio") or 1.0)
 
 
 def _inertia(blade: Blade, stations: Sequence[Station]) -> tuple[float, float]:
