@@ -12,7 +12,6 @@ from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.accelerations import assemble
 from ..inputs.case.record import loaded_places
-from ..math.arrays import Array
 from ..package import ModalPackage
 from ..results.codes import CUT_EARLY, ROTATION, Finding
 from .finished import FinishedRun
@@ -66,7 +65,10 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
         package = run.packages[name]
         peak, found = 0.0, {family.name: (family, 0.0, 0.0, 0.0) for family in _families(package)}
         stiffness, mass = np.diag(package.stiffness), np.diag(package.mass)
-        for q, rate in _modal_states(run, i):
+        m, a = int(run.model.n_mode[i]), int(run.model.pos_start[i]) + 7
+        b = run.model.n_pos + int(run.model.vel_start[i]) + 6
+        for _, y in run.blocks():
+            q, rate = y[:, a : a + m], y[:, b : b + m]
             strain, moving = 0.5 * stiffness * q**2, 0.5 * mass * rate**2
             peak = max(peak, float(strain.sum(axis=1).max()))
             for key, (family, most, slow, fast) in found.items():
@@ -99,14 +101,6 @@ def _families(package: ModalPackage) -> list[_Family]:
             label = package.mode_labels[k] if package.mode_labels else ""
             rows.setdefault(label.rpartition(" ")[0], []).append(k)
     return [_Family(name, members) for name, members in rows.items()]
-
-
-def _modal_states(run: FinishedRun, body: int) -> Iterator[tuple[Array, Array]]:
-    """Yield modal coordinates and rates of a body, (k, m) each, block by block."""
-    model, m = run.model, int(run.model.n_mode[body])
-    a, b = int(model.pos_start[body]) + 7, model.n_pos + int(model.vel_start[body]) + 6
-    for _, y in run.blocks():
-        yield y[:, a : a + m], y[:, b : b + m]
 
 
 def _without_static_shapes(

@@ -44,7 +44,7 @@ class Monitors:
     sizes: StepSizes = field(default_factory=StepSizes)
 
     def __post_init__(self) -> None:
-        self.passage.look_at_spins_above(self.spin.safe_spins())
+        self.passage.look_at_spins_above(self.spin.safe_spin)
         self.note = self.passage.note
 
     def __call__(self, steps: Steps) -> StopRequest | None:

@@ -6,7 +6,7 @@ jump of velocity is the right one. A treatment that divides by the vanishing sin
 follows its own rounding instead, often with the energy kept: no other check detects this.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -184,7 +184,8 @@ class SingularityMonitor:
         sigma = self._known.sigma
         near = sigma < NEAR * self._rank.typical
         if not (near or interval or self._before is not None):
-            self._note(last, now)
+            change = float(np.linalg.norm(now.velocity - last.velocity))
+            self._hardest = max(self._hardest, change / (now.t - last.t))
             return None, self._adapt(pivot, steps.t[i + 1], steps.y[i + 1])
         if self._before is None:
             self._inside(last)
@@ -247,9 +248,10 @@ class SingularityMonitor:
         """Observes the next step by itself; tells whether it is time to call the monitor."""
         return partial(note, self.model, self._observation)
 
-    def look_at_spins_above(self, safe: Array) -> None:
-        """Have `note` ask for a look where a body spins faster than safe (nb,) [rad/s]."""
-        self._observation.safe[:] = safe**2
+    def look_at_spins_above(self, safe: Mapping[int, float]) -> None:
+        """Have `note` ask for a look where a body spins faster than safe [rad/s]."""
+        for body, spin in safe.items():
+            self._observation.safe[body] = spin**2
 
     def _seen(self, steps: Steps, i: int = 0) -> tuple[Array, Array]:
         """Energies (k, 3) and least pivots (k,) of the steps from i on."""
@@ -289,10 +291,6 @@ class SingularityMonitor:
         self._hardest = max(self._hardest, hardest)
         self.energy.take(steps.t[i + 1 : j + 1], energy[i:j], steps.y[i + 1 : j + 1, -1])
         self._last = _State(float(steps.t[j]), velocity[-1], self.energy.balance)
-
-    def _note(self, last: _State, now: _State) -> None:
-        change = float(np.linalg.norm(now.velocity - last.velocity))
-        self._hardest = max(self._hardest, change / (now.t - last.t))
 
     def _where(self, t: float, names: list[str]) -> str:
         return f"the constraint Jacobian loses rank at t = {t:.6g} s, in joints {few(names)}"

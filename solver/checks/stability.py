@@ -15,7 +15,7 @@ from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.elements.floating_frame import stiffening_matrices
 from ..dynamics.elements.joints.table import RIGID
 from ..dynamics.evaluation import series
-from ..dynamics.model.model import GROUND, Model
+from ..dynamics.model.model import GROUND, Model, modal_matrix
 from ..integrators.generic.base import Dense
 from ..integrators.generic.drive import Steps, StopRequest
 from ..math.arrays import Array, IntArray
@@ -55,7 +55,7 @@ def _inertias(model: Model) -> dict[int, _Inertia]:
     found = {}
     for i in np.flatnonzero(model.n_mode).tolist():
         m, two = int(model.n_mode[i]), int(model.square_start[i])
-        M, K = (of[two : two + m * m].reshape(m, m).copy() for of in (model.M_qq, model.K_qq))
+        M, K = (modal_matrix(model, of, i).copy() for of in (model.M_qq, model.K_qq))
         T11 = model.T11[9 * two : 9 * (two + m * m)].reshape(3, 3, m, m)
         found[i] = _Inertia(M, K, 0.5 * (T11 + T11.transpose(1, 0, 3, 2)))
     for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
@@ -99,7 +99,7 @@ class SpinMonitor:
         self._held: dict[tuple[int, float, bytes], bool] = {}
         # Below this spin the margin is positive about any axis: no eigenvalues needed there. About
         # three orthogonal axes the lost stiffness adds up to twice the whole w^2 (phi.phi).
-        self._safe_spin = {
+        self.safe_spin = {
             i: self._critical(i, np.einsum("aaij->ij", self._tables[i].T11)) for i in self._flexible
         }
 
@@ -189,27 +189,23 @@ class SpinMonitor:
     def _found(self, body: int, t: float, y: Array) -> Finding:
         w = self.spin(body, y)
         name = self.body_names[body]
-        critical = self.critical_spin(body, w)
+        critical, feedback = self.critical_spin(body, w), ""
+        if (self.model.quantities.period > 0.0).any():
+            feedback = (
+                "; if a sampled controller moves it, compare with a shorter sample_time: its "
+            )
+            feedback += "loop may be unstable"
         text = (
             f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
             "natural frequency of the body in its frame, with the masses that it carries "
             f"({critical:.4g} rad/s). A linear body has no stiffness at this speed: results after "
             "this time are invalid. Set geometric_stiffening = true, use a stiffer or shorter "
-            f"body, or reduce the speed{self._feedback()}. "
+            f"body, or reduce the speed{feedback}. "
             'on_invalid = "warn" continues the run'
         )
         spin = float(np.linalg.norm(w))
         self.findings.append(SPIN.finding(text, body=name, t=t, value=spin))
         return self.findings[-1]
-
-    def _feedback(self) -> str:
-        """Another cause of motion that is too fast, where there is one."""
-        if not (self.model.quantities.period > 0.0).any():
-            return ""
-        return (
-            "; if a sampled controller moves it, compare with a shorter sample_time: its loop may "
-            "be unstable"
-        )
 
     def at_start(self, t: float, y: Array) -> Finding | None:
         """Check the start; return what is found if the run should not begin."""
@@ -241,22 +237,11 @@ class SpinMonitor:
                 request = StopRequest(t, found.text, found.code)
         return request
 
-    def safe_spin(self, body: int) -> float:
-        """Spin of a body that is not critical about any axis [rad/s]; inf: none is."""
-        return self._safe_spin[body]
-
-    def safe_spins(self) -> Array:
-        """Spins below which a body needs no look, (nb,) [rad/s]; inf: none at any spin."""
-        safe = np.full(self.model.n_body, np.inf)
-        for body, spin in self._safe_spin.items():
-            safe[body] = spin
-        return safe
-
     def _first_invalid(self, body: int, steps: Steps) -> int | None:
         """Return the first step at whose end a body is invalid; None if there is none."""
         j = self.model.n_pos + int(self.model.vel_start[body])
         w = steps.y[1:, j + 3 : j + 6]
-        doubtful = np.flatnonzero(np.einsum("ka,ka->k", w, w) >= self._safe_spin[body] ** 2)
+        doubtful = np.flatnonzero(np.einsum("ka,ka->k", w, w) >= self.safe_spin[body] ** 2)
         if doubtful.size == 0:
             return None
         w, K = w[doubtful], self._tables[body].K
@@ -395,13 +380,10 @@ class BucklingMonitor:
     def __post_init__(self) -> None:
         self._loading = Loading(self.model)
         self.spin.loads = self._stiffness_of_loads
-        self._lasts = {i: self._lasting(i) for i in self.bodies}
-
-    def _lasting(self, i: int) -> float:
-        """Return how long a loss must last to count [s]."""
-        m, two = int(self.model.n_mode[i]), int(self.model.square_start[i])
-        lowest = np.linalg.eigvalsh(self.model.K_qq[two : two + m * m].reshape(m, m))[:1]
-        return LASTS / float(lowest[0]) ** 0.5 if lowest.size and lowest[0] > 0.0 else 0.0
+        self._lasts = {}  # how long a loss must last to count [s]
+        for i in self.bodies:
+            lowest = np.linalg.eigvalsh(modal_matrix(self.model, self.model.K_qq, i))[:1]
+            self._lasts[i] = LASTS / float(lowest[0]) ** 0.5 if (lowest > 0.0).any() else 0.0
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         """Check the steps just taken; called by `integrate`."""

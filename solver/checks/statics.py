@@ -51,7 +51,14 @@ def missing_findings(run: FinishedRun) -> Iterator[Finding]:
     }
     if not packages or any(finding.level == "error" for finding in run.noticed):
         return
-    recording, windows = _look(run)
+    # The first state, and windows of neighbouring outputs: the mean of a window is the slow part
+    # of a load, as static shapes of joints vibrate fast.
+    count = run.solution.t.size
+    width = min(WIDTH, count)
+    windows = max(1, min(WINDOWS, count // width))
+    begin = np.linspace(0, count - width, windows).astype(int)
+    rows = np.append(0, (begin[:, None] + np.arange(width)).ravel())
+    recording = Recording(run.model, run.solution.t[rows], run.solution.y[rows])
     for i, package in packages.items():
         found = _missing(run, i, package, recording, windows)
         if found.share > FEW_MODES.limit:
@@ -220,19 +227,6 @@ def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Record
         at = int(np.argmin(np.abs(places - model.marker_x[marker]).sum(axis=1)))
         forces[:, at] += np.einsum("kba,kcb->kca", A, load)
     return np.hstack([forces.reshape(len(A), -1), inertia.reshape(len(A), -1)])
-
-
-def _look(run: FinishedRun) -> tuple[Recording, int]:
-    """Return the first state and windows of neighbouring outputs, and the number of windows.
-
-    The mean of a window is the slow part of a load: static shapes of joints vibrate fast.
-    """
-    count = run.solution.t.size
-    width = min(WIDTH, count)
-    windows = max(1, min(WINDOWS, count // width))
-    first = np.linspace(0, count - width, windows).astype(int)
-    rows = np.append(0, (first[:, None] + np.arange(width)).ravel())
-    return Recording(run.model, run.solution.t[rows], run.solution.y[rows]), windows
 
 
 def _means(values: Array, windows: int) -> Array:

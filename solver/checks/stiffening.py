@@ -13,7 +13,7 @@ from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
-from ..dynamics.model.model import Model
+from ..dynamics.model.model import Model, modal_matrix
 from ..math.arrays import Array
 from ..mechanism.build import build
 from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION, Finding
@@ -29,7 +29,13 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
     if asked:
         for name, package in run.packages.items():
             if package.second_order is None and package.n_mode:
-                yield _without_data(name)
+                text = (
+                    f"{name}: geometric_stiffening was asked for, but the package of the body has "
+                    "no second-order data: the body stays linear. Beams of up to 40 modes have "
+                    "them since format 1.3 of the package, shells with second_order = true: build "
+                    "it again"
+                )
+                yield NO_STIFFENING_DATA.finding(text, body=name)
     if all(package.second_order is None for package in run.packages.values()):
         return
     again = None if asked else build(run.mechanism, dict(run.packages), stiffening=True)
@@ -42,15 +48,6 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
             yield from _of_stiffened(run, i, loading)
         else:
             yield from _of_linear(run, tables, i, loading)
-
-
-def _without_data(name: str) -> Finding:
-    text = (
-        f"{name}: geometric_stiffening was asked for, but the package of the body has no "
-        "second-order data: the body stays linear. Beams of up to 40 modes have them since format "
-        "1.3 of the package, shells with second_order = true: build it again"
-    )
-    return NO_STIFFENING_DATA.finding(text, body=name)
 
 
 def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Finding]:
@@ -133,8 +130,7 @@ def _free_mass(model: Model, t: float, y: Array) -> float:
 def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Iterator[Finding]:
     """Yield the largest geometric stiffness of a linear body, if it is not small."""
     model, name = run.model, run.built.body_names[i]
-    m, two = int(model.n_mode[i]), int(model.square_start[i])
-    values, vectors = np.linalg.eigh(model.K_qq[two : two + m * m].reshape(m, m))
+    values, vectors = np.linalg.eigh(modal_matrix(model, model.K_qq, i))
     if values[0] <= 1e-12 * values[-1]:
         return
     scale = vectors / np.sqrt(values)

@@ -117,6 +117,11 @@ def flag(group: Any, name: str, help: str) -> None:
     group.add_argument(f"--{name}", action="store_true", help=help)
 
 
+def add(group: Any, names: str, metavar: str, help: str, type: Any = Path, **more: Any) -> None:
+    """Add an argument with a value to a parser or a group of it; `names` with blanks between."""
+    group.add_argument(*names.split(), metavar=metavar, help=help, type=type, **more)
+
+
 def add_case_options(group: Any) -> None:
     """Add --coarse and --packages to the arguments of a command that reads a case."""
     flag(group, "coarse", "apply the [coarse] variant")
@@ -172,9 +177,7 @@ def wanted_formats(options: argparse.Namespace) -> list[str]:
 
 def add_executor(group: Any, what: str) -> None:
     """Add --jobs, --executor and --scheduler to a parser or a group of it; `what` is computed."""
-    group.add_argument(
-        "--jobs", type=whole_number, metavar="N", help=f"{what} at a time (default 1)"
-    )
+    add(group, "--jobs", "N", f"{what} at a time (default 1)", whole_number)
     group.add_argument(
         "--executor",
         choices=EXECUTORS,

@@ -12,6 +12,7 @@ from ..studies.fmu import VERSIONS
 from ..studies.modes.place import at_of
 from .arguments import (
     FOLDERS,
+    add,
     add_case_options,
     add_executor,
     add_no_scripts,
@@ -72,8 +73,7 @@ def add_section(parser: Any) -> None:
     what = parser.add_argument_group("what to make")
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
     what.add_argument("--batch", metavar="LIST", help="analyse many sections, see below")
-    text = "only the k-th of N shares of LIST"
-    what.add_argument("--shard", type=shard, metavar="k/N", help=text)
+    add(what, "--shard", "k/N", "only the k-th of N shares of LIST", shard)
     text = "refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A"
     what.add_argument("--accuracy", type=_accuracy, metavar="A", help=text)
     flag(what, "no-estimate", "skip the error estimate (faster)")
@@ -129,8 +129,7 @@ def add_shell(parser: Any) -> None:
     kept.
     """
     add_no_scripts(parser)
-    text = "shell description or shell file"
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
+    add(parser, "files", "FILE", "shell description or shell file", nargs="+")
     _add_out(parser, "shell")
     _add_described(parser, "check", "json")
     _add_figures(parser, "draw deflected shapes and modes (default: without --json)")
@@ -169,12 +168,10 @@ def add_solid(parser: Any) -> None:
     kept.
     """
     add_no_scripts(parser)
-    text = "CAD file, description or package"
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
+    add(parser, "files", "FILE", "CAD file, description or package", nargs="+")
     text = "of a CAD file: aluminium, steel, titanium, or constants in Pa and kg/m3"
     parser.add_argument("--material", metavar="NAME|E,nu,rho", help=text)
-    text = "of the cells [m] (default: see docs/solids.md)"
-    parser.add_argument("--size", type=float, metavar="M", help=text)
+    add(parser, "--size", "M", "of the cells [m] (default: see docs/solids.md)", float)
     _add_out(parser, "solid")
     _add_described(parser, "check", "json", "force", "quiet")
     add_executor(parser, "solids")
@@ -213,21 +210,16 @@ def add_blade(parser: Any) -> None:
     example:
       plymotion blade IEA-15-240-RWT.yaml --stations 50 --to beamdyn --spin 0:0.8:0.1 -o blade
     """
-    text = "turbine file of windIO 2 (.yaml)"
-    parser.add_argument("file", type=Path, metavar="FILE", help=text)
+    add(parser, "file", "FILE", "turbine file of windIO 2 (.yaml)")
     text = "equal distances from root to tip (default: the grid of the file's chord)"
     count = partial(whole_number, least=2)
     parser.add_argument("--stations", type=count, metavar="N", help=text)
-    text = "these stations, 0 at the root, 1 at the tip"
-    parser.add_argument("--at", type=_places, metavar="R,R,...", help=text)
-    text = "folder (default build/blades/NAME)"
-    parser.add_argument("--out", "-o", type=Path, metavar="DIR", help=text)
-    text = "also files for beamdyn or hawc2"
-    parser.add_argument("--to", choices=OF_BLADES, metavar="CODE", help=text)
+    add(parser, "--at", "R,R,...", "these stations, 0 at the root, 1 at the tip", _places)
+    add(parser, "--out -o", "DIR", "folder (default build/blades/NAME)")
+    add(parser, "--to", "CODE", "also files for beamdyn or hawc2", str, choices=OF_BLADES)
     text = "also frequencies over the speed of the rotor [rad/s], or rpm: 0:12:1rpm"
     parser.add_argument("--spin", type=_speeds, metavar="FIRST:LAST:STEP", help=text)
-    text = "stations at a time (default 1)"
-    parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help=text)
+    add(parser, "--jobs", "N", "stations at a time (default 1)", whole_number, default=1)
     text = "also the case of the turbine in the wind, and its steady operation (docs/rotor.md)"
     flag(parser, "rotor", text)
     text = "with --rotor: a library with Bladed's interface and its input file, such as ROSCO's"
@@ -296,8 +288,7 @@ def add_export(parser: Any) -> None:
 
     ---
     """
-    text = "PACKAGE.vtkhdf; with --to fmu or fmu3 CASE.toml"
-    parser.add_argument("file", type=Path, metavar="FILE", help=text)
+    add(parser, "file", "FILE", "PACKAGE.vtkhdf; with --to fmu or fmu3 CASE.toml")
     parser.add_argument(
         "--to", dest="target", required=True, choices=written_formats(), help="the format"
     )
@@ -345,8 +336,7 @@ def _add_figures(group: Any, text: str) -> None:
 
 
 def _add_out(group: Any, name: str) -> None:
-    text = f"folder (default {FOLDERS[name]})"
-    group.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add(group, "--out", "DIR", f"folder (default {FOLDERS[name]})")
 
 
 def _code(text: str) -> str:

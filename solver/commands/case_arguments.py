@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from .arguments import (
+    add,
     add_case_options,
     add_doubtful,
     add_executor,
@@ -51,8 +52,7 @@ def add_new(parser: Any) -> None:
 def add_check(parser: Any) -> None:
     """Check a case file; with --out, write the input of the other commands."""
     parser.add_argument("case", type=Path, nargs="?", metavar="CASE", help="CASE.toml")
-    text = "write case.json, bodies/, runs/, sweeps/ there"
-    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add(parser, "--out", "DIR", "write case.json, bodies/, runs/, sweeps/ there")
     add_case_options(parser)
     add_no_scripts(parser)
     flag(parser, "reference", "print docs/case-reference.md")
@@ -86,8 +86,7 @@ def add_run(parser: Any) -> None:
     flag(parser, "timing", "print what the CPU seconds went to")
     flag(parser, "quiet", "no progress bar")
     case = parser.add_argument_group("with a case file")
-    text = "only this run; may be given several times"
-    case.add_argument("--run", action="append", metavar="NAME", help=text)
+    add(case, "--run", "NAME", "only this run; may be given several times", str, action="append")
     text = "the members of this sweep, in place of the runs; may be given several times"
     case.add_argument("--sweep", action="append", metavar="NAME", help=text)
     add_case_options(case)
@@ -141,8 +140,7 @@ def add_modes(parser: Any) -> None:
       plymotion modes cases/double-pendulum/case.toml --at equilibrium
       plymotion modes cases/rotating-blade/case.toml --run stiffened --at spin=0:400:20 --axis 0,0,1
     """
-    text = "CASE.toml, or a run file, build/CASE/runs/RUN.json"
-    parser.add_argument("case", type=Path, metavar="FILE", help=text)
+    add(parser, "case", "FILE", "CASE.toml, or a run file, build/CASE/runs/RUN.json")
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
     parser.add_argument("--at", default="start", metavar="STATE", help="state, see below")
     text = "axis of the spin through the origin, global, such as 0,0,1 (default: see below)"
@@ -150,8 +148,7 @@ def add_modes(parser: Any) -> None:
     text = "modes on the screen, and followed over speed (default 20)"
     parser.add_argument("--count", type=whole_number, default=20, metavar="N", help=text)
     count = partial(whole_number, least=0)
-    text = "shapes drawn and animated (default 6; 0: none)"
-    parser.add_argument("--shapes", type=count, default=6, metavar="N", help=text)
+    add(parser, "--shapes", "N", "shapes drawn and animated (default 6; 0: none)", count, default=6)
     text = "lines 1P to NP of a Campbell diagram (default 4)"
     parser.add_argument("--harmonics", type=count, default=4, metavar="N", help=text)
     text = "axes of a Campbell diagram (default auto: fixed if all modes are whirls)"
@@ -189,8 +186,7 @@ def add_sensitivities(parser: Any) -> None:
     """
     parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
-    text = "keys of numbers"
-    parser.add_argument("--of", nargs="+", required=True, metavar="KEY", help=text)
+    add(parser, "--of", "KEY", "keys of numbers", str, nargs="+", required=True)
     text = "folder of the case (default build/CASE); results go to DIR/sensitivities/RUN"
     parser.add_argument("--out", type=Path, metavar="DIR", help=text)
     add_case_options(parser)
@@ -211,15 +207,13 @@ def add_plan(parser: Any) -> None:
     """
     parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
-    text = "folder of the case (default: build/CASE)"
-    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add(parser, "--out", "DIR", "folder of the case (default: build/CASE)")
     add_packages(parser)
     add_no_scripts(parser)
     flag(parser, "no-check", "indicators only: no run of model and check")
     flag(parser, "json", "print the answer as JSON")
     flag(parser, "chart", "draw error against CPU time of the models")
-    text = "the chart (default: DIR/plans/RUN.png)"
-    parser.add_argument("--figure", type=Path, metavar="PNG", help=text)
+    add(parser, "--figure", "PNG", "the chart (default: DIR/plans/RUN.png)")
 
 
 @command("packages", "bodies.packages:run_packages")
@@ -254,10 +248,8 @@ def add_sweep(parser: Any) -> None:
     or failed, the table has their messages and the others are complete, or members are missing in
     the files that are merged; 130 interrupted, finished members are kept.
     """
-    text = "build/CASE/sweeps/SWEEP.json, written by check"
-    parser.add_argument("sweep", type=Path, metavar="SWEEP", help=text)
-    text = "folder (default build/CASE/sweeps/SWEEP)"
-    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add(parser, "sweep", "SWEEP", "build/CASE/sweeps/SWEEP.json, written by check")
+    add(parser, "--out", "DIR", "folder (default build/CASE/sweeps/SWEEP)")
     add_doubtful(parser)
     text = "only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see --merge"
     parser.add_argument("--shard", type=shard, metavar="k/N", help=text)
@@ -288,8 +280,7 @@ def add_optimise(parser: Any) -> None:
     """
     parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
     parser.add_argument("--study", metavar="NAME", help="study of the case (default: the only one)")
-    text = "folder of the case (default: build/CASE)"
-    parser.add_argument("--out", type=Path, metavar="DIR", help=text)
+    add(parser, "--out", "DIR", "folder of the case (default: build/CASE)")
     add_executor(parser, "starts")
     flag(parser, "coarse", "apply the [coarse] variant")
     flag(parser, "fresh", "compute all designs again")

@@ -151,14 +151,12 @@ def _outcome(task: _Task) -> Outcome:
     except Exception as error:
         if of_a_signal(error):
             return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
-        if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
-            return Outcome(INPUT, errors=[message])
+        if isinstance(error, ERRORS):
+            mechanism = json.loads(task.file.read_text(encoding="utf-8"))["mechanism"]
+            if message := out_of_range(str(task.file), mechanism):
+                return Outcome(INPUT, errors=[message])
         return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
     return Outcome(_code(summary), _lines(summary, task.timing))
-
-
-def _out_of_range(file: Path) -> str:
-    return out_of_range(str(file), json.loads(file.read_text(encoding="utf-8"))["mechanism"])
 
 
 def _code(summary: dict[str, Any]) -> int:
@@ -210,7 +208,9 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
         return [child.pid for child in multiprocessing.active_children() if child.pid is not None]
 
     with passed_to_children(stop, children), pool:
-        waiting: set[Future[Outcome]] = {pool.submit(_in_worker, _quiet(task)) for task in tasks}
+        quiet = {"progress": False, "import_s": 0.0}
+        tasks = [replace(task, options=task.options | quiet) for task in tasks]
+        waiting: set[Future[Outcome]] = {pool.submit(_in_worker, task) for task in tasks}
         while waiting:
             done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
             for future in done:
@@ -221,10 +221,6 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
                         "a process that integrated a run died (out of memory?): use --jobs 1"
                     ) from None
                 yield outcome
-
-
-def _quiet(task: _Task) -> _Task:
-    return replace(task, options=task.options | {"progress": False, "import_s": 0.0})
 
 
 _stop: Any = None

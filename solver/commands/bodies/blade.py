@@ -29,13 +29,9 @@ from .section import run_section
 FREQUENCIES = "frequencies.csv"
 
 
+@kept_preprocessors()  # for the sections, the frequencies at rest and those over speed
 def run_blade(options: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    with kept_preprocessors():  # for the sections, the frequencies at rest and those over speed
-        return _run_blade(options)
-
-
-def _run_blade(options: argparse.Namespace) -> int:
     out = options.out or folder_of(options.file)
     for file in options.controller or ():
         if not (options.rotor and file.is_file()):
@@ -69,7 +65,9 @@ def _run_blade(options: argparse.Namespace) -> int:
     except InputError as error:
         if len(complete(stations)) == len(meshed.places):
             raise
-        print(f"error: {error}; not written: {', '.join(_of_the_blade(options))}", file=sys.stderr)
+        absent = ["beam.csv", CASE_FILE, *([f"blade_{options.to}*"] if options.to else [])]
+        absent += [FREQUENCIES, "campbell.*"] if options.spin else []
+        print(f"error: {error}; not written: {', '.join(absent)}", file=sys.stderr)
         return worst([*codes, code, USER_ERROR])
     for file in files:
         hint = f": the blade on its hub; plymotion modes {file} --at spin=0:1:0.1"
@@ -92,12 +90,6 @@ def _spin(options: argparse.Namespace, meshed: Meshed, stations: Sequence[Statio
     words = ["modes", str(out / CASE_FILE), "--at", f"spin={options.spin}", "--count", str(COUNT)]
     words += ["--out", str(out), *(["--quiet"] if options.quiet else [])]
     run_modes(parser.parse_args(words))
-
-
-def _of_the_blade(options: argparse.Namespace) -> list[str]:
-    """Files of the whole blade that the command is asked for."""
-    spin = [FREQUENCIES, "campbell.*"] if options.spin else []
-    return ["beam.csv", CASE_FILE, *([f"blade_{options.to}*"] if options.to else []), *spin]
 
 
 def _section_options(options: argparse.Namespace, meshed: Meshed) -> argparse.Namespace:

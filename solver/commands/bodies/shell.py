@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...inputs.shell_specification import load_shell
+from ...math.arrays import Array
 from ...package.shell.schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.show import shell_text
@@ -44,59 +45,45 @@ def run_shell(options: argparse.Namespace) -> int:
 
 def figures_of(shell: ShellFile, file: Path) -> list[Path]:
     """Draw load cases and modes beside the shell file, or return figures that are up to date."""
-    names = _figure_names(shell)
-    if not names:
+    pictures = _pictures(shell)
+    if not pictures:
         return []
 
     def draw() -> list[Path]:
         from ...report.shell.figures import Picture, draw_shapes
 
-        shapes = [*((case, "m") for case in shell.cases.displacements_G)]
-        titles = [f"{shell.name}: {name}" for name in shell.cases.names]
-        if shell.modes is not None:
-            hertz = shell.modes.frequencies_hz
-            for row in _drawn_modes(shell):
-                shapes.append((shell.modes.shapes_G[row], ""))
-                number = row - shell.modes.n_zero + 1
-                titles.append(f"{shell.name}: mode {number}, {hertz[row]:.5g} Hz")
-        if shell.buckling is not None:
-            for row in _drawn_buckling(shell):
-                shapes.append((shell.buckling.shapes_G[row], ""))
-                case = shell.cases.names[shell.buckling.case[row]]
-                factor = shell.buckling.factors[row]
-                titles.append(f"{shell.name}: buckling under {case}, factor {factor:.5g}")
-        pictures = [
-            Picture(title, name, shape[:, :3], unit)
-            for title, name, (shape, unit) in zip(titles, names, shapes, strict=True)
-        ]
-        return draw_shapes(shell.mesh.nodes_G, shell.mesh.cells, pictures, file.parent)
+        found = [Picture(title, name, shape[:, :3], unit) for name, title, shape, unit in pictures]
+        return draw_shapes(shell.mesh.nodes_G, shell.mesh.cells, found, file.parent)
 
-    return drawn(draw, [file.parent / f"{name}.png" for name in names], file)
+    return drawn(draw, [file.parent / f"{name}.png" for name, *_ in pictures], file)
 
 
-def _drawn_modes(shell: ShellFile) -> range:
-    """Rows of the lowest modes with strain energy."""
-    if shell.modes is None:
-        return range(0)
-    first = shell.modes.n_zero
-    return range(first, min(first + MOST_MODES, len(shell.modes.frequencies)))
-
-
-def _drawn_buckling(shell: ShellFile) -> list[int]:
-    """Row of the first load factor of each load case."""
-    if shell.buckling is None:
-        return []
-    return [int(row) for row in np.unique(shell.buckling.case, return_index=True)[1]]
-
-
-def _figure_names(shell: ShellFile) -> list[str]:
-    modes = [f"mode-{number + 1}" for number in range(len(_drawn_modes(shell)))]
-    buckled = []
-    if shell.buckling is not None:
-        cases = [shell.cases.names[case] for case in shell.buckling.case]
-        buckled = [f"{cases[row]}-buckling" for row in _drawn_buckling(shell)]
-    parts = (f"{shell.name}-{name}" for name in (*shell.cases.names, *modes, *buckled))
-    return [re.sub(r"[^\w.+-]+", "-", part).strip("-.") for part in parts]
+def _pictures(shell: ShellFile) -> list[tuple[str, str, Array, str]]:
+    """Return name, title, shape and unit of each: load cases, the lowest modes with strain energy,
+    and the first buckling shape of each load case."""
+    cases, found = shell.cases.names, list[tuple[str, str, Array, str]]()
+    for case, shape in zip(cases, shell.cases.displacements_G, strict=True):
+        found.append((case, case, shape, "m"))
+    if (modes := shell.modes) is not None:
+        hertz, first = modes.frequencies_hz, modes.n_zero
+        for row in range(first, min(first + MOST_MODES, len(hertz))):
+            name = f"mode-{row - first + 1}"
+            title = f"mode {row - first + 1}, {hertz[row]:.5g} Hz"
+            found.append((name, title, modes.shapes_G[row], ""))
+    if (buckled := shell.buckling) is not None:
+        for row in np.unique(buckled.case, return_index=True)[1].tolist():
+            case = cases[buckled.case[row]]
+            title = f"buckling under {case}, factor {buckled.factors[row]:.5g}"
+            found.append((f"{case}-buckling", title, buckled.shapes_G[row], ""))
+    return [
+        (
+            re.sub(r"[^\w.+-]+", "-", f"{shell.name}-{name}").strip("-."),
+            f"{shell.name}: {title}",
+            shape,
+            unit,
+        )
+        for name, title, shape, unit in found
+    ]
 
 
 def run_solid(options: argparse.Namespace) -> int:

@@ -240,8 +240,10 @@ def answer_text(answer: Answer) -> str:
         for o, (name, value) in enumerate(answer.estimates.items()):
             model = f"{value:.1e}" if np.isfinite(value) else "not estimated"
             most = answer.delivered_at_most[name]
-            bound = "not estimated" if most is None else f"at most about {most:.1e}"
-            zero = _zero(answer, o)
+            bound, zero = "not estimated" if most is None else f"at most about {most:.1e}", ""
+            if answer.check is not None and (size := answer.check.sizes[o]) > 0.0:
+                zero = f"; the signal is zero to rounding or noise: errors are of {size:.2g}, the "
+                zero += "size of what it is near"
             lines.append(
                 f"Estimated error of {name}: chosen model {model}; delivered run {bound}{zero}"
             )
@@ -269,17 +271,6 @@ def answer_text(answer: Answer) -> str:
     return "\n".join(lines)
 
 
-def _zero(answer: Answer, o: int) -> str:
-    """Say of a signal that it is zero but for rounding or noise, and what its error is of; ""."""
-    check = answer.check
-    if check is None or not check.sizes[o] > 0.0:
-        return ""
-    return (
-        f"; the signal is zero to rounding or noise: errors are of {check.sizes[o]:.2g}, the "
-        "size of what it is near"
-    )
-
-
 def _model(plan: Plan) -> list[str]:
     if not plan.bodies:
         return [
@@ -291,13 +282,14 @@ def _model(plan: Plan) -> list[str]:
         if body.rigid:
             lines.append(f"  {name}: rigid")
             continue
-        kept = counted(len(body.vibrations), "vibration")
+        kept, shapes = counted(len(body.vibrations), "vibration"), "no static shapes"
         if body.vibrations:
             kept += f" ({', '.join(body.vibrations)})"
-        ring = "undamped" if body.ringing else "damped"
-        shapes = f", {counted(body.static, 'static shape')}, {ring}"
+        if body.static:
+            ring = "undamped" if body.ringing else "damped"
+            shapes = f"{counted(body.static, 'static shape')}, {ring}"
         mesh = {"model": "first package", "check": "second package, with the finer mesh"}[body.mesh]
-        lines.append(f"  {name}: {kept}{shapes if body.static else ', no static shapes'}; {mesh}")
+        lines.append(f"  {name}: {kept}, {shapes}; {mesh}")
     lines.append(f"  geometric stiffening: {'on' if plan.stiffening else 'off'}")
     lines.append(f"  rtol = {plan.rtol:.2g}")
     return lines
@@ -306,22 +298,20 @@ def _model(plan: Plan) -> list[str]:
 def _omissions(answer: Answer) -> list[str]:
     """Return what each omission costs by the indicators."""
     indicators, plan = answer.study.indicators, answer.plan
-    static = {name: body.static > 0 for name, body in plan.bodies.items()}
-    worth = indicators.worth(static)
     if not plan.bodies:
         return []
+    worth = indicators.worth({name: body.static > 0 for name, body in plan.bodies.items()})
     lines = ["Indicated cost of what the model leaves out (of the largest value of a signal):"]
     for name, body in plan.bodies.items():
         mine = [
-            (float(worth[j]), mode.label)
-            for j, mode in enumerate(indicators.modes)
+            (value, mode.label)
+            for value, mode in zip(worth.tolist(), indicators.modes, strict=True)
             if mode.body == name
             and mode.label not in body.vibrations
             and (mode.vibration or not body.static)
         ]
-        left = [(value, label) for value, label in sorted(mine, reverse=True)[:3] if value > NONE]
-        text = ", ".join(f"{label} {value:.1e}" for value, label in left)
-        lines.append(f"  {name}: {text or 'nothing that responds'}")
+        left = [f"{label} {value:.1e}" for value, label in sorted(mine)[:-4:-1] if value > NONE]
+        lines.append(f"  {name}: {', '.join(left) or 'nothing that responds'}")
     if not plan.stiffening:
         worst = float(indicators.stiffening.max(initial=0.0))
         lines.append(f"  geometric stiffening: {worst:.1e}")

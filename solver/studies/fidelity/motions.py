@@ -26,7 +26,7 @@ from ...package.specification import DIRECTIONS
 from ...run.inputs import RunSpec
 from ...run.preparation import complete, prepare
 from ...signals import Sensor, sensors
-from .plan import DAMPED, FAINT, Base, with_values
+from .plan import DAMPED, FAINT, Base, with_solver, with_values
 
 BASE_RTOL = 1e-4
 
@@ -53,15 +53,7 @@ def base_motion(spec: RunSpec, names: list[str]) -> Base:
 
 
 def _motion(spec: RunSpec, packages: dict[str, ModalPackage]) -> tuple[Base | None, str]:
-    solver = with_values(
-        spec.mechanism.solver,
-        rtol=BASE_RTOL,
-        geometric_stiffening=False,
-        on_invalid="warn",
-        atol_position=None,
-        atol_velocity=None,
-    )
-    mechanism = with_values(spec.mechanism, solver=solver)
+    mechanism = with_solver(spec.mechanism, BASE_RTOL, stiffening=False, on_invalid="warn")
     prepared = prepare(mechanism, {**spec.packages, **packages})
     solution = complete(prepared).solution
     if solution.status != "finished":

@@ -330,15 +330,19 @@ def planned(
     for name, body in plan.bodies.items():
         rich = (check if body.mesh == "check" else model)[name]
         packages[name] = rich.of(body, stiffening=plan.stiffening)
-    solver = with_values(
-        spec.mechanism.solver,
-        rtol=plan.rtol,
-        geometric_stiffening=plan.stiffening,
-        atol_position=None,
-        atol_velocity=None,
-    )
-    mechanism: Mechanism = with_values(spec.mechanism, solver=solver)
-    return replace(spec, mechanism=mechanism, packages=packages)
+    own = with_solver(spec.mechanism, plan.rtol, stiffening=plan.stiffening)
+    return replace(spec, mechanism=own, packages=packages)
+
+
+def with_solver(
+    mechanism: "Mechanism", rtol: float, *, stiffening: bool, **values: Any
+) -> "Mechanism":
+    """Return a mechanism whose absolute tolerances follow from rtol, and other values of it."""
+    values |= {"rtol": rtol, "geometric_stiffening": stiffening}
+    tolerances = dict.fromkeys(("atol_position", "atol_velocity"))
+    solver = with_values(mechanism.solver, **values, **tolerances)
+    found: Mechanism = with_values(mechanism, solver=solver)
+    return found
 
 
 def with_values(table: Any, **values: Any) -> Any:

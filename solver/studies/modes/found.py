@@ -118,18 +118,17 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
 
 def _turns_freely(state: State, spin: Spin) -> bool:
     """Tell whether the mechanism would turn on in the same way from turned positions."""
-    model = state.model
+    model, y = state.model, state.y.copy()
     for angle in _TURNS:
-        if spin.rate == 0.0:
-            y = state.y.copy()
-            y[: model.n_pos] = turned(model, y[: model.n_pos], spin, angle)
-            a = along_solution(model, np.full(1, state.t), y[None])[0][0, model.n_pos :]
-            if np.abs(a[: model.n_vel]).max() > _FREE * max(1.0, extent(model, y)):
-                return False
-        else:
+        if spin.rate != 0.0:
             later = after_turn(model, state.y, spin, state.t, angle)
             if common_spin(later.model, state.t, later.y) is None:
                 return False
+            continue
+        y[: model.n_pos] = turned(model, state.y[: model.n_pos], spin, angle)
+        a = along_solution(model, np.full(1, state.t), y[None])[0][0, model.n_pos :]
+        if np.abs(a[: model.n_vel]).max() > _FREE * max(1.0, extent(model, y)):
+            return False
     return True
 
 
@@ -333,11 +332,9 @@ class Diagram:
     @property
     def names(self) -> list[str]:
         """Names of the branches; whirls with their direction at the last speed."""
-        names = []
-        for name, w, fixed in zip(
-            self.campbell.names, self.campbell.frequencies.T, self.campbell.fixed.T, strict=True
-        ):
-            known = np.flatnonzero(np.isfinite(fixed) & (self.campbell.speeds > 0.0))
+        c, names = self.campbell, []
+        for name, w, fixed in zip(c.names, c.frequencies.T, c.fixed.T, strict=True):
+            known = np.flatnonzero(np.isfinite(fixed) & (c.speeds > 0.0))
             if self.fixed and known.size and fixed[known[-1]] != w[known[-1]]:
                 name += ", forward" if fixed[known[-1]] > 0.0 else ", backward"
             names.append(name)

@@ -76,13 +76,8 @@ def with_parameters(
         except InputError as error:
             wrong += [line.replace(f".vary: {key}", "") for line in str(error).splitlines()]
             continue
-        changed = {
-            name
-            for bodies in members.own.bodies
-            for name, spec in bodies.items()
-            if spec.inputs_sha256 != members.base_bodies[name].inputs_sha256
-        }
-        if changed:
+        base, every = members.base_bodies, (b for own in members.own.bodies for b in own.items())
+        if changed := {n for n, s in every if s.inputs_sha256 != base[n].inputs_sha256}:
             wrong.append(
                 f"--of {key}: changes the package of {few(sorted(changed))}; expected a number of "
                 "the mechanism, or a parameter whose derivatives the package has (/design)"

@@ -230,7 +230,10 @@ class Tangent:
         which = Instants(model, t + 1.0).sampled_at(t)
         if event >= 0:
             which[model.quantities.event_state[event]] = True
-        rates = [self._rates(t, y) for y in (before, after)]
+        rates = [
+            np.concatenate([y[model.n_pos : first], derivative(model, t, y)[model.n_pos : -1]])
+            for y in (before, after)
+        ]
         for p, column in enumerate(self.columns):
             h, late = column.h, 0.0
             sides = ((column.minus, -h), (column.plus, h))
@@ -247,13 +250,6 @@ class Tangent:
             )
             S[2 * n :] = np.where(which, (high - low) / (2.0 * h), S[2 * n :])
             self.S[:, p] = S - late * rates[1]
-
-    def _rates(self, t: float, y: Array) -> Array:
-        """Return the rate of a state (2 n_vel + n_aux,)."""
-        first = self.model.n_pos
-        return np.concatenate(
-            [y[first : first + self.model.n_vel], derivative(self.model, t, y)[first:-1]]
-        )
 
     def _stages(self, linear: "Linear", h: Array) -> Array:
         """Return the independent coordinates at the stages of steps h (k,), (3 k, m, P)."""
@@ -386,39 +382,37 @@ def partition(Phi_q: Array, rank: int) -> tuple[IntArray, IntArray, IntArray]:
 
 
 class _Partial:
-    """Derivative of the terms by a parameter at known states."""
+    """Derivative of the terms by a parameter at known states.
+
+    Attributes
+    ----------
+    changes : whether the parameter changes anything
+    is_internal : whether it changes forces of modes only
+    """
 
     def __init__(self, model: Model, column: Column) -> None:
         self._minus, self._plus, self._h = column
         one, two = _arrays(self._minus), _arrays(self._plus)
         changed = {name for name in one if not np.array_equal(one[name], two[name])}
-        self.changes = bool(changed)
-        self._matrices: list[tuple[int, int, Array, Array]] | None = None
-        if changed <= {"K_qq", "D_qq"}:  # forces of the modes alone
+        self.changes, self.is_internal = bool(changed), changed <= {"K_qq", "D_qq"}
+        self._matrices: list[tuple[int, int, Array, Array]] = []
+        if self.is_internal:
             K, D = ((two[name] - one[name]) / (2.0 * self._h) for name in ("K_qq", "D_qq"))
-            self._matrices = []
             for i in range(model.n_body):
                 at = int(model.pos_start[i]) + 7, int(model.vel_start[i]) + 6
                 own = modal_matrix(model, K, i), modal_matrix(model, D, i)
                 self._matrices.append((*at, *own))
 
-    @property
-    def is_internal(self) -> bool:
-        """Whether the parameter changes forces of modes only."""
-        return self._matrices is not None
-
     def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, out: Array) -> None:
         """Fill out (k, w)."""
-        if self._matrices is None:
+        if not self.is_internal:
             two, one = (terms(each, t, y, a, multipliers) for each in (self._plus, self._minus))
             out[:] = (two - one) / (2.0 * self._h)
             return
         out[:] = 0.0
         for q, v, K, D in self._matrices:
-            m = len(K)
-            out[:, v : v + m] -= y[:, q : q + m] @ K.T
-            rate = self._minus.n_pos + v
-            out[:, v : v + m] -= y[:, rate : rate + m] @ D.T
+            rate, m = self._minus.n_pos + v, len(K)
+            out[:, v : v + m] -= y[:, q : q + m] @ K.T + y[:, rate : rate + m] @ D.T
 
 
 def _arrays(model: Model) -> dict[str, Array]:

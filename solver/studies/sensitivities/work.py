@@ -66,9 +66,8 @@ def scaled(one: Derivative) -> tuple[float, float]:
     Of a parameter that is zero: of the derivative itself.
     """
     values = np.abs(one.values[np.isfinite(one.values)]) * (abs(one.value) or 1.0)
-    return float(values.max(initial=0.0)), float(
-        np.sqrt(np.mean(values**2))
-    ) if values.size else 0.0
+    rms = np.sqrt(np.mean(values**2)) if values.size else 0.0
+    return float(values.max(initial=0.0)), float(rms)
 
 
 def sensitivity_table(result: RunResult) -> str:

@@ -4,11 +4,9 @@ import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ...package import ModalPackage
 from ...package.common.files import write_text
 from ...results.codes import PLAN_TOO_COARSE
 from ...run.inputs import RunSpec
@@ -42,13 +40,15 @@ def settle(plan: Plan) -> list[str]:
     check = {**base.packages, **packages.named(plan.fidelity.base_check)}
     digest = plan.digest()
     given = kept_plan(file, known_vibrations(base), digest)
-    record = _record(record_file(plan.file))
+    before = record_file(plan.file)
+    record = json.loads(before.read_text(encoding="utf-8")) if before.is_file() else {}
     if given is not None and record.get("plan") == given.table():
         return list(record["lines"])
-    members = [
-        (drawn.member, _member(plan, packages, drawn.member, drawn.check))
-        for drawn in plan.fidelity.drawn
-    ]
+    members = []
+    for drawn in plan.fidelity.drawn:
+        spec = _spec(plan, packages, plan.members[drawn.member].packages, drawn.member)
+        of_check = {**spec.packages, **packages.named(drawn.check)}
+        members.append((drawn.member, (spec, of_check)))
     answer = checked_member(base, check, given) if given else shared_plan(base, check)
     model = answer.plan
     found = {k: checked_member(*member, model) for k, member in members}
@@ -74,25 +74,11 @@ def settle(plan: Plan) -> list[str]:
     return lines
 
 
-def _record(file: Path) -> dict[str, Any]:
-    if not file.is_file():
-        return {}
-    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    return found
-
-
 def _spec(
     plan: Plan, packages: Packages, numbers: Mapping[str, int], member: int | None
 ) -> RunSpec:
     mechanism = plan.base if member is None else plan.mechanism_of(member)
     return RunSpec(plan.case, plan.run, mechanism, packages.named(numbers))
-
-
-def _member(
-    plan: Plan, packages: Packages, number: int, check: Mapping[str, int]
-) -> tuple[RunSpec, dict[str, ModalPackage]]:
-    spec = _spec(plan, packages, plan.members[number].packages, number)
-    return spec, {**spec.packages, **packages.named(check)}
 
 
 def _entry(answer: Answer) -> dict[str, object]:

@@ -66,7 +66,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     member = plan.members[number]
     others = {
         run: RunSpec(
-            plan.case, run, plan.other_mechanism(number, run), packages.named(variant.packages)
+            plan.case, run, plan.mechanism_of(number, run), packages.named(variant.packages)
         )
         for run, variant in member.other_runs.items()
     }
@@ -105,14 +105,8 @@ def _failed(row: Row, error: Exception) -> Row:
     if isinstance(error, InputError | PackageError):
         code = PACKAGE if isinstance(error, PackageError) else INPUT
         return replace(row, status=FAILED, message=message, code=code.name)
-    message = f"{type(error).__name__}: {message}"
-    return replace(
-        row,
-        status=FAILED,
-        message=message,
-        code=DEFECT.name,
-        defect="".join(traceback.format_exception(error)),
-    )
+    message, trace = f"{type(error).__name__}: {message}", traceback.format_exception(error)
+    return replace(row, status=FAILED, message=message, code=DEFECT.name, defect="".join(trace))
 
 
 def _row_of(
@@ -137,6 +131,12 @@ def _row_of(
     for name in plan.histories:
         histories[name] = np.full(times.size, np.nan)
         histories[name][:kept] = series[name].values[:kept]
+    signals = {name: signal_summary(series[name], t) for name in plan.signals}
+    for name in plan.signals:
+        if sensors[name].life is not None:  # Miner's sum of a stress with an S-N line
+            turning = Turning()
+            turning.take(series[name].values * sensors[name].scale)
+            signals[name] |= {DAMAGE: fatigue_entry(sensors[name], turning)["damage"]}
     judgement = judge(finished)
     counters = vars(solution.counters)
     return replace(
@@ -145,21 +145,9 @@ def _row_of(
         message="" if solution.status == FINISHED else solution.message,
         code=solution.code,
         t_end=float(t[-1]),
-        signals={
-            name: signal_summary(series[name], t) | _damage(sensors[name], series[name].values)
-            for name in plan.signals
-        },
+        signals=signals,
         histories=histories,
         checks={name: judgement.numbers[name] for name in CHECKS},
         cost={name: float(counters.get(name, seconds)) for name in COST},
         warnings=judgement.codes,
     )
-
-
-def _damage(sensor: Sensor, values: Array) -> dict[str, float]:
-    """Return Miner's sum of a stress with an S-N line."""
-    if sensor.life is None:
-        return {}
-    turning = Turning()
-    turning.take(values * sensor.scale)
-    return {DAMAGE: fatigue_entry(sensor, turning)["damage"]}

@@ -106,22 +106,19 @@ class Plan(Table):
         """Return the same sweep with some of its members."""
         return self.model_copy(update={"members": list(members)})
 
-    def mechanism_of(self, number: int) -> Mechanism:
-        """Return the mechanism of one member. Raises InputError."""
+    def mechanism_of(self, number: int, run: str | None = None) -> Mechanism:
+        """Return the mechanism of one member, or of another run of it. Raises InputError."""
         where = f"{self.file}: member {self.members[number].number}"
-        return in_segments(resolved(self._table_of(number), where))
+        where += f", run {run}" if run is not None else ""
+        return in_segments(resolved(self._tables(number)[run], where))
 
-    def other_mechanism(self, number: int, run: str) -> Mechanism:
-        """Return the mechanism of another run of one member. Raises InputError."""
-        where = f"{self.file}: member {self.members[number].number}, run {run}"
-        return in_segments(resolved(self._others_of(number)[run], where))
-
-    def _table_of(self, number: int) -> dict[str, object]:
-        return put(self.table, self.members[number].changes)
-
-    def _others_of(self, number: int) -> dict[str, dict[str, object]]:
-        others = self.members[number].other_runs
-        return {run: put(self.other_runs[run], variant.changes) for run, variant in others.items()}
+    def _tables(self, number: int) -> dict[str | None, dict[str, object]]:
+        """Return the tables of one member, None, and of its other runs by name."""
+        member, found = self.members[number], dict[str | None, dict[str, object]]()
+        found[None] = put(self.table, member.changes)
+        for run, variant in member.other_runs.items():
+            found[run] = put(self.other_runs[run], variant.changes)
+        return found
 
     def package_file(self, number: int) -> Path:
         """Return where a package lies."""
@@ -146,8 +143,11 @@ class Plan(Table):
     def digest(self) -> str:
         """Return the hash of the members, their packages and the solver, without the plan."""
         members = [[member.values, member.changes] for member in self.members]
-        contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
-        return data_sha256([__version__, solver_sha256(), self.table, members, contents])
+        return data_sha256([__version__, solver_sha256(), self.table, members, self._contents()])
+
+    def _contents(self) -> list[str]:
+        """Return the hashes of the files of the packages."""
+        return [_content(self.package_file(k)) for k in range(len(self.packages))]
 
     def keys(self) -> list[str]:
         """Return the hash of what each member's numbers depend on.
@@ -157,44 +157,43 @@ class Plan(Table):
         common = [ROWS, __version__, solver_sha256(), self.signals, self.histories]
         if self.fidelity is not None:
             common.append(_content(self.model_plan_file))
-        contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
-        found = []
+        contents, found = self._contents(), []
         for number, member in enumerate(self.members):
             used = [
                 {body: contents[k] for body, k in variant.packages.items()}
                 for variant in (member, *member.other_runs.values())
             ]
-            tables = [self._table_of(number), self._others_of(number)]
-            found.append(data_sha256([*common, *tables, used]))
+            found.append(data_sha256([*common, [*self._tables(number).items()], used]))
         return found
 
     def check_numbers(self) -> None:
         """Raise ValueError: lengths or numbers that do not fit each other."""
+        named: list[tuple[str, Mapping[str, int]]] = []
         for k, member in enumerate(self.members):
             if len(member.values) != len(self.parameters):
                 raise ValueError(
                     f"members.{k}.values: expected {len(self.parameters)} numbers, those of the "
                     f"parameters, found {len(member.values)}"
                 )
-            for variant in (member, *member.other_runs.values()):
-                self._check_packages(f"members.{k}.packages", variant.packages)
+            variants = (member, *member.other_runs.values())
+            named += [(f"members.{k}.packages", variant.packages) for variant in variants]
             if unknown := member.other_runs.keys() - self.other_runs.keys():
                 raise ValueError(
                     f"members.{k}.other_runs.{min(unknown)}: no such run in other_runs"
                 )
-        if self.fidelity is None:
-            return
-        self._check_packages("fidelity.base", self.fidelity.base)
-        self._check_packages("fidelity.base_check", self.fidelity.base_check)
-        for k, drawn in enumerate(self.fidelity.drawn):
-            self._check_packages(f"fidelity.drawn.{k}.check", drawn.check)
-            if drawn.member >= len(self.members):
-                raise ValueError(f"fidelity.drawn.{k}.member = {drawn.member}: no such member")
-
-    def _check_packages(self, key: str, packages: Mapping[str, int]) -> None:
-        for body, number in packages.items():
-            if number >= len(self.packages):
-                raise ValueError(f"{key}.{body} = {number}: no such package")
+        if (fidelity := self.fidelity) is not None:
+            named += [
+                ("fidelity.base", fidelity.base),
+                ("fidelity.base_check", fidelity.base_check),
+            ]
+            for k, drawn in enumerate(fidelity.drawn):
+                named.append((f"fidelity.drawn.{k}.check", drawn.check))
+                if drawn.member >= len(self.members):
+                    raise ValueError(f"fidelity.drawn.{k}.member = {drawn.member}: no such member")
+        for key, packages in named:
+            for body, number in packages.items():
+                if number >= len(self.packages):
+                    raise ValueError(f"{key}.{body} = {number}: no such package")
 
 
 def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:

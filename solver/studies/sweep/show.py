@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style, unit_text
 from ...results.codes import CODES
-from .file import FAILED, FINISHED, PENDING, STOPPED, Row, SweepResult
+from .file import FAILED, FINISHED, PENDING, STOPPED, SweepResult
 
 # What became of the members of a sweep, on the screen.
 
@@ -38,7 +38,13 @@ def outcome_lines(
         f"  {computed} computed in {seconds:.1f} s, {kept} kept from before",
         *(f"  {line}" for line in planned),
     ]
-    groups = _alike(result.rows)
+    # Members that did not finish, in groups whose messages differ in numbers only.
+    alike: dict[tuple[str, str, str], list[int]] = {}
+    for k, row in enumerate(result.rows):
+        if row.status not in (FINISHED, PENDING):
+            key = row.status, row.code, NUMBER.sub("#", row.message)
+            alike.setdefault(key, []).append(k)
+    groups = list(alike.values())
     for members in groups[:MOST]:
         row = result.rows[members[0]]
         values = zip(result.parameter_names, result.values[members[0]], strict=True)
@@ -53,16 +59,6 @@ def outcome_lines(
         level = CODES[code].level if code in CODES else "warning"
         lines.append(f"  {level} [{code}] in {count} of {total} members")
     return lines
-
-
-def _alike(rows: Sequence[Row]) -> list[list[int]]:
-    """Return the members that did not finish, in groups whose messages differ in numbers only."""
-    found: dict[tuple[str, str, str], list[int]] = {}
-    for k, row in enumerate(rows):
-        if row.status not in (FINISHED, PENDING):
-            words = NUMBER.sub("#", row.message)
-            found.setdefault((row.status, row.code, words), []).append(k)
-    return list(found.values())
 
 
 # Figures of a sweep: each signal's final value and extremes against what was varied.

@@ -187,16 +187,28 @@ class Work:
         ) as bar:
 
             def report(number: int, row: Row) -> None:
-                self._require_unchanged()
+                for file, state in self._states().items():
+                    if state != self._read[file]:
+                        raise InputError(
+                            f"{file}: was changed while the sweep ran; the same command computes "
+                            "the members that are left"
+                        )
                 self.rows[number] = row
                 if row.defect:
                     LOGGER.error("%sthis is a defect of the solver, not of the input", row.defect)
                 bar.update()
-                self._save_now_and_then()
+                if time.perf_counter() - self._saved > SAVE_S:
+                    self.save()
 
             try:
                 if numbers:
-                    _compute(executor(), Portions(self.plan, numbers, self.keys, report))
+                    place, portions = executor(), Portions(self.plan, numbers, self.keys, report)
+                    tell_if_slow()
+                    if isinstance(place, Local) and COMPILED:  # before all workers do
+                        from ..compiling import compile_once
+
+                        compile_once()
+                    distribute(place, portions)
                 return True
             except KeyboardInterrupt:
                 return False
@@ -208,33 +220,11 @@ class Work:
         packages = (self.plan.package_file(k) for k in range(len(self.plan.packages)))
         return {file: state_of(file) for file in (self.plan.file, *packages)}
 
-    def _require_unchanged(self) -> None:
-        """Raise InputError for files that are no longer those of the keys of the rows."""
-        for file, state in self._states().items():
-            if state != self._read[file]:
-                raise InputError(
-                    f"{file}: was changed while the sweep ran; the same command computes the "
-                    "members that are left"
-                )
-
     def save(self) -> None:
         """Write the file; it is whole at any time."""
         with completing():
             write_sweep(self.file, result_of(self.plan, self.rows))
         self._saved = time.perf_counter()
-
-    def _save_now_and_then(self) -> None:
-        if time.perf_counter() - self._saved > SAVE_S:
-            self.save()
-
-
-def _compute(executor: Executor, portions: Portions) -> None:
-    tell_if_slow()
-    if isinstance(executor, Local) and COMPILED:  # before all workers do
-        from ..compiling import compile_once
-
-        compile_once()
-    distribute(executor, portions)
 
 
 def _known(file: Path) -> dict[str, Row]:

@@ -66,7 +66,7 @@ def spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str,
         speed = np.linalg.norm(w, axis=1)
         largest, seen = 0.0, np.zeros((0, 3))
         for k in np.argsort(-speed, kind="stable").tolist():
-            if speed[k] <= largest * spin.safe_spin(i):  # that of any axis is higher
+            if speed[k] <= largest * spin.safe_spin[i]:  # that of any axis is higher
                 break
             axis = w[k] / speed[k]
             if not (np.abs(seen @ axis) > PARALLEL).any():  # it was faster about this one
