@@ -19,8 +19,7 @@ from .errors import InputError, PackageError, escape_control_characters
 from .inputs.case.record import CASE_FILE
 from .inputs.common.mesh_files import scripts
 from .package.common.files import named_by_user
-from .studies.exit_codes import INPUT
-from .studies.screen import shown
+from .studies.exit_codes import INPUT, shown
 from .system.interrupts import (
     INTERRUPTED,
     ending_words,

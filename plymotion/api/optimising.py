@@ -15,7 +15,7 @@ from ..solver.studies.design.show import outcome_lines
 from ..solver.studies.design.study import RESULT
 from ..solver.studies.design.study import optimise as computed
 from ..solver.studies.design.trials import Order
-from ..solver.studies.screen import shown
+from ..solver.studies.exit_codes import shown
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
 from .keys import plain

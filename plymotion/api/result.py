@@ -17,8 +17,8 @@ from ..solver.package.common.files import named_by_user
 from ..solver.results import RunResult, read_result, read_summary
 from ..solver.run.inputs import up_to_date
 from ..solver.studies.cases import folder_lock
+from ..solver.studies.exit_codes import shown
 from ..solver.studies.runs import run_one
-from ..solver.studies.screen import shown
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import build_needed
 from .case import ByName, Case, as_case

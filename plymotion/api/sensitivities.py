@@ -8,7 +8,7 @@ from typing import Any
 from ..solver.math.arrays import Array
 from ..solver.results import RunResult
 from ..solver.studies.cases import folder_lock
-from ..solver.studies.screen import shown
+from ..solver.studies.exit_codes import shown
 from ..solver.studies.sensitivities.work import (
     compute_sensitivities,
     scaled,

@@ -12,7 +12,7 @@ from ..solver.errors import InputError, counted, few, nearest
 from ..solver.math.arrays import Array
 from ..solver.package.common.files import write_text
 from ..solver.studies.cases import folder_lock
-from ..solver.studies.screen import shown
+from ..solver.studies.exit_codes import shown
 from ..solver.studies.sweep.file import (
     CSV,
     FILE,

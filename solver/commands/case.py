@@ -12,15 +12,18 @@ from ..errors import InputError, counted
 from ..inputs.case.record import case_file
 from ..math.disk_cache import state_of, state_since
 from ..package.common.files import RECORD as FILES
-from ..studies.cases import build_folder, chosen_runs, chosen_sweeps, folder_lock
-from ..studies.exit_codes import INCOMPLETE, INPUT, worst
-from ..studies.finished import (
+from ..studies.cases import (
     RECORD,
+    build_folder,
+    chosen_runs,
+    chosen_sweeps,
     finished_before,
+    folder_lock,
     note_finished,
     refuse_foreign_record,
     request_of,
 )
+from ..studies.exit_codes import INCOMPLETE, INPUT, worst
 from ..system.interrupts import INTERRUPTED
 from ..system.platform import cores
 from .arguments import wanted_formats

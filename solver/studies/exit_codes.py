@@ -1,9 +1,12 @@
-"""Exit codes of commands, and internal errors."""
+"""What a command leaves on the screen and behind it: messages, internal errors, exit codes."""
 
+import logging
 import os
+import sys
 import tempfile
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 from ..system.interrupts import INTERRUPTED
 
@@ -38,3 +41,36 @@ def report(error: BaseException) -> str:
         where = f"its traceback could not be written: {cause.strerror}"
     reason = "not enough memory" if isinstance(error, MemoryError) else "a defect of this program"
     return f"{reason} ({name}); {where}"
+
+
+# Messages of the library on standard error: records of the logger "plymotion".
+
+
+class _Screen(logging.Handler):
+    """Writes each message to the standard error of that moment, above a progress bar if any."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one message."""
+        text = record.getMessage()
+        tqdm = sys.modules.get("tqdm")
+        if tqdm is not None and getattr(tqdm.tqdm, "_instances", None):
+            tqdm.tqdm.write(text, file=sys.stderr)
+        else:
+            sys.stderr.write(f"{text}\n")
+            sys.stderr.flush()
+
+
+@contextmanager
+def shown(*, steps: bool) -> Iterator[None]:
+    """Show messages as long as a block runs: warnings and errors; `steps`: also what is done."""
+    logger, handler = logging.getLogger("plymotion"), _Screen()
+    before = logger.level, logger.propagate
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO if steps else logging.WARNING)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(before[0])
+        logger.propagate = before[1]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.studies.screen import shown
+from plymotion.solver.studies.exit_codes import shown
 
 PRINTERS = ("solver/__main__.py", "solver/commands/")
 

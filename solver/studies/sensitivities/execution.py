@@ -311,30 +311,23 @@ def require_derivatives(prepared: Prepared) -> None:
         raise InputError(f"sensitivities: the run does not begin: {prepared.refused.message}")
     quantities = model.quantities
     programs = quantities.programs
-    read: dict[str, list[int]] = {
-        name: [int(quantities.force[k])] for k, name in enumerate(built.force_names)
-    }
+    read = [(name, int(quantities.force[k])) for k, name in enumerate(built.force_names)]
     named = np.flatnonzero(quantities.of_coordinate < 0)[: len(built.state_names)]
     for j, label in zip(named.tolist(), built.state_names, strict=False):
         owner = label.rpartition(".")[0]
-        read.setdefault(owner, []).extend(
-            int(each[j]) for each in (quantities.rate, quantities.update)
-        )
-    for name, used in read.items():
+        read += [(owner, int(each[j])) for each in (quantities.rate, quantities.update)]
+    for name, p in read:
         key = f"forces.{name}"
         kind = getattr(prepared.mechanism.forces.get(name), "kind", "")
         if name in built.callers:
             raise InputError(f"{key}: sensitivities of Python functions are not implemented")
-        for p in used:
-            if p < 0:
-                continue
-            if kind != STOP and _is_bent(programs, p):
-                raise InputError(
-                    f"{key}: its force or state has a bend or jump where the motion passes a value "
-                    "(min, max, abs, sign, comparisons, corners of a table or curve), which "
-                    "sensitivities do not locate; expected a smooth law, as a table with "
-                    'interpolation = "pchip"'
-                )
+        if p >= 0 and kind != STOP and _is_bent(programs, p):
+            raise InputError(
+                f"{key}: its force or state has a bend or jump where the motion passes a value "
+                "(min, max, abs, sign, comparisons, corners of a table or curve), which "
+                "sensitivities do not locate; expected a smooth law, as a table with "
+                'interpolation = "pchip"'
+            )
     if reads_reactions(model):
         raise InputError(
             "forces that read reactions (coefficient of friction in a joint): sensitivities are "
