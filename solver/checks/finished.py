@@ -12,19 +12,41 @@ from ..dynamics.analysis.rank import degrees_of_freedom
 from ..dynamics.analysis.recovery import History, momentum_balance
 from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.model.model import Model
-from ..integrators.generic.drive import Solution
+from ..integrators.generic.drive import Solution, Steps
 from ..math.arrays import Array, IntArray
 from ..math.rows import spans
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..results.codes import Finding
 from ..results.schema import ENERGIES, ROUNDING
-from .monitors import StepSizes
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
 PEAKS = 200  # of the kinetic energy that are kept of a block of output times
+
+
+LEAST, MOST = -200, 200  # exponents of two
+
+
+@dataclass
+class StepSizes:
+    """How many steps of each size a run has taken."""
+
+    _count: Array = field(default_factory=lambda: np.zeros(MOST - LEAST + 1))
+    _time: Array = field(default_factory=lambda: np.zeros(MOST - LEAST + 1))  # [s]
+
+    def take(self, steps: Steps) -> None:
+        """Take the steps after the last ones."""
+        h = np.diff(steps.t)
+        h = h[h > 0.0]
+        place = np.clip(np.frexp(h)[1], LEAST, MOST) - LEAST
+        np.add.at(self._count, place, 1.0)
+        np.add.at(self._time, place, h)
+
+    def steps_with(self, max_step: float) -> float:
+        """Return about how many steps the run would take with no step above `max_step` [s]."""
+        return float(np.maximum(self._count, self._time / max_step).sum())
 
 
 @dataclass

@@ -1,36 +1,13 @@
-"""All monitors of a run as one, and the number of steps of each size."""
+"""All monitors of a run as one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from ..integrators.generic.drive import Steps, StopRequest
 from ..math.arrays import Array
+from .finished import StepSizes
 from .singularity import SingularityMonitor
 from .stability import BucklingMonitor, SpinMonitor
-
-LEAST, MOST = -200, 200  # exponents of two
-
-
-@dataclass
-class StepSizes:
-    """How many steps of each size a run has taken."""
-
-    _count: Array = field(default_factory=lambda: np.zeros(MOST - LEAST + 1))
-    _time: Array = field(default_factory=lambda: np.zeros(MOST - LEAST + 1))  # [s]
-
-    def take(self, steps: Steps) -> None:
-        """Take the steps after the last ones."""
-        h = np.diff(steps.t)
-        h = h[h > 0.0]
-        place = np.clip(np.frexp(h)[1], LEAST, MOST) - LEAST
-        np.add.at(self._count, place, 1.0)
-        np.add.at(self._time, place, h)
-
-    def steps_with(self, max_step: float) -> float:
-        """Return about how many steps the run would take with no step above `max_step` [s]."""
-        return float(np.maximum(self._count, self._time / max_step).sum())
 
 
 @dataclass

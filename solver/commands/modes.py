@@ -22,7 +22,11 @@ _BODIES = 3  # named for a mode
 
 def modes_text(content: dict[str, Any], count: int) -> str:
     """Return the table of modes of the content of modes.json."""
-    modes = content["modes"]
+    modes, axes = content["modes"], ""
+    if content["spin"] is not None and (speed := content["spin"]["speed"]):
+        x, y, z = content["spin"]["axis"]
+        axes = f", in axes that turn at {speed:.6g} rad/s about ({x:.3g}, {y:.3g}, {z:.3g})"
+    title = f"{content['case']}, run {content['run']}: modes about {content['state']}{axes}"
     whirl = any(m["fixed_axes_angular_frequency"] is not None for m in modes)
     head = ["mode", "frequency", "", "damping", "fixed axes", "main coordinate", "bodies"]
     units = ["", "[Hz]", "[rad/s]", "[-]", "[rad/s]", "", "share of kinetic energy"]
@@ -35,11 +39,14 @@ def modes_text(content: dict[str, Any], count: int) -> str:
     if not whirl:
         table = [row[:4] + row[5:] for row in table]
     left = tuple(range(len(table[0]) - 2, len(table[0])))
-    lines = [_title(content), "", aligned(table, left=left)]
+    lines = [title, "", aligned(table, left=left)]
     if len(rows) > count:
         lines.append(f"... and {len(rows) - count} more, see modes.json")
-    lines += ["", *_constraints(content), *(f"note: {note}" for note in content["notes"])]
-    return "\n".join(lines)
+    constraints = content["constraints"]["text"]
+    lines += ["", f"{content['degrees_of_freedom']} degrees of freedom; {constraints}"]
+    if zeros := sum(m["kind"] == "zero" for m in modes):
+        lines.append(f"{zeros} motions without stiffness: frequency 0")
+    return "\n".join([*lines, *(f"note: {note}" for note in content["notes"])])
 
 
 def campbell_text(content: dict[str, Any]) -> str:
@@ -65,11 +72,6 @@ def campbell_text(content: dict[str, Any]) -> str:
         lines.append(f"... {len(content['branches']) - _COLUMNS} more in campbell.csv")
     if any(g for b in branches for g in b["growth"]):
         lines.append("* unstable")
-    lines += ["", *_crossings(content), *(f"note: {note}" for note in content["notes"])]
-    return "\n".join(lines)
-
-
-def _crossings(content: dict[str, Any]) -> list[str]:
     table = [
         ["crossing", "branch", "speed", "", "frequency"],
         ["", "", "[rad/s]", "[1/min]", "[Hz]"],
@@ -78,16 +80,8 @@ def _crossings(content: dict[str, Any]) -> list[str]:
         hz = x["angular_frequency"] / (2.0 * pi)
         rates = [f"{x['speed']:.6g}", f"{x['rpm']:.6g}", f"{hz:.6g}"]
         table.append([f"{x['harmonic']}P", str(x["branch"]), *rates])
-    return [aligned(table, left=())] if content["crossings"] else ["no crossings with harmonics"]
-
-
-def _title(content: dict[str, Any]) -> str:
-    axes = ""
-    if content["spin"] is not None and content["spin"]["speed"]:
-        x, y, z = content["spin"]["axis"]
-        speed = content["spin"]["speed"]
-        axes = f", in axes that turn at {speed:.6g} rad/s about ({x:.3g}, {y:.3g}, {z:.3g})"
-    return f"{content['case']}, run {content['run']}: modes about {content['state']}{axes}"
+    crossings = aligned(table, left=()) if content["crossings"] else "no crossings with harmonics"
+    return "\n".join([*lines, "", crossings, *(f"note: {note}" for note in content["notes"])])
 
 
 def _numbers(mode: dict[str, Any]) -> list[str]:
@@ -108,15 +102,6 @@ def _bodies(mode: dict[str, Any]) -> str:
     shares = sorted(mode["bodies"].items(), key=lambda item: -item[1])
     parts = [f"{name} {100 * share:.0f} %" for name, share in shares if share >= _SHARE]
     return ", ".join(parts[:_BODIES])
-
-
-def _constraints(content: dict[str, Any]) -> list[str]:
-    lines = [
-        f"{content['degrees_of_freedom']} degrees of freedom; {content['constraints']['text']}"
-    ]
-    if zeros := sum(m["kind"] == "zero" for m in content["modes"]):
-        lines.append(f"{zeros} motions without stiffness: frequency 0")
-    return lines
 
 
 # The command `plymotion modes`.

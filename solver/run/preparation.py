@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks.finished import FinishedRun, Look
-from ..checks.monitors import Monitors, StepSizes
+from ..checks.finished import FinishedRun, Look, StepSizes
+from ..checks.monitors import Monitors
 from ..checks.singularity import SingularityMonitor
 from ..checks.stability import BucklingMonitor, SpinMonitor
 from ..dynamics.analysis.recovery import scales

@@ -122,34 +122,24 @@ def follow(at: Callable[[float, Point | None], Point], speeds: Array, most: int)
     speeds : (s,) rising; the step between two is halved where shapes change too much
     most : how many modes are followed
     """
-    points = [at(float(speeds[0]), None)]
-    matches: list[Match] = []
+    points, matches = [at(float(speeds[0]), None)], list[Match]()
+
+    def advance(low: float, high: float, halvings: int) -> None:
+        before, point = points[-1], at(high, points[-1])
+        found = match(before.vectors, point.vectors)
+        # The least overlap of the lowest modes that oscillate.
+        moving = [k for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0]
+        if halvings and found.overlap[moving].min(initial=1.0) < ALIKE:
+            middle = 0.5 * (low + high)
+            advance(low, middle, halvings - 1)
+            advance(middle, high, halvings - 1)
+            return
+        points.append(point)
+        matches.append(found)
+
     for low, high in pairwise(speeds.tolist()):
-        _advance(at, points, matches, low, high, most, _HALVINGS)
+        advance(low, high, _HALVINGS)
     return _branches(points, matches, most)
-
-
-def _advance(
-    at: Callable[[float, Point | None], Point],
-    points: list[Point],
-    matches: list[Match],
-    low: float,
-    high: float,
-    most: int,
-    halvings: int,
-) -> None:
-    before = points[-1]
-    point = at(high, before)
-    found = match(before.vectors, point.vectors)
-    # The least overlap of the lowest modes that oscillate.
-    moving = [k for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0]
-    if halvings and found.overlap[moving].min(initial=1.0) < ALIKE:
-        middle = 0.5 * (low + high)
-        _advance(at, points, matches, low, middle, most, halvings - 1)
-        _advance(at, points, matches, middle, high, most, halvings - 1)
-        return
-    points.append(point)
-    matches.append(found)
 
 
 def _lowest(point: Point, most: int) -> list[int]:
