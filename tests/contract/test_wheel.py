@@ -110,6 +110,7 @@ def test_a_shipped_case_runs_outside_the_checkout(installed: Path, repository: P
     assert (home / "build/case" / RUN / "motion.png").is_file()
 
 
+@pytest.mark.parametrize("installed", ["this Python"], indirect=True, scope="module")
 def test_a_section_is_analysed_by_the_python_of_fenicsx(installed: Path, repository: Path) -> None:
     """With a mesh script of the wheel, `tube`."""
     python = os.environ.get("FENICSX_PYTHON") or recorded(repository)

@@ -20,6 +20,8 @@ from plymotion.preprocess.shell.body import body
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.common.plain_data import SpecError
 
+pytestmark = pytest.mark.one_end
+
 LIMIT = 1e-7  # of each dataset, by a change of the parameter by as much as its value
 MEAN, CHORD = {"kind": "mean-axis"}, {"kind": "chord", "at": ["root", "tip"]}
 STIFF = np.array([1e7, 3e6, 3e6, 2e3, 3e3, 3e3])
@@ -93,7 +95,6 @@ SIXES = {
 }
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("reference", "mass_form"),
     [(CLAMPED, "consistent"), (MEAN, "lumped"), (MEAN, "consistent"), (CHORD, "consistent")],
@@ -111,7 +112,6 @@ def test_beams_of_any_6x6(reference: dict[str, Any], mass_form: str) -> None:
     assert max(found.values()) < LIMIT, found
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("reference", [CLAMPED, MEAN])
 def test_clusters_of_a_square_section(reference: dict[str, Any]) -> None:
     """Equal frequencies: a change that couples both planes has terms outside the diagonal."""
@@ -129,7 +129,6 @@ def test_clusters_of_a_square_section(reference: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.one_end
 def test_a_mode_of_a_pair_alone_has_no_derivative_if_it_turns() -> None:
     spec = beam(square(), 7, modes=[{"kind": "bending-xy", "count": 2}])
     package = build_body(spec | {"design": {"b": entry(4, 4)}})  # stays in its plane
@@ -138,7 +137,6 @@ def test_a_mode_of_a_pair_alone_has_no_derivative_if_it_turns() -> None:
         build_body(spec | {"design": {"a": entry(4, 5)}})
 
 
-@pytest.mark.one_end
 def test_curved_tapered_classical_and_spinning_beams() -> None:
     angle = np.linspace(0.0, 1.0, 9)
     nodes = np.column_stack([np.sin(angle), 1.0 - np.cos(angle), 0.1 * angle**2])
@@ -160,7 +158,6 @@ def test_curved_tapered_classical_and_spinning_beams() -> None:
     assert max(worst(straight, 1.0).values()) < 100.0 * LIMIT
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("shape", ["tube", "box"])
 def test_ply_angles_of_round_and_square_tubes(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Section, modes in pairs, recovery: angles of all walls together, and of one."""
@@ -188,13 +185,12 @@ LAYUP = {
 }
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize(
     "changes",
     [
         {},
-        pytest.param({"reference": MEAN, "mass_form": "lumped"}, marks=pytest.mark.one_end),
-        pytest.param({"reference": CHORD, "second_order": True}, marks=pytest.mark.one_end),
+        {"reference": MEAN, "mass_form": "lumped"},
+        {"reference": CHORD, "second_order": True},
     ],
     ids=["clamped", "mean-axis", "second order"],
 )
@@ -205,7 +201,6 @@ def test_lay_ups_of_shells(changes: dict[str, Any], monkeypatch: pytest.MonkeyPa
     assert max(found.values()) < LIMIT, found
 
 
-@pytest.mark.one_end
 def test_the_file_has_them(tmp_path: Path) -> None:
     design = {"turn": [LAYUP["turn"][0] | {"factor": 2.0, "offset": 10.0}]}
     package = build_body(skewed(design=design))
@@ -217,7 +212,6 @@ def test_the_file_has_them(tmp_path: Path) -> None:
     assert "modes/mass" not in found.values
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("of", "message"),
     [
@@ -233,7 +227,6 @@ def test_wrong_targets_are_named(of: str, message: str) -> None:
         build_body(skewed(design={"a": [{"of": of}]}))
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("kind", ["solid", "imported"])
 def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> None:
     spec = {"kind": kind, "design": {"a": [{"of": "solid.materials.a.E"}]}}
@@ -242,7 +235,6 @@ def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("kind", ["region", "stiffener"])
 def test_regions_of_one_material_and_stiffeners(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body, "rounded", lambda values: values)

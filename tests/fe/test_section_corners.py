@@ -10,6 +10,8 @@ from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.package.section.stress import reentrant_corners
 from plymotion.solver.report.section.show import judged_peaks
 
+pytestmark = pytest.mark.one_end
+
 SIZES: dict[str, dict[str, Any]] = {
     "box": {"width": 0.03, "height": 0.02, "wall": 0.002},
     "tube": {"outer_radius": 0.02, "wall": 0.002},
@@ -36,7 +38,6 @@ def section(name: str, accuracy: float | None = None, **sizes: Any) -> Any:
     return analyse(spec, estimate=accuracy is not None, accuracy=accuracy)
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize(("name", "count"), [("box", 4), ("tube", 0), ("rectangle", 0)])
 def test_corners(name: str, count: int) -> None:
     assert name in SHAPES
@@ -50,7 +51,6 @@ def test_corners(name: str, count: int) -> None:
 
 
 @pytest.mark.provokes("stress-at-corner")
-@pytest.mark.one_end
 def test_margins_at_a_distance_do_not_depend_on_the_mesh() -> None:
     """A box under torsion; hanging nodes of the refined mesh are no corners."""
     coarse, fine = section("box"), section("box", accuracy=2e-5)

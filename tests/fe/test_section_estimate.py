@@ -19,6 +19,8 @@ from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
+pytestmark = pytest.mark.one_end
+
 SMALL = 0.05  # errors below this share of the worst one are irrelevant
 
 
@@ -39,7 +41,6 @@ def compared(name: str, density: float, degree: int) -> tuple[Any, Any]:
     return scaled(found.K - exact, exact), scaled(np.asarray(found.error_estimate), exact)
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("name", ["02", "08", "11", "12", "15", "21", "22"])
 @pytest.mark.parametrize(("density", "degree"), [(0.5, 2), (1.0, 2), (0.5, 3)])
 def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> None:
@@ -52,7 +53,6 @@ def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> No
     assert ratio.max() < 2.6
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("name", CURVED)
 @pytest.mark.parametrize(("degree", "least", "most"), [(2, 1.0, 2.6), (3, 0.9, 1.3)])
 def test_estimate_bounds_the_largest_error_of_curved_walls(
@@ -116,7 +116,6 @@ def refined_at_corners(spec: dict[str, Any], levels: int) -> Any:
     return finer.solve(lay.stiffness, measured=False).K
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize(
     "layout", ["sososoooo", "so-ososo-", "pso-opsop", "ssos-osss", "pppppooop", "ssssss-ss"]
 )
@@ -132,7 +131,6 @@ def test_estimate_where_stiff_and_soft_parts_meet(tmp_path: Path, layout: str) -
     assert (estimate[counts] / error[counts]).min() > 0.75
 
 
-@pytest.mark.one_end
 def test_exponents_of_corners_by_closed_forms() -> None:
     """Williams's corner and crack; stiff and soft quarters crosswise in torsion (antiplane)."""
     one = isotropic(1.0, 0.3, 1.0).stiffness_M
@@ -145,7 +143,6 @@ def test_exponents_of_corners_by_closed_forms() -> None:
         assert found == pytest.approx(4.0 / np.pi * np.arctan(ratio**-0.5), rel=1e-4)
 
 
-@pytest.mark.one_end
 def test_exponents_do_not_change_when_a_section_is_turned() -> None:
     """Corners of an L of anisotropic plies, which the directions of its edges do not suit."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -171,7 +168,6 @@ def test_exponents_do_not_change_when_a_section_is_turned() -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-9)
 
 
-@pytest.mark.one_end
 def test_estimate_of_round_edges_by_closed_forms() -> None:
     """Disc, ellipse, and a tube whose inner half is 100 times as stiff: plies have edges, too."""
     nu, G = 0.3, 0.5 / 1.3
@@ -218,7 +214,6 @@ OVAL = [
 ]
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize(
     "arcs", [LENS, OVAL], ids=["at a corner", "at another radius, with the same tangent"]
 )
@@ -259,14 +254,12 @@ def _moments(line: np.ndarray) -> np.ndarray:
     return np.array([0.5 * twice.sum(), *(0.25 * twice @ squares)])
 
 
-@pytest.mark.one_end
 def test_straight_edges_have_no_error_of_arcs() -> None:
     """Also with one row of cells, whose middles lie on one line."""
     mesh = section_mesh(expand("rectangle", {"width": 1.0, "height": 1e-5, "elements_3": 1}), "x")
     assert error_of_edges(mesh.cells, np.ones(mesh.cells.n_cell)) < 1e-15
 
 
-@pytest.mark.one_end
 def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     loose = analyse(section("21", 0.5))
     found = analyse(section("21", 0.5), accuracy=1e-4)
@@ -280,7 +273,6 @@ def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     assert found.warnings == ()
 
 
-@pytest.mark.one_end
 @pytest.mark.provokes("accuracy-not-met")
 def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     from plymotion.preprocess.section import analysis

@@ -13,6 +13,8 @@ from plymotion.preprocess.section.problem import section_problem
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.verification import LARGEST, verified
 
+pytestmark = pytest.mark.one_end
+
 TWISTED = {"initial_curvature": [0.3, 0.0, 0.0]}
 
 
@@ -21,7 +23,6 @@ def analysed(spec: dict[str, Any]) -> tuple[str, list[str]]:
     return found.provenance["verification"], [w["code"] for w in found.warnings]
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("number", ["02", "06", "11", "21"])
 def test_two_methods_agree(number: str) -> None:
     words, codes = analysed(section(number))
@@ -29,7 +30,6 @@ def test_two_methods_agree(number: str) -> None:
     assert "verification-differs" not in codes
 
 
-@pytest.mark.one_end
 def test_thin_strips() -> None:
     words, codes = analysed(rectangle_spec(1.0, 1e-2, METAL))
     assert float(words.split()[-1]) < LARGEST
@@ -37,7 +37,6 @@ def test_thin_strips() -> None:
     assert analysed(rectangle_spec(1.0, 1e-3, METAL))[0].startswith("not done for very thin walls")
 
 
-@pytest.mark.one_end
 @pytest.mark.provokes("verification-differs")
 def test_a_wrong_stiffness_is_found() -> None:
     spec = rectangle_spec(2.0, 1.0, METAL)
@@ -52,7 +51,6 @@ def test_a_wrong_stiffness_is_found() -> None:
         assert [w["code"] for w in found.warnings] == codes
 
 
-@pytest.mark.one_end
 def test_what_is_not_compared_says_so() -> None:
     words, codes = analysed(rectangle_spec(2.0, 1.0, METAL) | TWISTED)
     assert words == "not done for a twisted or curved section"

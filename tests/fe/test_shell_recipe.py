@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from harness.source_copy import copy_with_recipes, run_python
 
+pytestmark = pytest.mark.one_end
+
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 REFUSED = """
 try:
@@ -20,12 +22,10 @@ def copy(tmp_path) -> Path:
     return copy_with_recipes(REPOSITORY, tmp_path)
 
 
-@pytest.mark.one_end
 def test_its_rigid_motions_shear_and_order(copy) -> None:
     run_python(copy, REPOSITORY, str(REPOSITORY / "tests/recipes/shell_element.py"))
 
 
-@pytest.mark.one_end
 def test_without_its_line_it_is_refused(copy) -> None:
     file = "solver/package/shell/elements.py"
     shutil.copy(REPOSITORY / file, copy / file)

@@ -9,6 +9,8 @@ from plymotion.preprocess.section.analysis import analyse as section
 from plymotion.preprocess.shell.analyses.analysis import analyse as shell
 from plymotion.solver.inputs.section.shapes.library import expand
 
+pytestmark = pytest.mark.one_end
+
 METAL = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}
 CARBON = {
     **{"kind": "orthotropic", "E1": 140e9, "E2": 9e9, "E3": 9e9, "rho": 1600.0},
@@ -32,7 +34,6 @@ def of_section(scale: float = 1.0, material: Any = METAL, **more: Any) -> list[s
     return [warning["code"] for warning in found.warnings]
 
 
-@pytest.mark.one_end
 def test_sections() -> None:
     assert of_section() == of_section(material=CARBON) == []
     for change in ({"E": 70.0}, {"E": 70e3}, {"rho": 2.7}, {"E": 70.0, "rho": 2.7}):
@@ -70,7 +71,6 @@ def of_shell(
     return [warning["code"] for warning in found.warnings if warning["code"].endswith("units")]
 
 
-@pytest.mark.one_end
 def test_shells(tmp_path: Path) -> None:
     assert of_shell(tmp_path, 1.0, 2e-3) == of_shell(tmp_path, 1.0, 1e-3, CARBON, 8) == []
     assert of_shell(tmp_path, 1.0, 2.0) == ["size-units"]  # mm for m: thicker than long
@@ -80,7 +80,6 @@ def test_shells(tmp_path: Path) -> None:
     assert of_shell(tmp_path, 1.0, 2e-3, METAL | {"E": 70.0, "rho": 2.7}) == ["material-units"]
 
 
-@pytest.mark.one_end
 @pytest.mark.parametrize("density", [1.0, 0.5])
 def test_examples_without_units_are_no_mistakes(density: float) -> None:
     """BECAS, ANBA4: E = 100, rho = 1; a density of 0.5 is no such example."""

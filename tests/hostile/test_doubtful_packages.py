@@ -66,7 +66,7 @@ def files(repository, tmp_path):
     """A package that a test changes, and a run and a sweep of it."""
     package = tmp_path / "arm.vtkhdf"
     shutil.copy(repository / ARM, package)
-    text = CASE.format(t_end=0.001, step=0.001, more="") + SWEEP
+    text = CASE.format(t_end=1e-4, step=1e-4, more="") + SWEEP
     (tmp_path / "case.toml").write_text(text.replace("[solver]", "gravity = [0, 0, 0]\n[solver]"))
     (tmp_path / "case.toml").write_text("gravity = [0.0, 0.0, 0.0]\n" + text)
     write_case(load_case(tmp_path / "case.toml"), tmp_path / "build")
