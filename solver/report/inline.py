@@ -143,6 +143,7 @@ SCRIPTS = (
     "download",
     "fourier",
     "chart",
+    "orbit",
     "plots",
     "colours",
     "motion",

@@ -30,6 +30,10 @@ def case_dir(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
     text = text.replace("t_end = 1.0", "t_end = 0.1")
     assert LONG_TITLE not in text
     text = text.replace("lay-up 2, all plies 30 deg", LONG_TITLE)
+    text += (
+        '\n[figures.orbit]\ntitle = "Path <b>of</b> the tip"\nsignal = "tip_y"\nagainst = "tip_x"\n'
+    )
+    text += f"runs = {list(RUNS)}\n".replace("'", '"')
     (folder / "case.toml").write_text(text)
     packages = repository / "tests/packages/double-pendulum"
     runs = [word for run in RUNS for word in ("--run", run)]
@@ -43,6 +47,31 @@ def browser(case_dir: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterato
     with Browser(tmp_path_factory.mktemp("browser") / "profile", *SOFTWARE) as opened:
         opened.open(case_dir / "report.html")
         yield opened
+
+
+ORBIT = """(() => {
+  const { clock, page, array } = plymotion, svg = document.querySelector('svg.orbit');
+  clock.set(0.05);
+  const all = (name) => [...svg.querySelectorAll(name)];
+  const dots = all('circle').map((dot) => [dot.cx, dot.cy].map((v) => v.baseVal.value));
+  const curves = all('polyline').map((line) => [...line.points].map((p) => [p.x, p.y]));
+  clock.set(0);
+  return { dots, curves, title: svg.closest('figure').querySelector('h3').textContent };
+})()"""
+
+
+def test_one_signal_against_another(browser: Browser, case_dir: Path) -> None:
+    """Its curve is an image of both signals at one scale; the dot is at the time that is shown."""
+    found = browser.run(ORBIT)
+    assert found["title"] == "Path <b>of</b> the tip"
+    for run, dot, curve in zip(RUNS, found["dots"], np.array(found["curves"]), strict=True):
+        result = read_result(case_dir / run / "result.vtkhdf")
+        x, y = (next(s.values for s in result.signals if s.name == n) for n in ("tip_x", "tip_y"))
+        scale = np.ptp(curve[:, 0]) / np.ptp(x)
+        np.testing.assert_allclose(curve[:, 0] - curve[0, 0], scale * (x - x[0]), atol=0.2)
+        np.testing.assert_allclose(curve[:, 1] - curve[0, 1], -scale * (y - y[0]), atol=0.2)
+        k = int(np.searchsorted(result.t, 0.05 - 1e-9))
+        np.testing.assert_allclose(dot, curve[k], atol=0.2)
 
 
 def positions(result: RunResult, number: int, row: int, scale: float) -> np.ndarray:

@@ -55,9 +55,6 @@ function zoomToPeaks(plot, lines) {
   });
 }
 
-// A long description would not fit beside the axis.
-const unitOf = (series) => `${series.text.length + series.unit.length < 25 ? series.text : series.name} [${series.unit}]`;
-
 function lineOf(run, series, label) {
   return { label, x: array(run.t), y: array(series.values), stopped: run.stopped };
 }
@@ -65,6 +62,7 @@ function lineOf(run, series, label) {
 function setUpPlots() {
   const list = document.getElementById('plot-list');
   const draw = (place, figure) => {
+    if (figure.against) { addOrbit(place, figure); return; }
     const runs = figure.runs.map(runOf);
     const series = runs.map((run) => run.signals.find((signal) => signal.name === figure.signal));
     addPlot(place, figure.title, runs.map((run, i) => lineOf(run, series[i], run.title)), unitOf(series[0]));

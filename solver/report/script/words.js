@@ -15,3 +15,6 @@ function element(tag, properties = {}, ...children) {
 
 const button = (text, label, press) =>
   element('button', { type: 'button', 'aria-label': label, title: label, onclick: press }, text);
+
+// A long description would not fit beside the axis.
+const unitOf = (series) => `${series.text.length + series.unit.length < 25 ? series.text : series.name} [${series.unit}]`;
