@@ -131,15 +131,11 @@ def table_findings(run: FinishedRun) -> Iterator[Finding]:
 
 
 def _of_time(mechanism: "Mechanism") -> Iterator[Beyond]:
-    given = {
-        f"joints.{name}.{key}": drive
-        for name, joint in mechanism.joints.items()
-        for key, drive in drives(joint).items()
-    }
     remedy = 'interpolation = "pchip" does not; more points, or smooth_step, make it smaller'
-    for key, drive in given.items():
-        if drive.table is not None:
-            yield f"{key}.table", _share(drive.table), remedy
+    for name, joint in mechanism.joints.items():
+        for key, drive in drives(joint).items():
+            if drive.table is not None:
+                yield f"joints.{name}.{key}.table", _share(drive.table), remedy
     remedy = 'interpolation = "linear" and "pchip" do not'
     for name, force in mechanism.forces.items():
         load = law(force)

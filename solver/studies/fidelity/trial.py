@@ -201,23 +201,14 @@ def horizon(trial: Trial, names: list[str], accuracy: float) -> float | None:
 
 def changed(spec: RunSpec) -> RunSpec:
     """Return the run with masses changed by about CHANGE, differently for each body."""
-    bodies = {}
-    for i, (name, body) in enumerate(spec.mechanism.bodies.items()):
-        factor = _factor(i)
+    bodies = dict(spec.mechanism.bodies)
+    factors = {n: 1.0 + CHANGE * float(np.cos(1.0 + i)) for i, n in enumerate(bodies)}
+    for name, body in bodies.items():
         if body.kind == "rigid":
-            inertia = [[factor * x for x in row] for row in body.inertia]
-            body = with_values(body, mass=factor * body.mass, inertia=inertia)
-        bodies[name] = body
-    number = {name: i for i, name in enumerate(spec.mechanism.bodies)}
-    packages: Mapping[str, ModalPackage] = {
-        name: _heavier(package, _factor(number[name])) for name, package in spec.packages.items()
-    }
-    mechanism = with_values(spec.mechanism, bodies=bodies)
-    return replace(spec, mechanism=mechanism, packages=dict(packages))
-
-
-def _factor(i: int) -> float:
-    return 1.0 + CHANGE * float(np.cos(1.0 + i))
+            inertia = [[factors[name] * x for x in row] for row in body.inertia]
+            bodies[name] = with_values(body, mass=factors[name] * body.mass, inertia=inertia)
+    packages = {name: _heavier(package, factors[name]) for name, package in spec.packages.items()}
+    return replace(spec, mechanism=with_values(spec.mechanism, bodies=bodies), packages=packages)
 
 
 def _heavier(package: ModalPackage, factor: float) -> ModalPackage:

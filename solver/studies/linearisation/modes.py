@@ -261,21 +261,15 @@ def _moments(model: Model, i: int, y: Array, x: Array) -> Array:
     T11 = model.T11[9 * two : 9 * (two + m * m)].reshape(3, 3, m, m)
     J = model.J0[i]
     T00 = model.T00[i] + 0.5 * np.trace(J) * np.eye(3) - J
-    out = np.zeros((x.shape[1], 3, 3), dtype=complex)
-    for k in range(x.shape[1]):
-        # X = r + theta x b + phi q
-        R, W, Q = r[:, k], skew(theta[:, k]), q[:, k]
-        first = W @ model.S0[i] + S @ Q  # sum of m (X - r)
-        mixed = W @ (T01 @ Q.conj())
-        second = W @ T00 @ W.conj().T + mixed + mixed.conj().T
-        second = second + (T11 @ Q) @ Q.conj()
-        out[k] = (
-            model.mass[i] * np.outer(R, R.conj())
-            + np.outer(first, R.conj())
-            + np.outer(R, first.conj())
-            + second
-        )
-    return out
+    # X = r + theta x b + phi q
+    R, Q, W = r.T, q.T, np.array([skew(turn) for turn in theta.T]).reshape(-1, 3, 3)
+    first = W @ model.S0[i] + Q @ S.T  # sum of m (X - r)
+    mixed = W @ np.einsum("abm,km->kab", T01, Q.conj())
+    turned = W @ T00 @ W.conj().transpose(0, 2, 1)
+    half = 0.5 * turned + mixed + first[:, :, None] * R.conj()[:, None]
+    moving = np.einsum("abmn,kn,km->kab", T11, Q, Q.conj(), optimize=True)
+    whole = model.mass[i] * R[:, :, None] * R.conj()[:, None] + moving
+    return np.asarray(whole + half + half.conj().transpose(0, 2, 1))
 
 
 def change_when_turned(

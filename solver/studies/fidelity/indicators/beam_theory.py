@@ -21,6 +21,14 @@ if TYPE_CHECKING:
 OTHER_END = np.array([1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
 
 
+def _ends_of(package: ModalPackage) -> tuple[Array, Array] | None:
+    """Return resultants (s, 6, m) and end compliance (6, 6) of a uniform beam, if it has them."""
+    if package.recovery is None or len(package.sections) != 1:
+        return None
+    S = package.sections[0].end_compliance
+    return None if S is None else (package.recovery.resultants_E, S)
+
+
 def share_of_ends(package: ModalPackage, q: Array) -> float | None:
     """Return what both ends take from the strain energy, at most, over the largest energy.
 
@@ -36,15 +44,13 @@ def share_of_ends(package: ModalPackage, q: Array) -> float | None:
     -------
     None if the package does not have the data: not a uniform beam with an analysed section.
     """
-    recovery = package.recovery
-    if recovery is None or len(package.sections) != 1:
+    known = _ends_of(package)
+    if known is None:
         return None
-    S = package.sections[0].end_compliance
-    if S is None:
-        return None
+    resultants, S = known
     lost = np.zeros(len(q))
     for station, sign in ((0, np.ones(6)), (-1, OTHER_END)):
-        F = q @ recovery.resultants_E[station].T * sign
+        F = q @ resultants[station].T * sign
         lost += np.einsum("ki,ij,kj->k", F, S, F)
     energy = np.einsum("ki,ij,kj->k", q, package.stiffness, q)
     largest = float(energy.max(initial=0.0))
@@ -57,14 +63,11 @@ def held_lengths(package: ModalPackage) -> Array | None:
     The sums of F' S F over those of F' K^-1 F along the beam, with its resultants F in the mode.
     None without the data, as in `share_of_ends`.
     """
-    recovery = package.recovery
-    if recovery is None or len(package.sections) != 1:
+    known = _ends_of(package)
+    if known is None:
         return None
-    section = package.sections[0]
-    if section.end_compliance is None:
-        return None
-    F, C = recovery.resultants_E, np.linalg.inv(section.K)  # (s, 6, m)
-    taken, whole = (np.einsum("sim,ij,sjm->m", F, A, F) for A in (section.end_compliance, C))
+    (F, S), C = known, np.linalg.inv(package.sections[0].K)
+    taken, whole = (np.einsum("sim,ij,sjm->m", F, A, F) for A in (S, C))
     return np.maximum(taken, 0.0) / np.maximum(whole, np.finfo(float).tiny)
 
 
