@@ -245,7 +245,8 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
         group: {name: file[f"{group}/{name}"][()].tolist() for name in names}
         for group, names in (("checks", CHECKS), ("cost", COST))
     }
-    measured = {n: {m: g[m][()] for m in (*MEASURES, DAMAGE) if m in g} for n, g in signals.items()}
+    measures = (*MEASURES, DAMAGE)
+    measured = {n: {m: g[m][()].tolist() for m in measures if m in g} for n, g in signals.items()}
     units = {n: get_text(g, "unit") for n, g in signals.items()}
     series = {n: d[()] for n, d in histories.items() if n != "t"}
     rows = []
@@ -257,7 +258,7 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
                 row,
                 signals={
                     n: {"unit": units[n]}
-                    | {m: None if np.isnan(v[k]) else float(v[k]) for m, v in table.items()}
+                    | {m: None if v[k] != v[k] else v[k] for m, v in table.items()}
                     for n, table in measured.items()
                 },
                 histories={n: v[k] for n, v in series.items()},
@@ -313,11 +314,12 @@ def sweep_csv(result: SweepResult) -> str:
         units = {"t_min": "s", "t_max": "s", DAMAGE: "-"}
         head += [f"{name} {m} [{units.get(m, unit)}]" for m in kept[name]]
     lines: list[list[Any]] = [[*head, *CHECKS, *COST, "warnings", "message"]]
-    columns = [result.signal(name, measure) for name, known in kept.items() for measure in known]
+    columns = [np.array([row.t_end for row in result.rows])]
+    columns += [result.signal(name, measure) for name, known in kept.items() for measure in known]
     columns += [values for _, values in result.numbers()]
-    for k, (row, *numbers) in enumerate(zip(result.rows, *columns, strict=True)):
-        line = [k, *result.values[k], row.status, row.code]
-        line += ["" if np.isnan(x) else x for x in (row.t_end, *numbers)]
+    table, values = np.column_stack(columns).tolist(), result.values.tolist()
+    for k, (row, numbers) in enumerate(zip(result.rows, table, strict=True)):
+        line = [k, *values[k], row.status, row.code, *("" if x != x else x for x in numbers)]
         lines.append([*line, " ".join(row.warnings), cell_text(row.message)])
     return csv_text(lines)
 
@@ -328,7 +330,7 @@ def _text(row: Row, name: str) -> str:
 
 def _column(values: Iterable[float | None]) -> Array:
     """Return numbers as an array, NaN for None."""
-    return np.array([np.nan if value is None else value for value in values], dtype=float)
+    return np.array(list(values), dtype=float)
 
 
 def _write_texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
