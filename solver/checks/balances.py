@@ -6,9 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..dynamics.analysis.recovery import Recording
 from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.elements.joints.contract import Angle, DrivenBy
 from ..dynamics.elements.joints.table import JOINTS
+from ..dynamics.evaluation.laws import law_at
+from ..dynamics.model.model import AIR_DENSITY, RADIUS
 from ..integrators.generic import advice
 from ..math.catalogue import Number
 from ..package import ModalPackage
@@ -21,6 +24,7 @@ from ..package.common.plausible import (
     body_doubts,
     described_doubts,
     not_allowed,
+    rotor_doubts,
     section_doubts,
     shell_doubts,
 )
@@ -78,6 +82,7 @@ def _feedback(run: FinishedRun) -> Iterator[Finding]:
         yield FEEDBACK.finding(text, value=rate * span / steps / run.order)
 
 
+ROTOR_TIMES = 101  # at which wind and speed of a rotor are looked at
 INSIDE = 0.1  # of the energy taken out of vibrations
 
 
@@ -116,7 +121,8 @@ def material_findings(run: FinishedRun) -> Iterator[Finding]:
         if doubt.code == MATERIAL:  # bodies share materials
             seen.add(doubt.text)
         code = MATERIAL_UNITS if doubt.code == MATERIAL else SIZE_UNITS
-        yield code.finding(f"{body}: {doubt.text}", body=body, value=doubt.value)
+        named = body if body in run.built.body_names else ""
+        yield code.finding(f"{body}: {doubt.text}", body=named, value=doubt.value)
 
 
 def angle_findings(run: FinishedRun) -> Iterator[Finding]:
@@ -161,6 +167,18 @@ def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:
         if body.kind == "rigid":
             for doubt in body_doubts(body.mass, float(np.linalg.eigvalsh(body.inertia)[-1])):
                 yield name, doubt
+    if run.mechanism.rotor is not None:
+        yield from (("rotor", doubt) for doubt in _of_rotor(run))
+
+
+def _of_rotor(run: FinishedRun) -> Iterator[Doubt]:
+    """Doubts about the rotor, at the times of `ROTOR_TIMES`."""
+    model, (t, y) = run.model, run.at(ROTOR_TIMES)
+    wind = max(abs(law_at(model, model.rotor.law[0], float(time))[0]) for time in t)
+    section = int(np.flatnonzero(model.rotor.section >= 0)[0])
+    spin = Recording(model, t, y).spin(int(model.force_marker[section, 0]))
+    tip = float(model.rotor.numbers[RADIUS] * np.linalg.norm(spin, axis=1).max())
+    yield from rotor_doubts(float(model.rotor.numbers[AIR_DENSITY]), wind, tip)
 
 
 def _described(spec: Any) -> Iterator[Doubt]:

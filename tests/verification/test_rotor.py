@@ -283,3 +283,30 @@ def test_lift_is_made_of_attached_and_separated_flow():
     linear = attached / (np.radians(alpha[inside]) - zero)
     np.testing.assert_allclose(linear, linear[0], rtol=1e-3)
     assert linear[0] == pytest.approx(2.0 * np.pi, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({}, ""),
+        ({"drive = { speed = 4.1": "drive = { speed = 14.1"}, "speed of the shaft in rad/s"),
+        ({"constant = 10.0": "constant = 43.2"}, "the wind in m/s, not in km/h?"),
+        ({"[rotor]": "[rotor]\nair_density = 1.2e-3"}, "air_density = 0.0012 kg/m3"),
+        ({"[rotor]": "[rotor]\nair_density = 1225.0"}, "air_density = 1225 kg/m3"),
+        ({"[rotor]": "[rotor]\nair_density = 1025.0"}, ""),
+        ({"title": 'allow = ["size-units"]\ntitle', "constant = 10.0": "constant = 120.0"}, ""),
+    ],
+)
+@pytest.mark.provokes("size-units")
+def test_a_rotor_in_other_units_is_doubted(tmp_path, change, words):
+    file = write_rotor(tmp_path, solver="t_end = 0.02\noutput_step = 0.01")
+    text = file.read_text()
+    for old, new in change.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    file.write_text(text)
+    write_case(load_case(file), tmp_path / "build", None)
+    _, summary = execute(read_run(tmp_path / "build/runs/all.json"))
+    found = [w["message"] for w in summary["warnings"] if w["code"] == "size-units"]
+    assert len(found) == bool(words)
+    assert all(message.startswith("rotor: ") and words in message for message in found)

@@ -43,6 +43,12 @@ DEGREES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0, 180.0, 270.0, 360.0)
 # solar sail of 100 kg and 80 m 2e-4. With kg mm2 for kg m2, a steel ball has 1e-5 and others less.
 THINNEST_BODY = 1e-4
 
+# Air [kg/m3]: 1.225 at sea level, 0.82 at 4000 m, 1.45 at -30 C; water, of turbines in tides.
+AIR, WATER = (0.8, 1.5), (990.0, 1040.0)
+# Of turbines [m/s]: tips of the largest have 80 to 110; they stop at 25 to 34, and gusts in which
+# they are parked have 70 (IEC 61400-1, class I).
+FASTEST_TIP, FASTEST_WIND, CUT_OUT, PARKED = 150.0, 100.0, 35.0, 20.0
+
 
 class Doubt(NamedTuple):
     """A doubt about numbers of the user; `text` begins with what they belong to."""
@@ -168,6 +174,28 @@ def body_doubts(mass: float, inertia: float = 0.0) -> Iterator[Doubt]:
             f"of gyration of {radius:.4g} m: is the inertia in kg m2, not in kg mm2?"
         )
         yield Doubt(SIZE, text, radius)
+
+
+def rotor_doubts(density: float, wind: float, tip: float) -> Iterator[Doubt]:
+    """Yield what is unusual about a rotor: density [kg/m3], fastest wind and its tip then [m/s]."""
+    if not any(low <= density <= high for low, high in (AIR, WATER)):
+        text = (
+            f"air_density = {density:.4g} kg/m3 (expected {AIR[0]:g} to {AIR[1]:g}, or that of "
+            "water): is it in kg/m3?"
+        )
+        yield Doubt(SIZE, text, density)
+    if tip > FASTEST_TIP:
+        text = (
+            f"the tips move at {tip:.4g} m/s (expected up to {FASTEST_TIP:g}; those of the largest "
+            "turbines have 80 to 110): is the speed of the shaft in rad/s, not in rpm?"
+        )
+        yield Doubt(SIZE, text, tip)
+    if wind > (CUT_OUT if tip > PARKED else FASTEST_WIND):
+        text = (
+            f"the wind has {wind:.4g} m/s and the tips {tip:.4g} m/s (turbines stop at 25 to 34 "
+            "m/s): is the wind in m/s, not in km/h?"
+        )
+        yield Doubt(SIZE, text, wind)
 
 
 def not_allowed(spec: Mapping[str, Any], doubts: Iterable[Doubt]) -> list[Doubt]:
