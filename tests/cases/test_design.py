@@ -212,6 +212,7 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
             {"strength": "arm", "min": 1.5},
             {"deformation_energy": "arm", "of": "at", "time": 0.03, "max": 1.0},
             {"section": "arm", "entry": "S14", "max": 1.0},
+            {"frequency": "mechanism", "min": 1.0},
         ],
         "rtol": 1e-9,
     }
@@ -225,14 +226,16 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
     assert "tangent" in exact.words_of_gradient()
     rebuilt = Trials(order)
     assert rebuilt.values(p).values == values.values
-    for k, h in enumerate((0.1, 1e-3)):
+    # Packages keep 21 bits of the strains of recovery (5e-7): of rebuilt packages, differences of
+    # exposures have that over the step. A larger change of the mass moves the output of a peak.
+    of_strength = (2e-4, 1e-5)
+    for k, h in enumerate((0.2, 2e-4)):
         at = [rebuilt.values(p + i * h * np.eye(2)[k]).values for i in (-2, -1, 1, 2)]
         for m, slopes in enumerate(found):
             far, near, next_, further = (np.array(v[m]) for v in at)
             expected = (8.0 * (next_ - near) - (further - far)) / (12.0 * h)
             size = np.abs(np.array(slopes)[:, k]).max()
-            # Differences of exposures see where another point of a ply begins to govern.
-            near_by = (1e-5, 3e-4, 1e-5, 1e-7)[m] * size
+            near_by = (1e-5, of_strength[k], 1e-5, 1e-7, 1e-6)[m] * size
             np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
 
 
