@@ -3,14 +3,14 @@
 import sys
 
 try:
-    from .solver.system.interrupts import end_immediately
+    from .solver.system.interrupts import begin_program
 except KeyboardInterrupt:
     sys.exit(130)
 
 
 def main() -> int:
     """Run the command line."""
-    end_immediately()
+    begin_program()
     from .solver.__main__ import main as command
 
     return command()

@@ -1,9 +1,9 @@
 """The command line: check, compile, packages, run, modes, report, section, shell, sweep, ..."""
 
 if __name__ == "__main__":
-    from .system.interrupts import end_immediately
+    from .system.interrupts import begin_program
 
-    end_immediately()
+    begin_program()
 
 import argparse
 import atexit

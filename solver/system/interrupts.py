@@ -87,17 +87,20 @@ def ending_words() -> str:
     return "interrupted: nothing written"
 
 
-def end_immediately() -> None:
-    """End the program at a signal while it starts.
+def begin_program() -> None:
+    """End the program at a signal while it starts, and keep NumPy, not yet imported, to one thread.
 
     An exception within an import would be a traceback, or be taken for a missing module.
+    More threads cost 0.1 s and do not help with small matrices. Workers inherit the setting.
     """
+    if "OMP_NUM_THREADS" not in os.environ:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     handle(_end)
 
 
 @contextlib.contextmanager
 def starting() -> Iterator[None]:
-    """Do what `end_immediately` says while modules of a command are imported."""
+    """Do what `begin_program` says while modules of a command are imported."""
     with _handled(_end) if _commands else contextlib.nullcontext():
         yield
 

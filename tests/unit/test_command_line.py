@@ -1,6 +1,7 @@
 """The command line itself: entry points, nearest commands and options, completion."""
 
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -19,6 +20,28 @@ def test_the_version(module: str) -> None:
         [sys.executable, "-m", module, "--version"], capture_output=True, text=True
     )
     assert (run.returncode, run.stdout) == (0, f"plymotion {plymotion.__version__}\n")
+
+
+@pytest.mark.parametrize(
+    ("module", "own", "kept"),
+    [
+        ("plymotion", {}, "1"),
+        ("plymotion.solver", {"OPENBLAS_NUM_THREADS": "3"}, "3"),
+        ("plymotion", {"OMP_NUM_THREADS": "2"}, "None"),
+        ("", {}, "None"),  # Python that imports the package keeps its threads
+    ],
+)
+def test_a_command_has_one_thread_unless_the_user_says_more(
+    module: str, own: dict[str, str], kept: str
+) -> None:
+    lines = "import atexit, os, runpy, sys, plymotion\n"
+    lines += "atexit.register(lambda: print(os.environ.get('OPENBLAS_NUM_THREADS')))\n"
+    if module:
+        lines += f"sys.argv[1:] = ['--version']\nrunpy.run_module({module!r}, run_name='__main__')"
+    env = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")} | own
+    run = subprocess.run([sys.executable, "-c", lines], env=env, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.split()[-1] == kept
 
 
 @pytest.mark.parametrize(
