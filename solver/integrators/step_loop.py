@@ -395,7 +395,8 @@ class StepLoop(StrideMemory):
     def _stop_at_next(self, t: float) -> None:
         """Let the loop end at the next instant after t."""
         times = self._instants.t
-        k = int(np.searchsorted(times, t, side="right"))
+        # One a rounding error ahead was sampled at t (Instants.sampled_at).
+        k = int(np.searchsorted(times, t * (1.0 + ROUNDING), side="right"))
         end = float(times[k]) if k < times.size else self.t_end
         for before, behind in self._next(self._jumps).tolist():
             apart = behind - before
