@@ -401,17 +401,12 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
     reached = quantity.modes(other.K)[0]
     if reached[0] < value[0]:  # by transverse shear
         other, reached = problem, value
-    limit, own, found = (quantity.shown(float(each)) for each in (least, value[0], reached[0]))
+    gaps = {"gap": value[0], "found_gap": reached[0], "found_gap_without_shear": most}
+    limit = quantity.shown(least)
     return {
-        "of": of,
-        "case": quantity.case,
-        "unit": quantity.unit,
-        "bound": limit,
-        "symmetric": plies.symmetric,
-        "value": own,
-        "gap": abs(own / limit - 1.0),
-        "found": found,
-        "found_gap": abs(found / limit - 1.0),
-        "found_gap_without_shear": abs(quantity.shown(most) / limit - 1.0),
+        **{"of": of, "case": quantity.case, "unit": quantity.unit, "symmetric": plies.symmetric},
+        **{"bound": limit, "value": quantity.shown(float(value[0]))},
+        "found": quantity.shown(float(reached[0])),
+        **{key: abs(quantity.shown(float(v)) / limit - 1.0) for key, v in gaps.items()},
         "found_angles_deg": [ply.angle_deg for ply in other.regions[0].laminate.laminate.plies],
     }

@@ -246,4 +246,3 @@ class Options:
     iterations: int
     tolerance: float
     seed: int
-    more: dict[str, object] = field(default_factory=dict)
