@@ -12,6 +12,7 @@ from ...solver.math.arrays import Array
 from ...solver.package import ModalPackage
 from ...solver.package.common.cells import vtk_cells
 from ...solver.package.common.plain_data import SpecError, check_form
+from ...solver.package.common.plausible import body_doubts, material_doubts, not_allowed
 from ...solver.package.specification import SolidSpecification
 from ..exchange.import_table import SI, Reduction
 from ..exchange.reduce import reduce_body
@@ -63,15 +64,15 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
     connectivity, offsets, types = vtk_cells(model.mesh.corners)
     cases: dict[str, Array] = {}
     source = package.provenance["source"]
-    if "analysis" in table:
+    warnings = [*package.provenance["warnings"], *([] if model.counts else [NOT_COUNTED])]
+    if "analysis" in table:  # the checks of a run judge the bodies of a mechanism
         source, cases = findings(model, package, table["analysis"])
+        doubts = [*material_doubts(table["solid"]["materials"]), *body_doubts(source["mass"])]
+        warnings += [doubt.warning for doubt in not_allowed(table["solid"], doubts)]
     shapes = np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
     stresses = face_stresses(model, table["solid"]["materials"], shapes, cases)
     seconds = {"solid": assembled - start, "modes": time.perf_counter() - assembled}
-    not_counted = [] if model.counts else [NOT_COUNTED]
-    provenance = body_provenance(
-        spec, {"body": 3 * n}, seconds, [*package.provenance["warnings"], *not_counted]
-    )
+    provenance = body_provenance(spec, {"body": 3 * n}, seconds, warnings)
     return dataclasses.replace(
         package,
         connectivity=connectivity,

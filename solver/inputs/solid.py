@@ -141,7 +141,9 @@ class SolidDescription(Table):
     format: Literal[1] = entry("of the file", default=1)
     units: Unit = entry(MEANING, default="m")
     title: str = entry("one line", default="")
-    allow: list[str] = entry("codes of warnings that are meant", default=[])
+    allow: list[Literal["material-units", "size-units"]] = entry(
+        "warnings that are not shown, because unusual materials or sizes are meant", default=[]
+    )
     mesh: SolidMesh = entry("geometry and cells")
     materials: dict[Name, Material] = entry("elastic constants", min_length=1)
     regions: dict[str, SolidRegion] = entry("material of each volume", min_length=1)

@@ -133,7 +133,7 @@ def solid_table(
         "mesh": mesh,  # type: ignore[typeddict-item]
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "regions": {name: plain_table(region) for name, region in description.regions.items()},
-        "allow": description.allow,
+        "allow": list(description.allow),
     }
 
 

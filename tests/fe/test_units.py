@@ -1,10 +1,11 @@
-"""Sections and shells whose materials or sizes cannot be in SI units."""
+"""Sections, shells and solids whose materials or sizes cannot be in SI units."""
 
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from plymotion.preprocess.body import build_body
 from plymotion.preprocess.section.analysis import analyse as section
 from plymotion.preprocess.shell.analyses.analysis import analyse as shell
 from plymotion.solver.inputs.section.shapes.library import expand
@@ -78,6 +79,40 @@ def test_shells(tmp_path: Path) -> None:
     assert of_shell(tmp_path, 1e3, 1.0, CARBON, 8) == ["size-units"]  # by its plies
     assert of_shell(tmp_path, 1.0, 2.0, allow=["size-units"]) == []
     assert of_shell(tmp_path, 1.0, 2e-3, METAL | {"E": 70.0, "rho": 2.7}) == ["material-units"]
+
+
+BOX = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 2, 1, 1};
+Mesh.MeshSizeMin = 1;
+"""
+
+
+def of_solid(folder: Path, unit: float = 0.1, material: Any = METAL, **more: Any) -> list[str]:
+    """Codes of `plymotion solid` for a block of two by one by one units of length [m]."""
+    (folder / "block.geo").write_text(BOX)
+    spec = {
+        "body": "block",
+        "kind": "solid",
+        "solid": {
+            "mesh": {"file": str(folder / "block.geo"), "unit": unit},
+            "materials": {"m": material},
+            "regions": {"all": {"material": "m"}},
+            **more,
+        },
+        "reference": {"kind": "mean-axis"},
+        "modes": [{"kind": "lowest", "count": 1}],
+        "damping_ratio": 0.0,
+        "interfaces": {},
+        "analysis": {"supports": [], "loads": {}, "error": False},
+    }
+    return [warning["code"] for warning in build_body(spec).provenance["warnings"]]
+
+
+def test_solids(tmp_path: Path) -> None:
+    assert of_solid(tmp_path) == []
+    assert of_solid(tmp_path, material=METAL | {"E": 70.0}) == ["material-units"]
+    assert of_solid(tmp_path, unit=100.0) == ["size-units"]  # by its mass
+    assert of_solid(tmp_path, unit=100.0, allow=["size-units"]) == []
 
 
 @pytest.mark.parametrize("density", [1.0, 0.5])
