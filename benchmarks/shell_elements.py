@@ -21,7 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from samples.shell_element_samples import element_mass, element_stiffness
 
-from plymotion.preprocess.shell.cells import Triangles, triangles
+from plymotion.preprocess.shell.cells import CellGeometry
+from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.membranes import MEMBRANES
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.plates import PLATES
@@ -73,7 +74,7 @@ def main() -> None:
         options.json.write_text(json.dumps(found, indent=1), encoding="utf-8")
 
 
-def others(t: Triangles, repeats: int) -> dict[str, float]:
+def others(t: CellGeometry, repeats: int) -> dict[str, float]:
     """Mass in both forms, and resultants of eight states."""
     m, u = np.array([8.0, 0.0, 7e-6]), np.random.default_rng(0).normal(size=(len(t), 18, 8))
     times = {

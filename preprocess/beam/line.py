@@ -127,20 +127,22 @@ class Span:
 
 @dataclass(frozen=True)
 class BeamLine:
-    """A beam divided into straight elements.
+    """A beam divided into e straight elements.
 
     Attributes
     ----------
     nodes_B : (n, 3) node positions [m]
-    A_BE : (n - 1, 3, 3) section axes (columns x1 x2 x3) of each element in body axes
+    A_BE : (e, 3, 3) section axes (columns x1 x2 x3) of each element in body axes
     sections : the sections
-    section_of : (n - 1,) section of each element
+    section_of : (e,) section of each element
+    step : element k is between the nodes step k and step k + 1; 2: no element shares a node
     """
 
     nodes_B: Array
     A_BE: Array
     sections: tuple[LineSection, ...]
     section_of: IntArray
+    step: int = 1
 
     @property
     def n_node(self) -> int:
@@ -149,12 +151,12 @@ class BeamLine:
 
     @cached_property
     def lengths(self) -> Array:
-        """Length of each element, (n - 1,) [m]."""
-        return np.linalg.norm(np.diff(self.nodes_B, axis=0), axis=1)
+        """Length of each element, (e,) [m]."""
+        return np.linalg.norm(np.diff(self.nodes_B, axis=0)[:: self.step], axis=1)
 
     @cached_property
     def along(self) -> Array:
-        """Position of each node along the line, (n,), rising from 0 [m]."""
+        """Position of the ends of elements along the line, (e + 1,), rising from 0 [m]."""
         return np.concatenate([[0.0], np.cumsum(self.lengths)])
 
     @property
@@ -195,8 +197,9 @@ class BeamLine:
     def to_element(self, columns_B: Array) -> Array:
         """Nodal columns (6 n, m) as the 12 values of each element in section axes, (e, 12, m)."""
         nodal = columns_B.reshape(self.n_node, 2, 3, -1)
-        ends = [np.einsum("eba,epbm->epam", self.A_BE, part) for part in (nodal[:-1], nodal[1:])]
-        return np.concatenate(ends, axis=1).reshape(self.n_node - 1, 12, -1)
+        starts, stops = nodal[: -1 : self.step], nodal[1 :: self.step]
+        ends = [np.einsum("eba,epbm->epam", self.A_BE, part) for part in (starts, stops)]
+        return np.concatenate(ends, axis=1).reshape(len(self.A_BE), 12, -1)
 
     def _assemble(self, matrices: list[Array]) -> sp.csr_matrix:
         rows, columns, values = [], [], []
@@ -204,7 +207,7 @@ class BeamLine:
             turn = np.einsum("ij,eab->eiajb", np.eye(4), self.A_BE[span.numbers])
             turn = turn.reshape(-1, 12, 12)
             matrix_B = turn @ matrix_E @ turn.transpose(0, 2, 1)
-            dofs = 6 * span.numbers[:, None] + np.arange(12)
+            dofs = 6 * self.step * span.numbers[:, None] + np.arange(12)
             rows.append(np.repeat(dofs, 12, axis=1).ravel())
             columns.append(np.tile(dofs, (1, 12)).ravel())
             values.append(0.5 * (matrix_B + matrix_B.transpose(0, 2, 1)).ravel())

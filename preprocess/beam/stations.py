@@ -1,6 +1,7 @@
 """Mass of a beam as stations and as point masses: positions and motion in the modes."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -31,6 +32,12 @@ class Stations:
     psi_B: Array
     J_B: Array
 
+    @staticmethod
+    def joined(parts: "Sequence[Stations]") -> "Stations":
+        """All stations, one part after the other."""
+        names = (one.name for one in fields(Stations))
+        return Stations(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
+
     def invariants(self, mass_form: str) -> Invariants:
         """Sums over the stations. Paper: Eq. (2), Eq. (15)."""
         return from_stations(self.m, self.x_B, self.phi_B, self.psi_B, self.J_B, mass_form)
@@ -57,8 +64,9 @@ def nodal_mass(line: BeamLine) -> tuple[Array, Array]:
         half, A = 0.5 * span.element.length, line.A_BE[span.numbers]
         J_B = half * A @ span.section.mass[3:, 3:] @ A.transpose(0, 2, 1)
         for end in range(2):
-            np.add.at(mass, span.numbers + end, half * span.section.slice_mass.m)
-            np.add.at(inertia, span.numbers + end, J_B)
+            nodes = line.step * span.numbers + end
+            np.add.at(mass, nodes, half * span.section.slice_mass.m)
+            np.add.at(inertia, nodes, J_B)
     return mass, inertia
 
 
@@ -87,7 +95,7 @@ def mass_stations(line: BeamLine, columns_B: Array, mass_form: str) -> Stations:
         place = slice_.centre_E + x[:, None] * np.array([1.0, 0.0, 0.0])
         phi = motion[:, :, :3] - skew(slice_.centre_E) @ motion[:, :, 3:]
         inertia = A @ slice_.J_E @ A.swapaxes(-1, -2)
-        start = line.nodes_B[span.numbers][:, None]
+        start = line.nodes_B[line.step * span.numbers][:, None]
         count = len(x) * len(span.numbers)
         parts.append(
             Stations(
@@ -98,8 +106,7 @@ def mass_stations(line: BeamLine, columns_B: Array, mass_form: str) -> Stations:
                 J_B=(w[:, None, None] * inertia).reshape(count, 3, 3),
             )
         )
-    columns = ("m", "x_B", "phi_B", "psi_B", "J_B")
-    return Stations(*(np.concatenate([getattr(p, name) for p in parts]) for name in columns))
+    return Stations.joined(parts)
 
 
 ABSENT = 1e-9  # of the largest second moment: smaller ones are round-off

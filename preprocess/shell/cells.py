@@ -1,12 +1,11 @@
 """Triangles and quadrilaterals of a shell: their edges, and their geometry in axes of the laminate.
 
-Sides run around a cell, of triangles from corner START[k] to corner END[k]. Warped quadrilaterals
-are those of their mean plane. The formulas of the elements do not depend on the direction of the
+Sides run around a cell, from corner k to the next. Warped quadrilaterals are those
+of their mean plane. The formulas of the elements do not depend on the direction of the
 corners about e3, so a region may reverse its normals."""
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +86,6 @@ class Edges:
         return np.asarray(np.sort(ends, axis=1) @ [self._step, 1])
 
 
-START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides
 # Integration points in area coordinates, weight area / 3 each: exact up to degree 2.
 POINTS = np.full((3, 3), 1.0 / 6.0) + 0.5 * np.eye(3)
 
@@ -96,88 +94,6 @@ FLAT = 1e-10  # relative to the longest side squared: a smaller area counts as z
 STEEP = 1e-6  # sine of the smallest angle between a reference direction and a normal
 NAMED = 5  # cells named in a message
 NORMAL = "is normal to its reference direction"
-
-
-class _Some:
-    """Cells of one kind: a dataclass of arrays with a row for each."""
-
-    area: Array
-
-    def __len__(self) -> int:
-        return len(self.area)
-
-    def __getitem__(self, some: slice | IntArray) -> Self:
-        """Some of the cells."""
-        return type(self)(*(getattr(self, one.name)[some] for one in fields(cast(Any, self))))
-
-
-@dataclass(frozen=True)
-class Triangles(_Some):
-    """Some triangles, c of them.
-
-    Attributes
-    ----------
-    xy_E : (c, 3, 2) corners from the centroid [m]
-    A_GE : (c, 3, 3) rotation, v_G = A_GE v_E
-    area : (c,) [m2]
-    length : (c, 3) of the sides [m]
-    tangent : (c, 3, 2) unit vectors along the sides, in E
-    """
-
-    xy_E: Array
-    A_GE: Array
-    area: Array
-    length: Array
-    tangent: Array
-
-    @property
-    def interpolation(self) -> Array:
-        """Functions of the corners at the integration points, (3, 3)."""
-        return POINTS
-
-    @property
-    def corners_G(self) -> Array:
-        """Corners from the centroid in G, (c, 3, 3) [m]."""
-        return np.asarray(self.xy_E @ np.swapaxes(self.A_GE[:, :, :2], 1, 2))
-
-    @property
-    def weight(self) -> Array:
-        """Area of each integration point, (c, 3) [m2]."""
-        return np.repeat(self.area / 3.0, 3).reshape(-1, 3)
-
-
-def triangles(
-    points_G: Array, cells: IntArray, direction_G: Array, flip: Array | bool = False
-) -> Triangles:
-    """Geometry of triangles given by their corners.
-
-    Parameters
-    ----------
-    points_G : (n, 3) nodes [m]
-    cells : (c, 3) nodes of each triangle; their order gives the normal, right-handed
-    direction_G : (3,) or (c, 3) reference direction; its projection onto a triangle is e1
-    flip : bool or (c,), True where the normal e3 is reversed
-
-    Raises
-    ------
-    ShellError
-        for a triangle without area, or with the reference direction as its normal
-    """
-    corners = np.asarray(points_G, dtype=float)[np.asarray(cells)]
-    edge = corners[:, END] - corners[:, START]
-    length = np.linalg.norm(edge, axis=2)
-    normal = np.cross(edge[:, 0], edge[:, 1])
-    twice_area = np.linalg.norm(normal, axis=1)
-    longest = length.max(axis=1, initial=0.0)
-    # "not greater" catches NaN as well
-    refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
-    e3 = normal / twice_area[:, None]
-    e3 = np.where(np.asarray(flip)[..., None], -e3, e3)
-    A_GE, along = projected_axes(e3, direction_G)
-    refuse(~along, NORMAL, cells)
-    xy_E = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE[:, :, :2]
-    edge_E = xy_E[:, END] - xy_E[:, START]
-    return Triangles(xy_E, A_GE, 0.5 * twice_area, length, edge_E / length[..., None])
 
 
 def projected_axes(e3: Array, direction_G: Array) -> tuple[Array, BoolArray]:
@@ -242,19 +158,19 @@ CENTRE = slopes(np.zeros((1, 2)))[0]
 
 
 @dataclass(frozen=True)
-class Quadrilaterals(_Some):
-    """Some quadrilaterals, c of them, projected on their mean planes.
+class CellGeometry:
+    """Some cells with k corners, c of them; quadrilaterals are projected on their mean planes.
 
     Attributes
     ----------
-    xy_E : (c, 4, 2) corners from the centroid of the area [m]
-    height : (c, 4) of the corners above the mean plane, along e3 [m]
+    xy_E : (c, k, 2) corners from the centroid of the area [m]
+    height : (c, k) of the corners above the mean plane, along e3 [m]; 0 of triangles
     A_GE : (c, 3, 3) rotation, v_G = A_GE v_E
     area : (c,) [m2]
-    length : (c, 4) of the sides [m]
-    tangent : (c, 4, 2) unit vectors along the sides, in E
-    weight : (c, 4) area of each point of `GAUSS` [m2]
-    width_ratio : (c, 4) length over width, squared, of each side (`width_ratios`)
+    length : (c, k) of the sides [m]
+    tangent : (c, k, 2) unit vectors along the sides, in E
+    weight : (c, k) area of each point, of `POINTS` or of `GAUSS` [m2]
+    width_ratio : (c, k) length over width, squared, of each side (`width_ratios`)
     """
 
     xy_E: Array
@@ -266,74 +182,80 @@ class Quadrilaterals(_Some):
     weight: Array
     width_ratio: Array
 
+    def __len__(self) -> int:
+        return len(self.area)
+
+    def __getitem__(self, some: slice | IntArray) -> "CellGeometry":
+        """Some of the cells."""
+        return CellGeometry(*(getattr(self, one.name)[some] for one in fields(self)))
+
     @property
     def interpolation(self) -> Array:
-        """Functions of the corners at the integration points, (4, 4)."""
-        return AT_GAUSS
+        """Functions of the corners at the integration points, (k, k)."""
+        return POINTS if self.xy_E.shape[1] == 3 else AT_GAUSS
 
     @property
     def corners_G(self) -> Array:
-        """Corners from the centroid of the area in the mean plane, in G, (c, 4, 3) [m]."""
+        """Corners from the centroid of the area in the mean plane, in G, (c, k, 3) [m]."""
         local = np.concatenate([self.xy_E, self.height[..., None]], axis=2)
         return np.asarray(local @ np.swapaxes(self.A_GE, 1, 2))
 
 
-def quadrilaterals(
+def cell_geometry(
     points_G: Array,
     cells: IntArray,
     direction_G: Array,
     flip: Array | bool = False,
     width_ratio: Array | float = 0.0,
-) -> Quadrilaterals:
-    """Geometry of quadrilaterals given by their corners; arguments as of `triangles`.
+) -> CellGeometry:
+    """Geometry of triangles or quadrilaterals given by their corners.
+
+    Parameters
+    ----------
+    points_G : (n, 3) nodes [m]
+    cells : (c, 3 or 4) nodes of each cell; their order gives the normal, right-handed
+    direction_G : (3,) or (c, 3) reference direction; its projection onto a cell is e1
+    flip : bool or (c,), True where the normal e3 is reversed
+    width_ratio : see `CellGeometry`
 
     Raises
     ------
     ShellError
-        for a cell without area, with an angle of 180 degrees or more, crossed sides, or with the
-        reference direction as its normal
+        for a cell without area, or with the reference direction as its normal; for a quadrilateral
+        with an angle of 180 degrees or more, or with crossed sides
     """
-    cells = np.asarray(cells)
+    cells, flip = np.asarray(cells), np.asarray(flip)
     corners = np.asarray(points_G, dtype=float)[cells]
-    diagonals = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
-    normal = np.cross(*diagonals)
+    k = cells.shape[1]
+    # the diagonals; of a triangle two sides
+    across = corners[:, 2] - corners[:, 0], corners[:, 3 % k] - corners[:, 1]
+    normal = np.cross(*across)
     twice_area = np.linalg.norm(normal, axis=1)
-    longest = np.max([np.linalg.norm(d, axis=1) for d in diagonals], axis=0, initial=0.0)
+    longest = np.max([np.linalg.norm(one, axis=1) for one in across], axis=0, initial=0.0)
+    # "not greater" catches NaN as well
     refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
     e3 = normal / twice_area[:, None]
-    e3 = np.where(np.asarray(flip)[..., None], -e3, e3)
-    A_GE, along = projected_axes(e3, direction_G)
+    A_GE, along = projected_axes(np.where(flip[..., None], -e3, e3), direction_G)
     refuse(~along, NORMAL, cells)
     local = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE
-    xy = local[:, :, :2]
-    turned = np.where(np.asarray(flip), -1.0, 1.0)  # sense of the corners about e3
-    size = _areas(xy, turned)
-    convex: BoolArray = np.asarray((size > 0.0).all(axis=1))
-    refuse(~convex, "has an angle of 180 degrees or more", cells)
-    area = size.sum(axis=1)
-    xy = xy - ((size @ AT_GAUSS)[:, None] @ xy) / area[:, None, None]
+    xy, height = local[:, :, :2], np.ascontiguousarray(local[:, :, 2])
+    if k == 3:
+        area, height = 0.5 * twice_area, np.zeros_like(height)
+        weight = np.repeat(area / 3.0, 3).reshape(-1, 3)
+    else:
+        weight, at_corners = (_determinants(slopes(points), xy) for points in (GAUSS, CORNERS))
+        turned = np.where(flip, -1.0, 1.0)  # sense of the corners about e3
+        convex = (at_corners * np.reshape(turned, (-1, 1)) > 0.0).all(axis=1)
+        weight = np.abs(weight)
+        refuse(~(convex & (weight > 0.0).all(axis=1)), "has an angle of 180 degrees or more", cells)
+        area = weight.sum(axis=1)
+        xy = xy - ((weight @ AT_GAUSS)[:, None] @ xy) / area[:, None, None]
     edge = np.roll(xy, -1, axis=1) - xy
     length = np.linalg.norm(edge, axis=2)
-    return Quadrilaterals(
-        xy_E=xy,
-        height=np.ascontiguousarray(local[:, :, 2]),
-        A_GE=A_GE,
-        area=area,
-        length=length,
-        tangent=edge / length[..., None],
-        weight=size,
-        width_ratio=np.broadcast_to(np.asarray(width_ratio, dtype=float), length.shape),
-    )
+    ratio = np.broadcast_to(np.asarray(width_ratio, dtype=float), length.shape)
+    return CellGeometry(xy, height, A_GE, area, length, edge / length[..., None], weight, ratio)
 
 
-def _areas(xy: Array, turned: Array) -> Array:
-    """Area of each point (c, 4); not positive anywhere if the mapping is not so at a corner."""
-    at_points, at_corners = (_determinant(slopes(points), xy) for points in (GAUSS, CORNERS))
-    convex: BoolArray = np.asarray((at_corners * np.reshape(turned, (-1, 1)) > 0.0).all(axis=1))
-    return np.where(convex[:, None], np.abs(at_points), 0.0)
-
-
-def _determinant(D: Array, xy: Array) -> Array:
+def _determinants(D: Array, xy: Array) -> Array:
     """Of the derivatives of (x, y) by (xi, eta) at q points, (c, q)."""
-    J = np.swapaxes(D, 1, 2)[None] @ xy[:, None]  # (c, q, 2, 2): [a, i] of x_i by xi_a
-    return np.asarray(J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0])
+    return np.linalg.det(np.swapaxes(D, 1, 2)[None] @ xy[:, None])

@@ -11,7 +11,7 @@ from samples.shell_element_samples import (
     part_stiffness,
 )
 
-from plymotion.preprocess.shell.cells import triangles
+from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.membranes.opt import best_beta0
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.single_cells import element_strains

@@ -19,7 +19,8 @@ from samples.shell_element_samples import (
 )
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.shell.cells import GAUSS, ShellError, quadrilaterals, width_ratios
+from plymotion.preprocess.shell.cells import GAUSS, ShellError, width_ratios
+from plymotion.preprocess.shell.cells import cell_geometry as quadrilaterals
 from plymotion.preprocess.shell.elements.cell import SIZE, Cell
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.quadrilateral import relief

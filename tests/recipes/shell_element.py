@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from samples.shell_element_samples import element_stiffness, isotropic
 
-from plymotion.preprocess.shell.cells import triangles
+from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import Choice
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "fe"))

@@ -7,12 +7,11 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from plymotion.preprocess.shell.cells import (
-    Quadrilaterals,
-    Triangles,
-    quadrilaterals,
-    triangles,
+    CellGeometry,
     width_ratios,
 )
+from plymotion.preprocess.shell.cells import cell_geometry as quadrilaterals
+from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import (
     Choice,
     kernel_of,
@@ -56,14 +55,14 @@ def coupled(thickness: float) -> Plain:
     )
 
 
-def element_stiffness(t: Triangles | Quadrilaterals, laminate: Plain, choice: Choice) -> np.ndarray:
+def element_stiffness(t: CellGeometry, laminate: Plain, choice: Choice) -> np.ndarray:
     """Stiffness of single cells in G, (c, 18, 18) or (c, 24, 24)."""
     kernel = stiffness_kernel(t.xy_E.shape[1], choice)
     return cell_matrices(t, kernel, cell_table(t, laminate, choice))
 
 
 def part_stiffness(
-    t: Triangles, laminate: Plain, kind: str, name: str, beta0: float | str = 0.5
+    t: CellGeometry, laminate: Plain, kind: str, name: str, beta0: float | str = 0.5
 ) -> np.ndarray:
     """Stiffness of a membrane or plate alone in E, (c, 18, 18)."""
     table = cell_table(t, laminate, Choice(beta0=beta0))
@@ -72,9 +71,7 @@ def part_stiffness(
     return np.einsum("cki,cakbl,clj->caibj", t.A_GE, blocks, t.A_GE).reshape(-1, 18, 18)
 
 
-def element_mass(
-    t: Triangles | Quadrilaterals, mass: np.ndarray, form: str = "consistent"
-) -> np.ndarray:
+def element_mass(t: CellGeometry, mass: np.ndarray, form: str = "consistent") -> np.ndarray:
     """Mass of single cells in G, (c, 18, 18) or (c, 24, 24)."""
     kernel = mass_kernel(t.xy_E.shape[1], form)
     table = cell_table(t, isotropic(1.0), Choice())
@@ -82,7 +79,7 @@ def element_mass(
     return cell_matrices(t, kernel, table)
 
 
-def ratios(t: Triangles, laminate: Plain) -> np.ndarray:
+def ratios(t: CellGeometry, laminate: Plain) -> np.ndarray:
     """`shear_ratio` of the sides, (c, 3)."""
     return shear_ratio(laminate.D, laminate.Ds, np.moveaxis(t.tangent, 2, 0), t.length)
 
@@ -223,14 +220,14 @@ def _patch_error(
     return float(max(error[:, kind].max() / size[:, kind].max() for kind in kinds))
 
 
-def one_triangle(seed: int = 3) -> tuple[Triangles, np.ndarray, np.ndarray]:
+def one_triangle(seed: int = 3) -> tuple[CellGeometry, np.ndarray, np.ndarray]:
     """A triangle somewhere in space, its corners and its reference direction."""
     points = np.random.default_rng(seed).normal(size=(3, 3))
     direction = np.array([0.4, 1.0, -0.3])
     return triangles(points, np.array([[0, 1, 2]]), direction), points, direction
 
 
-def one_quadrilateral(warp: float = 0.0, seed: int = 3) -> tuple[Quadrilaterals, np.ndarray]:
+def one_quadrilateral(warp: float = 0.0, seed: int = 3) -> tuple[CellGeometry, np.ndarray]:
     """An irregular quadrilateral somewhere in space, warped or flat, and its corners."""
     flat = np.array([[0, 0, 0], [1.1, 0.1, 0], [1.2, 0.9, warp], [-0.1, 1.2, 0]])
     points = flat @ turn(seed).T

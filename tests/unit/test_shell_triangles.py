@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from plymotion.preprocess.shell.cells import END, START, ShellError, triangles
+from plymotion.preprocess.shell.cells import ShellError
+from plymotion.preprocess.shell.cells import cell_geometry as triangles
 
 POINTS = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 1]])
 X = np.array([1.0, 0, 0])
+START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides
 
 
 def test_axes_of_a_flat_triangle() -> None:

@@ -13,7 +13,6 @@ strains that h cannot cancel, where edges are held in the plane or the shell ben
 directions, would add an energy of fourth order, which is neglected.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -22,14 +21,11 @@ from ....solver.math.arrays import Array, IntArray
 from ...modes.reduced import pairs, square, turned
 from ...modes.reference import Condition, StaticShapes
 from ..cells import DOFS
-from ..elements.pairs import Choice, geometric_kernel, stiffness_kernel
-from ..elements.single_cells import cell_rows, cell_table, write
+from ..elements.pairs import Choice, geometric_kernel
+from ..elements.single_cells import cell_rows, cell_table, mean_strain_rows, write
 from ..model.freedom import Freedom
 from ..model.problem import ShellProblem
 from ..model.regions import Region
-from ..model.stiffeners import Stiffener
-
-AT_A_TIME = 512  # cells
 
 
 class Near(NamedTuple):
@@ -87,7 +83,11 @@ def pair_forces(problem: ShellProblem, u: Array) -> Array:
             rows, change = problem.beside.rows[number], problem.beside.change[number]
             g += change.T @ forces[rows].reshape(change.shape[0], -1)
     for stiffener in problem.stiffeners:
-        _add_stiffener(g, stiffener, u, first, second)
+        force, turn = stiffener.axial_force, stiffener.chord_rotation
+        size = force.shape[1]
+        own = (turn @ u[:size]).reshape(force.shape[0], 3, -1)
+        work = np.einsum("l,lap,lap->lp", stiffener.length, own[..., first], own[..., second])
+        g[:size] += force.T @ work
     return g
 
 
@@ -100,16 +100,14 @@ def _add_region(
     """
     rows = u.reshape(-1, DOFS, u.shape[1])
     k = region.nodes.shape[1]
-    stiffness, geometric = stiffness_kernel(k, choice, drilling=False), geometric_kernel(k)
+    geometric = geometric_kernel(k)
     A, B = region.stiffness.A, region.stiffness.B
     table = cell_table(region.geometry, region.stiffness, choice)
     # the work of this tension is that of w,x^2 + w,y^2 + 2 r^2
     write(table, N=np.array([1.0, 1.0, 0.0]), in_plane=1.0)
     found = np.empty((len(region.cells), DOFS * k, len(first)))
-    for some in _slices(len(region.cells)):
+    for some, strain in mean_strain_rows(region.geometry, region.stiffness, choice):
         part, nodes = region.geometry[some], region.nodes[some]
-        means = [mean for _, _, mean in cell_rows(part, stiffness, table[some])]
-        strain = np.concatenate(means, axis=1)
         R = A @ strain[:, :3] + B @ strain[:, 3:6]
         ((stress, slope, _),) = cell_rows(part, geometric, table[some])
         own = rows[nodes].reshape(len(nodes), DOFS * k, -1)
@@ -133,18 +131,6 @@ def _add_region(
     return found
 
 
-def _add_stiffener(
-    g: Array, stiffener: Stiffener, u: Array, first: IntArray, second: IntArray
-) -> None:
-    dofs = (DOFS * stiffener.ends[:, :, None] + np.arange(DOFS)).reshape(-1, 2 * DOFS)
-    own = u[dofs]  # (l, 12, m)
-    force, rotation = stiffener.axial_force(), stiffener.chord_rotation() @ own
-    products = np.einsum(
-        "lap,lap->lp", rotation[..., first], rotation[..., second]
-    ) * stiffener.length[:, None]  # fmt: skip
-    np.add.at(g, dofs.ravel(), (force[:, :, None] * products[:, None]).reshape(-1, len(first)))
-
-
 def _turned_interfaces(freedom: Freedom, u: Array) -> Array:
     """Second-order motion of the nodes of rigid interfaces with respect to them, (n_dof, pairs)."""
     out = np.zeros((len(u) // DOFS, DOFS, len(pairs(u.shape[1])[0])))
@@ -156,7 +142,3 @@ def _turned_interfaces(freedom: Freedom, u: Array) -> Array:
         arms = freedom.mesh.points_G[link.group.nodes] - link.point_G
         out[link.group.nodes, :3] = turned(rows[n_node + number, 3:], arms)
     return out.reshape(len(u), -1)
-
-
-def _slices(count: int) -> Iterator[slice]:
-    return (slice(begin, begin + AT_A_TIME) for begin in range(0, count, AT_A_TIME))

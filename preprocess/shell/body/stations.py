@@ -18,11 +18,10 @@ import numpy as np
 from ....solver.math.arrays import Array
 from ....solver.package.common.cells import corner_areas
 from ....solver.package.common.plain_data import SpecError
-from ...beam.element import MASS_POINTS, BeamElement, gauss
-from ...beam.line import SectionMass
 from ...beam.stations import Stations
+from ...beam.stations import mass_stations as line_stations
 from ..mesh import ShellMesh
-from ..model.links import carried, cross_matrix
+from ..model.links import cross_matrix
 from ..model.regions import Region
 from ..model.stiffeners import Stiffener
 
@@ -46,9 +45,13 @@ def mass_stations(
     SpecError : the mass of a stiffener is not that of rigid slices.
     """
     parts = [_of_region(mesh, region, u, form) for region in regions]
-    parts += [_of_stiffener(mesh, stiffener, u, form) for stiffener in stiffeners]
-    columns = ("m", "x_B", "phi_B", "psi_B", "J_B")
-    return Stations(*(np.concatenate([getattr(p, name) for p in parts]) for name in columns))
+    for stiffener in stiffeners:
+        ends = stiffener.carried @ u.reshape(-1, u.shape[2])
+        try:
+            parts.append(line_stations(stiffener.line, ends, form))
+        except ValueError as error:
+            raise SpecError(f"shell.stiffeners.{stiffener.name}: {error}") from error
+    return Stations.joined(parts)
 
 
 def nodal_mass(
@@ -64,10 +67,10 @@ def nodal_mass(
         rotary += m2 * area
     inertia = rotary[:, None, None] * np.eye(3)
     for stiffener in stiffeners:
-        M = stiffener.mass("lumped").reshape(-1, 2, 6, 2, 6)
-        for end in range(2):
-            np.add.at(mass, stiffener.ends[:, end], M[:, end, 0, end, 0])
-            np.add.at(inertia, stiffener.ends[:, end], M[:, end, 3:, end, 3:])
+        M = stiffener.mass("lumped")
+        mass += M.diagonal()[::6]
+        for i, j in np.ndindex(3, 3):
+            inertia[:, i, j] += M[3 + i :: 6, 3 + j :: 6].diagonal()
     return mass, inertia
 
 
@@ -97,41 +100,4 @@ def _of_region(mesh: ShellMesh, region: Region, u: Array, form: str) -> Stations
         phi_B=phi,
         psi_B=psi,
         J_B=weight[:, None, None] * inertia,
-    )
-
-
-def _of_stiffener(mesh: ShellMesh, stiffener: Stiffener, u: Array, form: str) -> Stations:
-    try:
-        slice_ = SectionMass.from_matrix(stiffener.M)
-    except ValueError as error:
-        raise SpecError(f"shell.stiffeners.{stiffener.name}: {error}") from error
-    A, L = stiffener.A_GE, stiffener.length
-    offset = np.concatenate([[0.0], stiffener.offset])
-    # motion of the reference line at the ends, section axes, (l, 2, 6, m)
-    turn = np.zeros((len(L), 6, 6))
-    turn[:, :3, :3] = turn[:, 3:, 3:] = np.swapaxes(A, 1, 2)
-    ends = (carried(offset[None])[0] @ turn)[:, None] @ u[stiffener.ends]
-    nodal = ends.reshape(len(L), 12, u.shape[2])
-    parts = []
-    for row, length in enumerate(L):
-        if form == "consistent":
-            x, w = gauss(length, MASS_POINTS)
-            motion = BeamElement(length, stiffener.K).shape(x) @ nodal[row]
-        else:
-            x, w = np.array([0.0, length]), np.full(2, 0.5 * length)
-            motion = ends[row]
-        parts.append((x, w, motion))
-    count = len(parts[0][0])
-    x, w = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
-    motion = np.concatenate([part[2] for part in parts])
-    A = np.repeat(A, count, axis=0)
-    start = np.repeat(mesh.points_G[stiffener.ends[:, 0]], count, axis=0)
-    line = np.stack([x, np.zeros_like(x), np.zeros_like(x)], axis=1) + offset + slice_.centre_E
-    phi = motion[:, :3] - cross_matrix(slice_.centre_E) @ motion[:, 3:]
-    return Stations(
-        m=w * slice_.m,
-        x_B=start + np.einsum("kab,kb->ka", A, line),
-        phi_B=A @ phi,
-        psi_B=A @ motion[:, 3:],
-        J_B=w[:, None, None] * (A @ slice_.J_E @ np.swapaxes(A, 1, 2)),
     )

@@ -4,57 +4,36 @@ Kernels read the data of a cell from one row of numbers. Corners run around the 
 everywhere but in DOLFINx.
 """
 
-from typing import Any, Protocol
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
-from ....solver.math.arrays import Array
+from ....solver.math.arrays import Array, IntArray
 from ... import fenicsx
-from ..cells import Quadrilaterals, Triangles
+from ...laminate.stiffness import LaminateStiffness
+from ..cells import CellGeometry
 from .cell import AROUND, COLUMNS, SIZE
 from .membranes import MEMBRANES
 from .membranes.opt import best_beta0
 from .pairs import Choice, stiffness_kernel
 
 
-class Stiffness(Protocol):
-    """Laminate data that an element needs, in E; the first axis c or 1 is optional."""
-
-    @property
-    def A(self) -> Array:
-        """Membrane, (3, 3) [N/m]."""
-
-    @property
-    def B(self) -> Array:
-        """Coupling, (3, 3) [N]."""
-
-    @property
-    def D(self) -> Array:
-        """Bending, (3, 3) [N m]."""
-
-    @property
-    def Ds(self) -> Array:
-        """Transverse shear, corrected, (2, 2) [N/m]."""
-
-
-def cell_table(geometry: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice) -> Array:
+def cell_table(geometry: CellGeometry, laminate: LaminateStiffness, choice: Choice) -> Array:
     """The table (c, SIZE) of cells; entries of a prestress, a pressure, and of the mass of a
     laminate without density are zero.
 
     Parameters
     ----------
-    laminate : one for all or one for each cell
+    laminate : A, B, D, Ds in E, the first axis c or 1 is optional
     """
     table = np.zeros((len(geometry), SIZE))
-    beta0: Array | float
-    if isinstance(choice.beta0, str):
-        beta0 = best_beta0(np.reshape(laminate.A, (-1, 3, 3)))
-    else:
-        beta0 = choice.beta0
+    best = isinstance(choice.beta0, str)
+    beta0 = best_beta0(np.reshape(laminate.A, (-1, 3, 3))) if best else choice.beta0
     write(table, A_GE=geometry.A_GE, beta0=beta0, drilling_factor=choice.drilling_factor)
     write(table, A=laminate.A, B=laminate.B, D=laminate.D, Ds=laminate.Ds)
     write(table, mass=getattr(laminate, "mass", np.zeros(3)))
-    if isinstance(geometry, Quadrilaterals):
+    if geometry.xy_E.shape[1] == 4:
         write(table, bow=MEMBRANES[choice.membrane].bow, width_ratio=geometry.width_ratio)
     return table
 
@@ -67,48 +46,56 @@ def write(table: Array, **entries: Any) -> None:
         table[:, first : first + size] = np.reshape(values, (-1, size))
 
 
-def cell_matrices(t: Triangles | Quadrilaterals, kernel: fenicsx.Kernel, table: Array) -> Array:
+def cell_matrices(t: CellGeometry, kernel: fenicsx.Kernel, table: Array) -> Array:
     """Matrices of cells in G, (c, 6 k, 6 k), with data (c, columns) of `cell_table`."""
-    order = _unknowns(t)
-    return fenicsx.matrices(kernel, table, _corners(t))[:, order[:, None], order]
+    corners, order = _as_dolfinx(t)
+    return fenicsx.matrices(kernel, table, corners)[:, order[:, None], order]
 
 
 def cell_rows(
-    t: Triangles | Quadrilaterals, kernel: fenicsx.Kernel, table: Array
+    t: CellGeometry, kernel: fenicsx.Kernel, table: Array
 ) -> list[tuple[Array, Array, Array]]:
     """Stresses (c, p, 6 k), strains (c, p, 6 k) of the pairs and mean strains (c, n, 6 k) of each
     list of a kernel, per unit of the unknowns in G."""
-    found = []
+    found, (corners, order) = [], _as_dolfinx(t)
     for number, given in enumerate(kernel.lists):
-        rows = fenicsx.rows(kernel, number, table, _corners(t))[:, :, _unknowns(t)]
-        p = given.pairs
+        rows, p = fenicsx.rows(kernel, number, table, corners)[:, :, order], given.pairs
         found.append((rows[:, :p], rows[:, p : 2 * p], rows[:, 2 * p + given.coupling :]))
     return found
 
 
-def _corners(t: Triangles | Quadrilaterals) -> Array:
-    """(c, k, 3) in DOLFINx's order; from the centroid, for strains do not depend on the place."""
-    return np.ascontiguousarray(t.corners_G[:, AROUND[t.xy_E.shape[1]]])
-
-
-def _unknowns(t: Triangles | Quadrilaterals) -> Array:
-    """Unknown of DOLFINx's cell for each one around the cell; the order is its own inverse."""
+def _as_dolfinx(t: CellGeometry) -> tuple[Array, IntArray]:
+    """Corners (c, k, 3) in DOLFINx's order, from the centroid, for strains do not depend on the
+    place; its unknown for each one around the cell. The order is its own inverse."""
     around = np.array(AROUND[t.xy_E.shape[1]])
-    return np.asarray((6 * around[:, None] + np.arange(6)).ravel())
+    unknowns = (6 * around[:, None] + np.arange(6)).ravel()
+    return np.ascontiguousarray(t.corners_G[:, around]), unknowns
 
 
 AT_A_TIME = 512  # cells whose rows are in memory together
 
 
+def mean_strain_rows(
+    t: CellGeometry, laminate: LaminateStiffness, choice: Choice
+) -> Iterator[tuple[slice, Array]]:
+    """Some cells at a time, with their mean strains per unit of the unknowns in G, (s, 8, 6 k)."""
+    kernel = stiffness_kernel(t.xy_E.shape[1], choice, drilling=False)
+    table = cell_table(t, laminate, choice)
+    for first in range(0, len(t), AT_A_TIME):
+        some = slice(first, first + AT_A_TIME)
+        means = [mean for _, _, mean in cell_rows(t[some], kernel, table[some])]
+        yield some, np.concatenate(means, axis=1)
+
+
 def element_strains(
-    t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice, u_G: Array
+    t: CellGeometry, laminate: LaminateStiffness, choice: Choice, u_G: Array
 ) -> Array:
     """Mean strains of each element in E, (c, 8, m): exx eyy gxy, kxx kyy kxy [1/m], gxz gyz.
 
     Parameters
     ----------
     t : c triangles or quadrilaterals
-    laminate : A, B, D, Ds in E, one for all or one for each triangle
+    laminate : A, B, D, Ds in E, one for all or one for each cell
     choice : the elements
     u_G : (c, 18|24, m) displacements [m] and rotations [rad] of the corners, m states at once
 
@@ -117,18 +104,14 @@ def element_strains(
     ShellError
         for a choice that does not exist
     """
-    kernel = stiffness_kernel(t.xy_E.shape[1], choice, drilling=False)
-    table = cell_table(t, laminate, choice)
     strains = np.empty((len(t), 8, u_G.shape[2]))
-    for first in range(0, len(t), AT_A_TIME):
-        some = slice(first, first + AT_A_TIME)
-        means = [mean for _, _, mean in cell_rows(t[some], kernel, table[some])]
-        strains[some] = np.concatenate(means, axis=1) @ u_G[some]
+    for some, rows in mean_strain_rows(t, laminate, choice):
+        strains[some] = rows @ u_G[some]
     return strains
 
 
 def element_resultants(
-    t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice, u_G: Array
+    t: CellGeometry, laminate: LaminateStiffness, choice: Choice, u_G: Array
 ) -> Array:
     """Mean resultants of each element in E, (c, 8, m): N [N/m] 3, M [N] 3, T [N/m] 2.
 

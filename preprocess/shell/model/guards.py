@@ -11,7 +11,7 @@ from ....solver.math.arrays import Array
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.shell import elements
 from ...mesh_input import coincident
-from ..cells import DOFS, ShellError, Triangles
+from ..cells import DOFS, ShellError
 from ..elements.drilling import DRILLINGS
 from ..elements.membranes import MEMBRANES
 from ..elements.pairs import Choice
@@ -167,7 +167,7 @@ def _sides_too_short(
     """Sides with a `shear_ratio` above the limit of the plate."""
     worst, place = 0.0, ""
     for region in regions:
-        if not isinstance(region.geometry, Triangles):
+        if region.nodes.shape[1] == 4:
             continue
         t, laminate = region.geometry, region.stiffness
         ratio = shear_ratio(laminate.D, laminate.Ds, np.moveaxis(t.tangent, 2, 0), t.length)

@@ -33,10 +33,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from ....solver.errors import check_keys, did_you_mean
-from ....solver.math.arrays import Array, IntArray
+from ....solver.math.arrays import Array
 from ....solver.package.body.schema import MASS_FORMS
 from ... import fenicsx
-from ..cells import DOFS, ShellError
+from ..cells import ShellError
 from ..elements.membranes import MEMBRANES
 from ..elements.pairs import (
     Choice,
@@ -198,14 +198,6 @@ class Assembly:
             write(table, **{name: values[cells] for name, values in entries.items()})
             parts.append((surface, found, table))
         return self._pattern.summed(parts)
-
-    def lines(self, ends: IntArray, matrices: Array) -> sp.csr_matrix:
-        """Sum of matrices (l, 12, 12) of lines with nodes (l, 2)."""
-        dofs = (DOFS * ends[:, :, None] + np.arange(DOFS)).reshape(len(ends), -1)
-        rows = np.repeat(dofs, dofs.shape[1], axis=1).ravel()
-        columns = np.tile(dofs, dofs.shape[1]).ravel()
-        n_dof = DOFS * (self._mesh.n_node + self._extra)
-        return sp.csr_matrix((matrices.ravel(), (rows, columns)), shape=(n_dof, n_dof))
 
 
 def _by_corners(regions: Sequence[Region]) -> list[list[Region]]:
@@ -371,9 +363,9 @@ class ShellProblem:
     def _assembly(self) -> Assembly:
         return Assembly(self.mesh, self.own, self.choice, len(self.links))
 
-    def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[Array]) -> sp.csr_matrix:
+    def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[sp.csr_matrix]) -> sp.csr_matrix:
         """Add the matrices of the beams that stiffen the shell."""
-        if not lines or self.team.rank:  # of several processes, the first has the beams
-            return matrix
-        ends = np.concatenate([stiffener.ends for stiffener in self.stiffeners])
-        return matrix + self._assembly.lines(ends, np.concatenate(lines))
+        for line in () if self.team.rank else lines:  # of several processes, the first has them
+            line.resize(matrix.shape)
+            matrix = matrix + line
+        return matrix

@@ -17,22 +17,12 @@ from ....solver.package.common.materials import Orthotropic, material_from_dict
 from ... import fenicsx
 from ...laminate.spec import LaminateSpec, laminate_from_dict
 from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
-from ..cells import (
-    NORMAL,
-    CellError,
-    Quadrilaterals,
-    ShellError,
-    Triangles,
-    quadrilaterals,
-    triangles,
-    width_ratios,
-)
+from ..cells import NORMAL, CellError, CellGeometry, ShellError, cell_geometry, width_ratios
 from ..groups import KEYS as AXES
 from ..groups import cell_directions
 from ..mesh import ShellMesh
 
 ALL = "all"
-Geometry = Triangles | Quadrilaterals
 
 
 @dataclass(frozen=True)
@@ -46,7 +36,7 @@ class Region:
     name: str
     cells: IntArray
     nodes: IntArray
-    geometry: Geometry
+    geometry: CellGeometry
     laminate_name: str
     laminate: LaminateSpec
     stiffness: LaminateStiffness
@@ -90,11 +80,8 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
             direction = cell_directions(mesh, given[key], cells, place)
             nodes = np.ascontiguousarray(mesh.cells[cells, :count])
             try:
-                geometry: Geometry
-                if count == 3:
-                    geometry = triangles(mesh.points_G, nodes, direction, flip)
-                else:
-                    geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, ratios[cells])
+                own = ratios[cells, :count]
+                geometry = cell_geometry(mesh.points_G, nodes, direction, flip, own)
             except CellError as error:
                 axes = [name for name in AXES if given[key].get(name) is not None]
                 at = f"{place}.{axes[0]}" if axes and error.fault == NORMAL else place

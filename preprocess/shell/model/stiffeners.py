@@ -9,9 +9,9 @@ The elements are those of beam bodies, exact under end forces for any 6x6 stiffn
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from scipy.sparse.csgraph import connected_components
 from ....solver.errors import few
 from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
-from ...beam.element import BeamElement
+from ...beam.line import BeamLine, LineSection
 from ..cells import DOFS, ShellError
 from ..elements.pairs import Choice, stiffness_kernel
 from ..elements.single_cells import cell_matrices, cell_table
@@ -37,12 +37,12 @@ PARALLEL = 1e-6  # sine of the angle between x2_axis and the curve
 
 @dataclass(frozen=True)
 class Stiffener:
-    """A beam of `l` elements on edges of the mesh.
+    """A beam of `l` elements on edges of a mesh of `n` nodes.
 
     Attributes
     ----------
     ends : (l, 2) nodes
-    length : (l,) of the edges [m]
+    points_G : (n, 3) nodes of the mesh [m]
     A_GE : (l, 3, 3) section axes in G, v_G = A_GE v_E
     K, M : (6, 6) stiffness and mass per length of the section, section axes, order of the
         cross-sections [N, N m, N m2; kg/m, kg, kg m]
@@ -51,57 +51,74 @@ class Stiffener:
 
     name: str
     ends: IntArray
-    length: Array
+    points_G: Array
     A_GE: Array
     K: Array
     M: Array
     offset: Array
 
-    def stiffness(self) -> Array:
-        """Element stiffness, (l, 12, 12) in G. Paper: Eq. (35)."""
-        return self._elements(lambda element: element.stiffness())
+    @property
+    def length(self) -> Array:
+        """Lengths of the edges, (l,) [m]."""
+        return self.line.lengths
 
-    def mass(self, form: str) -> Array:
-        """Element mass, "consistent" or "lumped", (l, 12, 12) in G."""
-        return self._elements(lambda element: element.mass_matrix(self.M, form))
+    @property
+    def _arms_G(self) -> Array:
+        return np.asarray(self.A_GE[:, :, 1:] @ self.offset)
 
-    def geometric(self, u: Array) -> Array:
-        """Geometric stiffness (l, 12, 12) in G of the axial forces of displacements u (n_dof,).
+    @cached_property
+    def line(self) -> BeamLine:
+        """The elements of the reference line, each with ends of its own, in G."""
+        nodes = (self.points_G[self.ends] + self._arms_G[:, None]).reshape(-1, 3)
+        first = np.zeros(len(self.ends), dtype=np.int64)
+        return BeamLine(nodes, self.A_GE, (LineSection(self.K, self.M),), first, step=2)
+
+    @cached_property
+    def carried(self) -> sp.csr_matrix:
+        """Motion of these ends from that of the nodes of the mesh, (12 l, 6 n)."""
+        blocks = np.repeat(carried(self._arms_G), 2, axis=0)
+        entries = blocks, self.ends.ravel(), np.arange(len(blocks) + 1)
+        return sp.bsr_matrix(entries, shape=(DOFS * len(blocks), self.points_G.size * 2)).tocsr()
+
+    def stiffness(self) -> sp.csr_matrix:
+        """Stiffness in G, (6 n, 6 n). Paper: Eq. (35)."""
+        return self._of_nodes(self.line.stiffness())
+
+    def mass(self, form: str) -> sp.csr_matrix:
+        """Mass in G, "consistent" or "lumped", (6 n, 6 n)."""
+        return self._of_nodes(self.line.mass_matrix(form))
+
+    def geometric(self, u: Array) -> sp.csr_matrix:
+        """Geometric stiffness (6 n, 6 n) in G of the axial forces of displacements u (n_dof,).
 
         That of a string along the reference line of the section: the work of the force N on the
         rotation of each element.
         """
-        own = u.reshape(-1, 6)[self.ends].reshape(-1, 12)
-        work = (self.axial_force() * own).sum(axis=1) * self.length
-        turn = self.chord_rotation()
-        return np.asarray(np.swapaxes(turn, 1, 2) @ (work[:, None, None] * turn))
+        work = (self.axial_force @ u[: self.carried.shape[1]]) * self.length
+        return self.chord_rotation.T @ sp.diags(np.repeat(work, 3)) @ self.chord_rotation
 
-    def axial_force(self) -> Array:
-        """Axial force of each element from the motion of its ends, (l, 12) [N/m, N]."""
-        return np.asarray((self.A_GE[:, None, :, 0] @ self.stiffness()[:, 6:9])[:, 0])
+    @cached_property
+    def axial_force(self) -> sp.csr_matrix:
+        """Axial force of each element from the motion of the nodes, (l, 6 n) [N/m, N]."""
+        count = len(self.ends)
+        entries = self.A_GE[:, None, :, 0], 4 * np.arange(count) + 2, np.arange(count + 1)
+        x1 = sp.bsr_matrix(entries, shape=(count, 12 * count))
+        return sp.csr_matrix(x1 @ self.line.stiffness() @ self.carried)
 
-    def chord_rotation(self) -> Array:
-        """Slope of the reference line across x1 from the motion of the ends, (l, 3, 12) in G."""
+    @cached_property
+    def chord_rotation(self) -> sp.csr_matrix:
+        """Slope of the reference line across x1 from the motion of the nodes, (3 l, 6 n) in G."""
         x1 = self.A_GE[:, :, 0]
-        offset = np.concatenate([[0.0], self.offset])
-        moved = carried(self.A_GE @ offset)[:, :3]
-        across = np.eye(3) - x1[:, :, None] * x1[:, None, :]
-        change = np.concatenate([-moved, moved], axis=2) / self.length[:, None, None]
-        return np.asarray(across @ change)
+        across = (np.eye(3) - x1[:, :, None] * x1[:, None, :]) / self.length[:, None, None]
+        count = len(x1)
+        blocks = np.stack([-across, across], axis=1).reshape(-1, 3, 3)
+        entries = blocks, 2 * np.arange(2 * count), 2 * np.arange(count + 1)
+        change = sp.bsr_matrix(entries, shape=(3 * count, 12 * count))
+        return sp.csr_matrix(change @ self.carried)
 
-    def _elements(self, matrix: Callable[[BeamElement], Array]) -> Array:
-        rounded = np.round(self.length / self.length.max(), 12)
-        values, of = np.unique(rounded, return_inverse=True)
-        in_E = np.array(
-            [matrix(BeamElement(float(self.length[rounded == v].mean()), self.K)) for v in values]
-        )[of]
-        arm = carried(np.concatenate([[0.0], self.offset])[None])[0]
-        turn = np.zeros((len(self.ends), 6, 6))
-        turn[:, :3, :3] = turn[:, 3:, 3:] = np.swapaxes(self.A_GE, 1, 2)
-        both = np.zeros((len(self.ends), 12, 12))
-        both[:, :6, :6] = both[:, 6:, 6:] = arm @ turn
-        out = np.swapaxes(both, 1, 2) @ in_E @ both
-        return np.asarray(0.5 * (out + np.swapaxes(out, 1, 2)))
+    def _of_nodes(self, A: sp.csr_matrix) -> sp.csr_matrix:
+        out = self.carried.T @ A @ self.carried
+        return sp.csr_matrix(0.5 * (out + out.T))
 
 
 class CellsBeside:
@@ -251,8 +268,7 @@ def read_stiffeners(
             )
         ends = np.asarray(mesh.curves[at])
         along = np.diff(mesh.points_G[ends], axis=1)[:, 0]
-        length = np.linalg.norm(along, axis=1)
-        x1 = along / length[:, None]
+        x1 = along / np.linalg.norm(along, axis=1)[:, None]
         K, M = _section(entry, place)
         A_GE = _axes(entry.get("x2_axis"), x1, ends, mesh, regions, place)
         offset = np.asarray(entry.get("offset", (0.0, 0.0)), dtype=float)
@@ -260,7 +276,7 @@ def read_stiffeners(
             raise ShellError(
                 f"{place}.offset = {entry['offset']!r}: expected two lengths, along x2 and x3"
             )
-        found.append(Stiffener(name, ends, length, A_GE, K, M, offset))
+        found.append(Stiffener(name, ends, mesh.points_G, A_GE, K, M, offset))
     return found
 
 
@@ -276,8 +292,8 @@ def _axes(
     if given is None:
         normals = cell_axes(mesh, regions)[mesh.edges.owner, :, 2]
         found = np.concatenate([mesh.edges.sums(normals), np.zeros((1, 3))])[mesh.edges.find(ends)]
-        x3 = _crossed(x1, np.cross(found, x1))
-        x2 = np.cross(x3, x1)
+        x3 = np.cross(x1, np.cross(found, x1))
+        x2 = np.cross(x3 / np.linalg.norm(x3, axis=1)[:, None], x1)
     else:
         x2 = np.broadcast_to(vector(given, f"{where}.x2_axis"), x1.shape)
         x2 = x2 - np.einsum("li,li->l", x2, x1)[:, None] * x1
@@ -286,12 +302,6 @@ def _axes(
             raise ShellError(f"{where}.x2_axis = {given!r}: expected a direction across the curve")
         x2 = x2 / size[:, None]
     return np.stack([x1, x2, np.cross(x1, x2)], axis=2)
-
-
-def _crossed(x1: Array, x2: Array) -> Array:
-    """Unit x3 = x1 x x2, (l, 3)."""
-    x3 = np.cross(x1, x2)
-    return np.asarray(x3 / np.linalg.norm(x3, axis=1)[:, None])
 
 
 def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
