@@ -25,10 +25,14 @@ def scripts(*, refused: bool) -> Iterator[None]:
         _refused = before
 
 
+def is_ours(path: Path) -> bool:
+    """Tell whether a file is one of the library."""
+    return Path(__file__).resolve().parents[1] / "meshes" in path.resolve().parents
+
+
 def is_refused(path: Path) -> bool:
     """Tell whether a file of the user is a script, and those are refused."""
-    ours = Path(__file__).resolve().parents[1] / "meshes"
-    return _refused and path.suffix in SUFFIXES and ours not in path.resolve().parents
+    return _refused and path.suffix in SUFFIXES and not is_ours(path)
 
 
 def load_script(path: Path) -> ModuleType:

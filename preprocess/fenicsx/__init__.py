@@ -25,7 +25,7 @@ _PUBLIC = {
     "multigrid": ("TwoGrids",),
     "gmsh_surface": (
         *("check_count", "check_size", "gmsh_session", "open_mesh", "plain_from_model"),
-        "run_script",
+        *("run_script", "surface_mesh"),
     ),
     "kernels": (
         *("Kernel", "Rows", "Symbols", "compiled", "evaluated", "kernel", "matrices", "rows"),

@@ -10,6 +10,7 @@ from .gmsh_surface import gmsh_session as gmsh_session
 from .gmsh_surface import open_mesh as open_mesh
 from .gmsh_surface import plain_from_model as plain_from_model
 from .gmsh_surface import run_script as run_script
+from .gmsh_surface import surface_mesh as surface_mesh
 from .kernels import Kernel as Kernel
 from .kernels import Rows as Rows
 from .kernels import Symbols as Symbols

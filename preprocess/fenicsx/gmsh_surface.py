@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.errors import few
+from ..mesh_input import SUFFIXES, is_refused, load_script
 from . import gmsh_alone
 from .gmsh_alone import Parameters, generate
 from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
@@ -282,6 +284,50 @@ def check_size(count: float, what: str) -> None:
     if count > MOST_CELLS:
         about = f"about {count:.1e} cells" if np.isfinite(count) else "far too many cells"
         raise MeshError(f"{what}: the mesh would have {about}, expected at most {MOST_CELLS}")
+
+
+def surface_mesh(
+    path: Path, parameters: Mapping[str, Any], gdim: int, *more: Any, counted: bool = True
+) -> PlainMesh:
+    """The mesh of a script of gmsh, of a `build(gmsh, parameters, *more)` in Python, or of a file.
+
+    Parameters
+    ----------
+    counted : the cells of a script are counted before it runs, see `check_count`
+
+    Raises
+    ------
+    MeshError : as of `run_script` and `open_mesh`; scripts are refused; the script fails.
+    """
+    if is_refused(path):
+        raise MeshError(f"{path}: expected no script with --no-scripts")
+    if counted and path.suffix in SUFFIXES:
+        check_count(path, parameters)
+    if path.suffix == ".geo":
+        return run_script(path, parameters, gdim=gdim)
+    if path.suffix != ".py":
+        return open_mesh(path, gdim=gdim)
+    build = getattr(load_script(path), "build", None)
+    if build is None or len(inspect.signature(build).parameters) < 2:
+        raise MeshError(f"{path}: expected a function build(gmsh, parameters)")
+    with gmsh_session():
+        gmsh.clear()
+        try:
+            build(gmsh, dict(parameters), *more)
+        except ValueError as error:
+            raise MeshError(f"{path.name}: {error}") from error
+        except Exception as error:  # a script of the user may raise anything
+            lines = traceback.extract_tb(error.__traceback__)
+            at = next((f.lineno or 0 for f in reversed(lines) if Path(f.filename) == path), 0)
+            raise MeshError(
+                f"{path.name}: build(gmsh, parameters) failed in line {at} with "
+                f"{type(error).__name__}: {error}"
+            ) from error
+        if not len(gmsh.model.mesh.getElementTypes(2)):
+            gmsh.model.mesh.generate(2)
+        plain = plain_from_model(str(path), gdim)
+        gmsh.clear()
+        return plain
 
 
 def run_script(path: Path, parameters: Parameters, *, gdim: int = 2) -> PlainMesh:

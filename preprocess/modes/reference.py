@@ -95,7 +95,7 @@ class HeldDofs:
         self.K, self.M = sp.csr_matrix(K), sp.csr_matrix(M)
         self.algebra = algebra or SCIPY
         self.free = np.setdiff1d(np.arange(self.K.shape[0]), held)
-        self._K_free, self._M_free = (_principal(A, self.free) for A in (self.K, self.M))
+        self._K_free, self._M_free = (principal(A, self.free) for A in (self.K, self.M))
         self.n_finite = _massive(self._M_free)
         self.n_free = len(self.free)
 
@@ -232,7 +232,7 @@ def rayleigh(K: Any, M: Any, X: Array) -> Array:
     return np.asarray(stiffness / mass)
 
 
-def _principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
+def principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
     """Rows and columns `kept` of a matrix, without stored zeros."""
     number = np.full(A.shape[0], -1, dtype=A.indices.dtype)
     number[kept] = np.arange(len(kept))

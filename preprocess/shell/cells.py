@@ -228,7 +228,7 @@ def cell_geometry(
     corners = np.asarray(points_G, dtype=float)[cells]
     k = cells.shape[1]
     # the diagonals; of a triangle two sides
-    across = corners[:, 2] - corners[:, 0], corners[:, 3 % k] - corners[:, 1]
+    across = corners[:, k - 2] - corners[:, 0], corners[:, k - 1] - corners[:, 1]
     normal = np.cross(*across)
     twice_area = np.linalg.norm(normal, axis=1)
     longest = np.max([np.linalg.norm(one, axis=1) for one in across], axis=0, initial=0.0)

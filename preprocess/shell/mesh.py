@@ -4,9 +4,7 @@ Nodes and cells keep the numbering of the mesh file.
 """
 
 import hashlib
-import inspect
 import json
-import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -21,9 +19,9 @@ from ...solver.package.common import cells as tables
 from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import NamedNodes, PlainMesh
-from ..mesh_input import is_refused, load_script
+from ..mesh_input import is_ours
 from .cells import Edges, ShellError
-from .refinement import Unpaired, finer_parameters, is_ours, paired, split
+from .refinement import Unpaired, finer_parameters, paired, split
 
 FEW = 300.0  # cells of a direction of a script of meshes/shells that need no check
 KEPT = 8  # meshes that a process keeps
@@ -121,7 +119,15 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
 def _made(table: str, file: str, content: str) -> ShellMesh:
     del content  # part of the cache key: a changed file gives another entry
     spec, path = json.loads(table), Path(file)
-    plain, left = _read(path, spec.get("parameters", {}), spec.get("refine", 0))
+    parameters, left = spec.get("parameters", {}), spec.get("refine", 0)
+    if path.suffix == ".npz":
+        plain = _from_arrays(path)
+    else:
+        if left and path.suffix == ".py" and is_ours(path):
+            parameters, left = finer_parameters(path, parameters, left), 0
+        numbers = [n for n in parameters.values() if isinstance(n, int | float)]
+        counted = not is_ours(path) or max(numbers, default=0.0) > FEW
+        plain = fenicsx.surface_mesh(path, parameters, 3, counted=counted)
     element = spec.get("element")
     unpaired = NOTHING_LEFT
     if element == "quadrilateral" and plain.cell != "quadrilateral" and plain.degree == 1:
@@ -199,48 +205,3 @@ def _from_arrays(path: Path) -> PlainMesh:
         {},
         NamedNodes(tags, named["curve"], named["point"]),
     )
-
-
-def _read(path: Path, parameters: Mapping[str, Any], refine: int) -> tuple[PlainMesh, int]:
-    """The mesh, and how often its cells have yet to be split."""
-    if path.suffix == ".npz":
-        return _from_arrays(path), refine
-    if is_refused(path):
-        raise ShellError(f"{path}: expected no script with --no-scripts")
-    if path.suffix == ".geo":
-        fenicsx.check_count(path, parameters)
-        return fenicsx.run_script(path, parameters, gdim=3), refine
-    if path.suffix != ".py":
-        return fenicsx.open_mesh(path, gdim=3), refine
-    script = load_script(path)
-    finer = finer_parameters(script, parameters, refine) if refine else None
-    if finer is not None:
-        parameters, refine = finer, 0
-    numbers = [n for n in parameters.values() if isinstance(n, int | float)]
-    if not is_ours(script) or max(numbers, default=0.0) > FEW:
-        fenicsx.check_count(path, parameters)
-    with fenicsx.gmsh_session() as gmsh:
-        gmsh.clear()
-        build = getattr(script, "build", None)
-        if build is None or len(inspect.signature(build).parameters) < 2:
-            raise ShellError(f"{path}: expected a function build(gmsh, parameters)")
-        try:
-            build(gmsh, dict(parameters))
-        except ValueError as error:
-            raise ShellError(f"{path.name}: {error}") from error
-        except Exception as error:  # a script of the user may raise anything
-            raise ShellError(
-                f"{path.name}: build(gmsh, parameters) failed in line {_line(error, path)} with "
-                f"{type(error).__name__}: {error}"
-            ) from error
-        if not len(gmsh.model.mesh.getElementTypes(2)):
-            gmsh.model.mesh.generate(2)
-        plain = fenicsx.plain_from_model(str(path), 3)
-        gmsh.clear()
-        return plain, refine
-
-
-def _line(error: Exception, path: Path) -> int:
-    """The last line of the script that led to an error."""
-    lines = traceback.extract_tb(error.__traceback__)
-    return next((f.lineno or 0 for f in reversed(lines) if Path(f.filename) == path), 0)

@@ -6,7 +6,6 @@ its script, or by each cell split in four."""
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.cells import NONE, corner_counts
 from ..fenicsx import PlainMesh
+from ..mesh_input import load_script
 from .cells import BoolArray, Edges
 
 # Least sine of the angles of a quadrilateral that is better than any triangles; 1 is a rectangle.
@@ -114,27 +114,19 @@ def _quality(points: Array, quads: IntArray) -> tuple[Array, BoolArray]:
 COUNT = "n_"  # scripts of meshes/shells: parameters that count the cells of a direction
 
 
-def finer_parameters(
-    script: ModuleType, parameters: Mapping[str, Any], times: int
-) -> dict[str, Any] | None:
-    """Parameters with twice as many cells in each direction, `times` times.
+def finer_parameters(path: Path, parameters: Mapping[str, Any], times: int) -> dict[str, Any]:
+    """Parameters of a script of the library with twice as many cells in each direction, `times`
+    times.
 
-    None for a script that is not of this library: its parameters may count other things. Nodes of
-    a script lie on the surface that it describes; those of split cells lie between its nodes.
+    Those of other scripts may count other things. Nodes of a script lie on the surface that it
+    describes; those of split cells lie between its nodes.
     """
-    if not is_ours(script):
-        return None
-    counts = {key: n for key, n in script.DEFAULTS.items() if key.startswith(COUNT)}
+    defaults = load_script(path).DEFAULTS
+    counts = {key: n for key, n in defaults.items() if key.startswith(COUNT)}
     counts |= {key: n for key, n in parameters.items() if key in counts}
     if not all(isinstance(n, int | float) for n in counts.values()):
         return dict(parameters)  # the script says what is wrong
     return {**parameters, **{key: n * 2**times for key, n in counts.items()}}
-
-
-def is_ours(script: ModuleType) -> bool:
-    """Whether a script is one of meshes/shells."""
-    ours = Path(__file__).resolve().parents[2] / "meshes" / "shells"
-    return Path(str(script.__file__)).resolve().parent == ours
 
 
 def split(plain: PlainMesh) -> PlainMesh:

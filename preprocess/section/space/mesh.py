@@ -18,7 +18,6 @@ from ....solver.math.arrays import Array
 from ....solver.package.common.plain_data import canonical
 from ... import fenicsx
 from ...fenicsx import PlainMesh
-from ...mesh_input import is_refused, load_script
 from ..spec import SectionError
 from .cells import FULL, CellMesh, cells_of_plain, filling, patterns
 from .mesh_checks import checked
@@ -89,7 +88,12 @@ def _made(table: str, file: str, content: str) -> SectionMesh:
     if "arrays" in spec and (mixed := _mixed_arrays(path)) is not None:
         mixed, warnings = checked(replace(mixed, points=scale * mixed.points), str(path))
         return SectionMesh(mixed, {}, tuple(warnings))
-    plain = _read(spec, path)
+    if "arrays" in spec:
+        plain = _arrays(path)
+    else:
+        more = (spec.get("coordinates", ()),) if path.suffix == ".py" else ()
+        parameters, counted = spec.get("parameters", {}), "file" in spec
+        plain = fenicsx.surface_mesh(path, parameters, 2, *more, counted=counted)
     if scale != 1.0:
         curves = {name: scale * lines for name, lines in plain.curves.items()}
         plain = replace(plain, points=scale * plain.points, curves=curves)
@@ -122,25 +126,6 @@ def _source(spec: Mapping[str, Any], where: str) -> Path:
     if not path.is_file():
         raise SectionError(f"{where}.{given[0]} = {str(path)!r}: no such file")
     return path
-
-
-def _read(spec: Mapping[str, Any], path: Path) -> PlainMesh:
-    parameters = spec.get("parameters", {})
-    if "script" not in spec and is_refused(path):
-        raise fenicsx.MeshError(f"{path}: expected no script with --no-scripts")
-    if path.suffix == ".geo":
-        if "file" in spec:
-            fenicsx.check_count(path, parameters)
-        return fenicsx.run_script(path, parameters)
-    if path.suffix == ".py":
-        with fenicsx.gmsh_session() as gmsh:
-            gmsh.clear()
-            try:
-                load_script(path).build(gmsh, parameters, spec.get("coordinates", ()))
-            except ValueError as error:
-                raise fenicsx.MeshError(f"{path.name}: {error}") from error
-            return fenicsx.plain_from_model(str(path))
-    return _arrays(path) if "arrays" in spec else fenicsx.open_mesh(path)
 
 
 def _mixed_arrays(path: Path) -> CellMesh | None:

@@ -302,19 +302,16 @@ class Pattern:
         `factors` (c, k^2, m) are those of the cells, which have m rows of columns each.
         """
         entries, m = self._sum, factors.shape[2]
-        total = sp.csr_matrix((self._n_pair, factors.shape[0] * m))
-        total.data = np.take(factors.reshape(-1, m), entries.indices, axis=0).ravel()
+        data = np.take(factors.reshape(-1, m), entries.indices, axis=0).ravel()
         first = m * (entries.indices // self._k**2)
-        total.indices = (first[:, None] + np.arange(m, dtype=first.dtype)).ravel()
-        total.indptr = m * entries.indptr
-        return total
+        indices = (first[:, None] + np.arange(m, dtype=first.dtype)).ravel()
+        shape = (self._n_pair, factors.shape[0] * m)
+        return sp.csr_matrix((data, indices, m * entries.indptr), shape=shape)
 
     def matrix(self, data: Array) -> sp.csr_matrix:
         """The matrix of values (nnz,)."""
-        matrix = sp.csr_matrix((self.n_dof, self.n_dof))
-        matrix.data, matrix.indices, matrix.indptr = data, self.indices, self.indptr
-        matrix.has_sorted_indices = True
-        return matrix
+        shape = (self.n_dof, self.n_dof)
+        return sp.csr_matrix((data, self.indices, self.indptr), shape=shape)
 
     def without(self, pins: NDArray[np.int64]) -> "Restriction":
         """The pattern without the rows and columns of pinned unknowns."""
@@ -327,25 +324,10 @@ class Restriction:
     def __init__(self, pattern: Pattern, pins: NDArray[np.int64]) -> None:
         self.free = np.ones(pattern.n_dof, dtype=bool)
         self.free[pins] = False
-        number = np.cumsum(self.free, dtype=np.int32) - 1
-        self._kept = np.ones(pattern.indices.size, dtype=bool)
-        length = np.diff(pattern.indptr)
-        # the pattern is symmetric: a pin's column occurs only in the rows named by its row
-        rows = [slice(pattern.indptr[pin], pattern.indptr[pin + 1]) for pin in pins]
-        for i in np.unique(np.concatenate([pattern.indices[row] for row in rows])):
-            row = slice(pattern.indptr[i], pattern.indptr[i + 1])
-            self._kept[row] = self.free[pattern.indices[row]]
-            length[i] = np.count_nonzero(self._kept[row])
-        for row in rows:
-            self._kept[row] = False
-        self._n = int(np.count_nonzero(self.free))
-        self._indices = number[pattern.indices[self._kept]]
-        self._indptr = np.concatenate([[0], np.cumsum(length[self.free])]).astype(np.int32)
+        places = np.arange(pattern.indices.size)
+        kept = pattern.matrix(places)[self.free][:, self.free]
+        self._kept, self._rest, self._shape = kept.data, (kept.indices, kept.indptr), kept.shape
 
     def matrix(self, data: Array) -> sp.csr_matrix:
         """The free part of the matrix of values (nnz,)."""
-        matrix = sp.csr_matrix((self._n, self._n))
-        matrix.data = data[self._kept]
-        matrix.indices, matrix.indptr = self._indices, self._indptr
-        matrix.has_sorted_indices = True
-        return matrix
+        return sp.csr_matrix((data[self._kept], *self._rest), shape=self._shape)

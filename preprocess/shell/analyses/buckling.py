@@ -14,7 +14,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
 
-from ....solver.errors import did_you_mean
+from ....solver.errors import coded, did_you_mean
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...fenicsx.team import whole
@@ -203,14 +203,13 @@ class Stressed:
         p = problem.loads.pressures(loads, f"{problem.where}.loads.{case}")
         if not p.any():
             return Kg
-        Kp = problem.pressure_stiffness(p)
-        return _sum(Kg, Kp)
+        return sp.csr_matrix(Kg + problem.pressure_stiffness(p))
 
     def stiffness(self, case: str | None, where: str, in_plane: bool = True) -> sp.csr_matrix:
         """Stiffness under a load case; without one that of the unloaded shell."""
         if case is None:
             return self.problem.K
-        return _sum(self.problem.K, self.geometric(case, where, in_plane))
+        return sp.csr_matrix(self.problem.K + self.geometric(case, where, in_plane))
 
     def rotation(self, case: str) -> float:
         """Largest rotation in a load case [rad]."""
@@ -225,13 +224,6 @@ class Stressed:
                 + did_you_mean(case, self.names)
             )
         return self.names.index(case)
-
-
-def _sum(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
-    """A + B, with the zeros of matrices of one pattern, which `Freedom` then knows."""
-    if np.array_equal(A.indices, B.indices) and np.array_equal(A.indptr, B.indptr):
-        return sp.csr_matrix((A.data + B.data, A.indices, A.indptr), shape=A.shape)
-    return sp.csr_matrix(A + B)  # with stiffeners
 
 
 def check_stable(K: sp.csr_matrix, problem: ShellProblem, case: str, where: str) -> None:
@@ -291,19 +283,19 @@ def buckling(
         first = found[name].values[:1]
         turned = stressed.rotation(name) * float(first[0]) if len(first) else 0.0
         if turned > LARGE:
-            text = (
+            warnings += coded(
+                "buckling-after-large-rotation",
                 f"load case {name}: at the load factor {first[0]:.4g} the shell has turned by "
                 f"{np.degrees(turned):.3g} deg, more than {np.degrees(LARGE):.3g}: linear buckling "
-                "assumes small displacements up to buckling; the real load may be far below"
+                "assumes small displacements up to buckling; the real load may be far below",
             )
-            warnings.append({"code": "buckling-after-large-rotation", "message": text})
         if len(first) and _moves_in_plane(problem.mesh.points_G, found[name].shapes[:, 0]):
-            text = (
+            warnings += coded(
+                "buckles-in-plane",
                 f"load case {name}: the mode of the factor {first[0]:.4g} moves in the plane of "
                 "the shell: a column, or a rotation that supports hold at one node only (hold the "
-                "plane at two nodes); in_plane = false leaves such modes out"
+                "plane at two nodes); in_plane = false leaves such modes out",
             )
-            warnings.append({"code": "buckles-in-plane", "message": text})
     equations.close()
     return found
 

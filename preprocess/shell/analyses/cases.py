@@ -1,12 +1,12 @@
 """Load cases of a supported shell, one factorisation for all, and probes of their results."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.errors import did_you_mean
+from ....solver.errors import coded, did_you_mean
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.shell.schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellCases, ShellProbes
 from ... import fenicsx
@@ -56,9 +56,15 @@ def solve_cases(
     reduced = freedom.reduced(K)
     moved = np.zeros_like(forces) if given is None else freedom.carried_along(given)
     loads = freedom.gathered(forces - team.total(K @ moved) if moved.any() else forces)
+    # The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.
+    # The round-off of one solve depends on the order of elimination and changes the ninth digit.
+    # With residuals in extended precision the result is the same for every factorisation.
+    longer = reduced.astype(np.longdouble)
     try:
         factor = fenicsx.Cholesky(reduced, team)
-        q = _refined(factor, reduced, loads, team)
+        q = factor.solve(loads)
+        for _ in range(STEPS):
+            q = q + factor.solve(np.asarray(loads - team.total(longer @ q), dtype=float))
         factor.close()
     except fenicsx.FactorisationError as error:
         raise ShellError(f"statics: {error}") from error
@@ -73,43 +79,17 @@ def solve_cases(
     work = np.einsum("nl,nl->l", u, forces)
     if given is not None:
         work += np.einsum("nl,nl->l", given, reactions)
-    return Statics(
-        u,
-        reactions,
-        energy,
-        residual,
-        tuple(_warnings(names, residual, energy, work)),
-    )
-
-
-def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array, team: fenicsx.Team) -> Array:
-    """Solve with residuals in extended precision.
-
-    The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.
-    The round-off of one solve depends on the order of elimination and changes the ninth digit. With
-    refinement the result is the same for every factorisation of the same matrix.
-    """
-    longer = K.astype(np.longdouble)
-    q = factor.solve(loads)
-    for _ in range(STEPS):
-        q = q + factor.solve(np.asarray(loads - team.total(longer @ q), dtype=float))
-    return np.asarray(q)
-
-
-def _warnings(names: tuple[str, ...], residual: Array, energy: Array, work: Array) -> Warnings:
-    found = []
+    warnings: Warnings = []
     for name, relative, stored, done in zip(names, residual, energy, work, strict=True):
         gap = abs(2.0 * stored - done) / (abs(done) or 1.0)
         if relative > RESIDUAL or gap > BALANCE:
-            found.append(
-                {
-                    "code": "few-digits",
-                    "message": f"load case {name}: residual {relative:.1e}, work and energy "
-                    f"differ by {gap:.1e} (relative): the stiffness is ill-conditioned, as for "
-                    "a very thin shell; the displacements have fewer correct digits",
-                }
+            warnings += coded(
+                "few-digits",
+                f"load case {name}: residual {relative:.1e}, work and energy "
+                f"differ by {gap:.1e} (relative): the stiffness is ill-conditioned, as for "
+                "a very thin shell; the displacements have fewer correct digits",
             )
-    return found
+    return Statics(u, reactions, energy, residual, tuple(warnings))
 
 
 KNOWN = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
@@ -146,18 +126,6 @@ def read_probes(problem: ShellProblem) -> list[Probe]:
         if not what:
             raise ShellError(f"{where}.what: missing, expected some of {', '.join(KNOWN)}")
     return found
-
-
-def probe_values(probes: Sequence[Probe], u: Array, resultants_E: Array) -> Array:
-    """Values of the probes: displacements (n_dof, l), resultants (l, c, 8) -> (l, o)."""
-    out = np.empty((u.shape[1], len(probes)))
-    for column, probe in enumerate(probes):
-        if probe.quantity in SHELL_MOTIONS:
-            out[:, column] = probe.weights @ u[probe.rows]
-        else:
-            row = SHELL_RESULTANTS.index(probe.quantity)
-            out[:, column] = resultants_E[:, probe.rows, row] @ probe.weights
-    return out
 
 
 def _probe(
@@ -239,12 +207,15 @@ def load_cases(
         energy=energy,
         residual=residual,
     )
-    recorded = ShellProbes(
-        tuple(probe.name for probe in probes),
-        tuple(probe.quantity for probe in probes),
-        probe_values(probes, u, resultants),
-    )
-    return cases, recorded, u
+    values = np.empty((len(names), len(probes)))
+    for column, probe in enumerate(probes):
+        if probe.quantity in SHELL_MOTIONS:
+            values[:, column] = probe.weights @ u[probe.rows]
+        else:
+            row = SHELL_RESULTANTS.index(probe.quantity)
+            values[:, column] = resultants[:, probe.rows, row] @ probe.weights
+    of_probes = tuple(probe.name for probe in probes), tuple(probe.quantity for probe in probes)
+    return cases, ShellProbes(*of_probes, values), u
 
 
 def by_node(mesh: ShellMesh, u: Array) -> Array:

@@ -60,7 +60,7 @@ def natural_modes(
         target = -soft_value(K_free, M_free, free_motions[freedom.free], team)
     wanted = count + n_free_motions
     try:
-        massive = _massive(M_free, team)
+        massive = int(np.count_nonzero(team.total(np.diff(M_free.indptr))))
         n_mode = min(wanted + EXTRA, massive)
         while True:
             values, X = fenicsx.eigenpairs(
@@ -129,10 +129,6 @@ def _gap(values: Array, wanted: int) -> tuple[float, int]:
         if values[n] - values[n - 1] > GAP * abs(values[n]):
             return 0.5 * float(values[n] + values[n - 1]), n
     return float(values[-1]) * (1.0 + GAP), len(values)
-
-
-def _massive(M: sp.csr_matrix, team: fenicsx.Team) -> int:
-    return int(np.count_nonzero(team.total(np.diff(M.indptr))))
 
 
 def signs(shapes: Array, freedom: Freedom) -> Array:

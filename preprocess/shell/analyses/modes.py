@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ....solver.errors import coded
 from ....solver.math.arrays import Array
 from ....solver.package.shell.schema import ShellBuckling, ShellCases, ShellModes
 from ..model.freedom import Freedom
@@ -44,7 +45,7 @@ def shell_modes(
     mesh, free = problem.mesh, table.get("free", False)
     freedom, rigid, drilling = free_or_held(problem, free)
     if drilling:
-        warnings.append(drilling_warning(len(drilling)))
+        warnings += drilling_warning(len(drilling))
     free_motions = as_columns(freedom, rigid, drilling)
     begin(f"{count} modes, {freedom.n_free} unknowns")
     case, where = table.get("prestress"), f"{problem.where}.frequencies.prestress"
@@ -66,7 +67,12 @@ def shell_modes(
             left_out = f"not possible on a mesh of half the cell size, {finer.unknowns} unknowns"
     # of cells that lock the other warning names the cause; a finer mesh of them is far off, too
     if error is not None and not locked and (np.abs(error) > COARSE).any():
-        warnings.append(_coarse_frequencies(np.sqrt(values), error, found.n_zero))
+        bad = np.flatnonzero(np.abs(error) > COARSE)
+        worst = int(bad[np.argmax(np.abs(error[bad]))])
+        more = "" if bad.size == 1 else f" (worst of {bad.size})"
+        hertz = np.sqrt(values[worst]) / (2.0 * np.pi)
+        what = f"frequency {worst - found.n_zero + 1}, {hertz:.4g} Hz{more}"
+        warnings += _coarse(what, error[worst])
     modes = ShellModes(
         np.sqrt(values),
         by_node(mesh, found.shapes),
@@ -104,7 +110,7 @@ def shell_buckling(
     for name, error in (errors or {}).items():
         if len(error) and abs(error[0]) > COARSE:
             what = f"load case {name}: the load factor {found[name].values[0]:.4g}"
-            warnings.append(_coarse(what, float(error[0])))
+            warnings += _coarse(what, error[0])
     rows = [names.index(name) for name in found]
     shapes = [by_node(problem.mesh, f.shapes) for f in found.values()]
     return ShellBuckling(
@@ -136,10 +142,8 @@ def case_errors(
         bad = int(np.count_nonzero(np.abs(judged) > COARSE))
         more = "" if bad == 1 else f" (worst of {bad})"
         what = f"load case {cases.names[worst]}{more}: the strain energy"
-        found = _coarse(what, float(error[worst]))
-        if cases.names[worst] in forces:
-            found["message"] += ", and give forces at points a length or an area"
-        warnings.append(found)
+        more = ", and give forces at points a length or an area"
+        warnings += _coarse(what, error[worst], more if cases.names[worst] in forces else "")
     return error
 
 
@@ -168,21 +172,10 @@ def _left_out(table: Mapping[str, Any], finer: FinerMesh) -> str:
     return ""
 
 
-def _coarse_frequencies(values: Array, error: Array, n_zero: int) -> dict[str, str]:
-    """The warning about the frequency with the largest error of the mesh."""
-    bad = np.flatnonzero(np.abs(error) > COARSE)
-    worst = int(bad[np.argmax(np.abs(error[bad]))])
-    more = "" if bad.size == 1 else f" (worst of {bad.size})"
-    hertz = values[worst] / (2.0 * np.pi)
-    what = f"frequency {worst - n_zero + 1}, {hertz:.4g} Hz{more}"
-    return _coarse(what, float(error[worst]))
-
-
-def _coarse(what: str, error: float) -> dict[str, str]:
-    """A warning."""
+def _coarse(what: str, error: float, more: str = "") -> Warnings:
     way = "high" if error > 0.0 else "low"
-    text = (
+    return coded(
+        "shell-mesh-coarse",
         f"{what} is about {100.0 * abs(error):.2g} % too {way} by its mesh; use smaller "
-        "cells: refine = 1 in [mesh]"
+        f"cells: refine = 1 in [mesh]{more}",
     )
-    return {"code": "shell-mesh-coarse", "message": text}

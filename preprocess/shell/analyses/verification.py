@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ....solver.errors import coded
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.shell.schema import ShellCases, ShellModes
 from ... import fenicsx
@@ -89,12 +90,11 @@ def verified(
         return Verified(f"not done: {left}", [])
     gap, step, name = max(judged, key=lambda one: one[0] - one[1])
     words = f"{name}: difference {100.0 * gap:.2g} %, of which meshes explain {100.0 * step:.2g} %"
-    finding = {"code": "verification-differs", "message": f"{words}: please report the shell"}
-    if gap <= step + LARGEST:
-        return Verified("; ".join(filter(None, (words, left))), [])
-    if WARPED & {warning["code"] for warning in warnings}:
+    differs = gap > step + LARGEST
+    if differs and WARPED & {warning["code"] for warning in warnings}:
         return Verified(f"{words}: cells lock, see the warnings", [])
-    return Verified("; ".join(filter(None, (words, left))), [finding])
+    finding = coded("verification-differs", f"{words}: please report the shell")
+    return Verified("; ".join(filter(None, (words, left))), finding if differs else [])
 
 
 def _both(

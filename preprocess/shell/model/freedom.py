@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import SHELL_LINK_KINDS
+from ...modes.reference import principal
 from ..cells import DOFS, ShellError
 from ..mesh import ShellMesh
 from .links import Link, averaged, carried
@@ -94,10 +95,6 @@ class Freedom:
         free = independent.copy()
         free[self.fixed] = False
         self.free = np.flatnonzero(free)
-        self._number = np.full(self.n_dof, -1)
-        self._number[self.free] = np.arange(len(self.free))
-        self._kept: tuple[IntArray, IntArray, IntArray] | None = None
-        self._pattern: tuple[IntArray, IntArray] = np.zeros(0, int), np.zeros(0, int)
 
     @property
     def n_free(self) -> int:
@@ -105,9 +102,11 @@ class Freedom:
         return len(self.free)
 
     def reduced(self, A: sp.csr_matrix) -> sp.csr_matrix:
-        """T' A T of a symmetric A without stored zeros, (n_free, n_free); matrices of one pattern
-        share the symbolic work."""
-        own = self._own(A)
+        """T' A T of a symmetric A, (n_free, n_free).
+
+        Without stored zeros: a part in a coordinate plane then is two problems of half the size.
+        """
+        own = principal(A, self.free)
         if self._follow is None:
             return own
         # few dofs are dependent: all other rows of T are rows of the unit matrix
@@ -118,23 +117,6 @@ class Freedom:
         out = sp.csr_matrix(own + across + across.T + C.T @ (rows[:, dependent] @ C))
         out.eliminate_zeros()
         return out
-
-    def _own(self, A: sp.csr_matrix) -> sp.csr_matrix:
-        """Rows and columns of A that are free."""
-        if self._kept is None or not _same(self._pattern, A):
-            self._pattern = A.indptr, A.indices
-            row = np.repeat(np.arange(self.n_dof), np.diff(A.indptr))
-            keep = np.flatnonzero((self._number[row] >= 0) & (self._number[A.indices] >= 0))
-            count = np.bincount(self._number[row[keep]], minlength=self.n_free)
-            starts = np.concatenate([[0], np.cumsum(count)]).astype(A.indptr.dtype)
-            self._kept = (keep, self._number[A.indices[keep]].astype(A.indices.dtype), starts)
-        keep, columns, starts = self._kept
-        # a part in a coordinate plane has zero blocks: two problems of half the size
-        data = A.data[keep]
-        there = data != 0.0
-        passed = np.concatenate([[0], np.cumsum(there)]).astype(starts.dtype)
-        shape = (self.n_free, self.n_free)
-        return sp.csr_matrix((data[there], columns[there], passed[starts]), shape=shape)
 
     def gathered(self, forces: Array) -> Array:
         """T' f of forces on all degrees of freedom, (n_free, k)."""
@@ -221,31 +203,14 @@ class Freedom:
         )
 
 
-def _same(pattern: tuple[IntArray, IntArray], A: sp.csr_matrix) -> bool:
-    """Whether a matrix has its entries at these places."""
-    return all(
-        kept is own or np.array_equal(kept, own)
-        for kept, own in zip(pattern, (A.indptr, A.indices), strict=True)
-    )
-
-
 def _plain_basis(rows: Array) -> Array:
     """Basis of the same space in echelon form: each row has a 1 in a column of its own."""
-    rows = rows.copy()
-    done = 0
+    own: list[int] = []
     for column in range(rows.shape[1] if len(rows) else 0):
-        best = done + int(np.argmax(np.abs(rows[done:, column])))
-        if abs(rows[best, column]) < 1e-6:
-            continue
-        rows[[done, best]] = rows[[best, done]]
-        rows[done] /= rows[done, column]
-        others = np.arange(len(rows)) != done
-        rows[others] -= np.outer(rows[others, column], rows[done])
-        done += 1
-        if done == len(rows):
-            break
-    rows[np.abs(rows) < 1e-9] = 0.0
-    return rows
+        if np.linalg.matrix_rank(rows[:, [*own, column]], tol=1e-6) > len(own):
+            own.append(column)
+    found = np.linalg.solve(rows[:, own], rows)
+    return np.where(np.abs(found) < 1e-9, 0.0, found)
 
 
 class _Follow(NamedTuple):

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from ....solver.errors import few
+from ....solver.errors import coded, few
 from ....solver.math.arrays import Array
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.shell import elements
@@ -30,10 +30,6 @@ FLAT = 1e-6  # sine of the angle between normals of a flat part
 KINK = 0.9  # cosine between neighbouring normals below which a wall ends
 UNPAIRED = 0.25  # share of triangles that stay, against the request; of gmsh's below a fifth
 ACROSS = 4  # cells across a wall that constant-strain triangles need for bending in its plane
-
-
-def _warning(code: str, message: str) -> dict[str, str]:
-    return {"code": code, "message": message}
 
 
 def _at(place: Array) -> str:
@@ -79,28 +75,26 @@ def _slivers(mesh: ShellMesh) -> Warnings:
     if not bad.size:
         return []
     worst = bad[np.argmin(quality[bad])]
-    text = (
+    return coded(
+        "sliver",
         f"{bad.size} of {len(area)} cells are slivers, the worst at "
         f"{_at(mesh.centres_G[worst])} has a shape of {quality[worst]:.2g} (equal sides: 1): "
-        "results near them are inaccurate; use a more uniform mesh there"
+        "results near them are inaccurate; use a more uniform mesh there",
     )
-    return [_warning("sliver", text)]
 
 
 def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
     pairs = coincident(mesh.points_G, COINCIDENT * mesh.size)
     if len(pairs):
-        text = (
+        return coded(
+            "nodes-not-merged",
             f"{len(pairs)} pairs of nodes have the same position, one at "
             f"{_at(mesh.points_G[pairs[0, 0]])}: parts that touch there are not connected. "
-            "In gmsh, use BooleanFragments, or Coherence"
+            "In gmsh, use BooleanFragments, or Coherence",
         )
-        return [_warning("nodes-not-merged", text)]
     n_part = Freedom(mesh, links).parts().max() + 1
-    if n_part > 1:
-        text = f"the shell is in {n_part} parts that are not connected"
-        return [_warning("several-parts", text)]
-    return []
+    text = f"the shell is in {n_part} parts that are not connected"
+    return coded("several-parts", text) if n_part > 1 else []
 
 
 def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
@@ -108,24 +102,24 @@ def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
     if not wrong.size:
         return []
     place = mesh.points_G[shared.ends[wrong[0]]].mean(axis=0)
-    text = (
+    return coded(
+        "normals-disagree",
         f"the normals e3 of neighbours disagree along {wrong.size} sides, one at {_at(place)}: "
         "bottom and top of the lay-up, and the direction of pressures, are reversed there. Reverse "
-        "the surface in gmsh, or set flip = true for its region"
+        "the surface in gmsh, or set flip = true for its region",
     )
-    return [_warning("normals-disagree", text)]
 
 
 def _unpaired(mesh: ShellMesh) -> Warnings:
     left, of, reason = mesh.unpaired
     if left <= UNPAIRED * of:
         return []
-    text = (
+    return coded(
+        "triangles-not-paired",
         f'element = "quadrilateral": {left} of {of} triangles stay triangles, because {reason}; '
         "make the quadrilaterals in gmsh (Recombine Surface), or a mesh with angles of 37 to 143 "
-        "deg between its lines"
+        "deg between its lines",
     )
-    return [_warning("triangles-not-paired", text)]
 
 
 def _narrow_walls(mesh: ShellMesh, shared: Sides, membrane: str) -> Warnings:
@@ -152,13 +146,13 @@ def _narrow_walls(mesh: ShellMesh, shared: Sides, membrane: str) -> Warnings:
     if not narrow.size:
         return []
     cell = int(np.flatnonzero(wall == narrow[0])[0])
-    text = (
+    return coded(
+        "cst-in-plane-bending",
         f"membrane = {membrane} with fewer than {ACROSS} cells across {narrow.size} walls, one at "
         f"{_at(mesh.centres_G[cell])}: constant-strain triangles are far "
         "too stiff in bending of a wall in its own plane (4.5 times and more at one cell); use "
-        f"membrane = {elements.MEMBRANE}"
+        f"membrane = {elements.MEMBRANE}",
     )
-    return [_warning("cst-in-plane-bending", text)]
 
 
 def _sides_too_short(
@@ -177,12 +171,12 @@ def _sides_too_short(
             place = _at(mesh.centres_G[region.cells[cell]])
     if worst <= limit:
         return []
-    text = (
+    return coded(
+        "dst-thick",
         f"plate = {plate} with sides short for the thickness (12 D / (Ds L^2) = {worst:.2g} at "
         f"{place}, at most {limit:g} is safe): it does not converge there, and "
-        f"refinement makes it worse; use plate = {elements.PLATE}"
+        f"refinement makes it worse; use plate = {elements.PLATE}",
     )
-    return [_warning("dst-thick", text)]
 
 
 def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice) -> list[Array]:
@@ -215,9 +209,9 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
     return found
 
 
-def drilling_warning(count: int) -> dict[str, str]:
+def drilling_warning(count: int) -> Warnings:
     """Warning about motions that `drilling_motions` found."""
-    return _warning(
+    return coded(
         "drilling-fictitious-flat",
         f"{count} flat part{'s keep' if count > 1 else ' keeps'} a zero-energy motion, rotation of "
         'all nodes about the normal, with drilling = "fictitious": a spurious frequency of 0 '
@@ -236,15 +230,15 @@ def check_supported(freedom: Freedom, motions: Sequence[Array], drilling: Sequen
             "supports that prevent all of them"
         )
     if drilling:
-        raise ShellError(f"supports: {drilling_warning(len(drilling))['message']}")
+        raise ShellError(f"supports: {drilling_warning(len(drilling))[0]['message']}")
 
 
 def zero_energy_warnings(n_zero: int, n_rigid: int) -> Warnings:
     """Warning if there are more modes without strain energy than free rigid motions."""
     if n_zero == n_rigid:
         return []
-    text = (
+    return coded(
+        "zero-energy-modes",
         f"{n_zero} modes have no strain energy, {n_rigid} rigid motions are free: the others are "
-        "mechanisms of the elements, not vibrations"
+        "mechanisms of the elements, not vibrations",
     )
-    return [_warning("zero-energy-modes", text)]

@@ -19,6 +19,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....solver.errors import coded
 from ....solver.math.arrays import Array
 from ....solver.package.specification import DIRECTIONS
 from ..cells import DOFS, ShellError
@@ -56,14 +57,12 @@ def warped_warnings(problem: ShellProblem, u: Array, names: Sequence[str]) -> Wa
             f"use cells about {np.ceil(10.0 * times) / 10.0:.1f} times smaller in the mesh file or "
             "its script, with nodes on the curved surface"
         )
-    text = (
+    return coded(
+        f"shell-{kind}-warped",
         f"{names[worst]}{more}: {kind} are too large for the thickness of this warped surface, "
         "and the shell is too stiff: rotations of bending that are tilted into their planes take "
-        f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; {advice}"
+        f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; {advice}",
     )
-    if quads:
-        return [{"code": "shell-quadrilaterals-warped", "message": text}]
-    return [{"code": "shell-triangles-warped", "message": text}]
 
 
 def tilted_work(problem: ShellProblem, u: Array) -> Array:
@@ -155,7 +154,7 @@ def link_warnings(
         bad = np.flatnonzero((ratio > DISTORTED) & (excess > 2.0 * OF_ALL * energy))
         if bad.size:
             worst = bad[np.argmax(ratio[bad])]
-            found.append(_told(f"load case {names[worst]}", link, float(ratio[worst]), "kind"))
+            found += _told(f"load case {names[worst]}", link, float(ratio[worst]), "kind")
     return found
 
 
@@ -181,7 +180,7 @@ def interface_warnings(
         worst = int(np.argmax(ratio))
         if ratio[worst] > DISTORTED:
             way = DIRECTIONS[wanted[worst]]
-            found.append(_told(f"attachment {link.name} {way}", link, float(ratio[worst]), "link"))
+            found += _told(f"attachment {link.name} {way}", link, float(ratio[worst]), "link")
     return found
 
 
@@ -207,11 +206,10 @@ def _motion(problem: ShellProblem, link: Link, rows: Array, u: Array) -> Array:
     return np.asarray(np.einsum("ikj,kjm->im", rows, nodes[link.group.nodes]))
 
 
-def _told(state: str, link: Link, ratio: float, key: str) -> dict[str, str]:
-    other = OTHER[link.kind]
-    text = (
+def _told(state: str, link: Link, ratio: float, key: str) -> Warnings:
+    return coded(
+        "link-distorts-section",
         f'{state}: {key} = "{link.kind}" of {link.name} distorts the open end of the section: '
         f"its point moves {100.0 * ratio:.0f} % farther along its load than the section does; use "
-        f'{key} = "{other}" for {link.name}'
+        f'{key} = "{OTHER[link.kind]}" for {link.name}',
     )
-    return {"code": "link-distorts-section", "message": text}
