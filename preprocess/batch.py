@@ -71,7 +71,9 @@ def build(product: Product, path: Path, target: Path, *, force: bool = False) ->
     except ImportError:
         raise
     except Exception as error:
-        defect = "" if _is_user_error(error) else traceback.format_exc()
+        # those with a message for the user are ours, and of the operating system
+        own = type(error).__module__.startswith("plymotion.") or isinstance(error, OSError)
+        defect = "" if own else traceback.format_exc()
         line = " ".join(str(error).split()) or type(error).__name__
         return outcome("failed", error=line, defect=defect)
 
@@ -116,15 +118,6 @@ def print_outcome(outcome: Outcome, place: str) -> None:
         print(outcome.defect, end="", file=sys.stderr)
         print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
     print(f"error: {outcome.spec}: {outcome.error}", file=sys.stderr, flush=True)
-
-
-def _is_user_error(error: Exception) -> bool:
-    """True for an error with a message for the user, False for an internal error.
-
-    Errors that Plymotion raises have such a message. So do those
-    of the operating system (a folder that cannot be written).
-    """
-    return type(error).__module__.startswith("plymotion.") or isinstance(error, OSError)
 
 
 def _read(path: Path) -> dict[str, Any]:

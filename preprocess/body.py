@@ -130,6 +130,7 @@ class BeamSections:
         self._theory, self._places, self._files = beam.theory, [], []
         self._tables = [{k: v for k, v in t.items() if k != "name"} for t in beam.sections]
         self._names = [str(table.get("name", beam.body)) for table in beam.sections]
+        self._texts = [toml_text(table) for table in self._tables]
         for row, table in enumerate(self._tables):
             place = ("stations", str(row), "section") if "stations" in spec else ("section",)
             design = {p.name: p.below(place) for p in parameters if p.below(place)}
@@ -155,10 +156,6 @@ class BeamSections:
         own = zip(self._places, self._files, strict=True)
         count = sum(len(parameter.below(place)) for place, file in own if file is not None)
         return count == len(parameter.targets)
-
-    @functools.cached_property
-    def _texts(self) -> list[str]:
-        return [toml_text(table) for table in self._tables]
 
     def data(
         self,

@@ -81,12 +81,6 @@ class BeamElement:
         """
         return np.eye(6) + np.asarray(x)[:, None, None] * Q
 
-    def _line_flexibility(self, x: Array) -> Array:
-        """Displacement at `x` per resultants at node 1, node 1 held: C(x), (k, 6, 6)."""
-        S = self._compliance
-        s = np.asarray(x)[:, None, None]
-        return S * s + (Z @ S + S @ Q) * s**2 / 2 + Z @ S @ Q * s**3 / 6
-
     def flexibility(self) -> Array:
         """Deformation energy per resultants at node 1: int_0^L T' K^-1 T dx, (6, 6)."""
         S, L = self._compliance, self.length
@@ -112,7 +106,10 @@ class BeamElement:
         """
         rigid = np.zeros((len(x), 6, 12))
         rigid[:, :, :6] = np.eye(6) + np.asarray(x)[:, None, None] * Z
-        return rigid + self._line_flexibility(x) @ self._resultants
+        S, s = self._compliance, np.asarray(x)[:, None, None]
+        # displacement at x per resultants at node 1, node 1 held: C(x)
+        C = S * s + (Z @ S + S @ Q) * s**2 / 2 + Z @ S @ Q * s**3 / 6
+        return rigid + C @ self._resultants
 
     def strain(self, x: Array) -> Array:
         """Strain matrix B(x): e6(x) per nodal displacements, (k, 6, 12)."""
@@ -129,36 +126,24 @@ class BeamElement:
         return R.T @ scaled_inverse(self.flexibility()) @ R
 
     def mass_matrix(self, mass: Array, mass_form: str) -> Array:
-        """Element mass in the form "consistent" or "lumped", (12, 12)."""
-        if mass_form == "consistent":
-            return self.consistent_mass(mass)
-        if mass_form == "lumped":
-            return self.lumped_mass(mass)
-        raise ValueError(f"mass form {mass_form!r}: expected consistent or lumped")
+        """Element mass in the form "consistent", int N' m N dx, or "lumped", (12, 12).
 
-    def consistent_mass(self, mass: Array) -> Array:
-        """Consistent element mass int N' m N dx, (12, 12).
+        Lumped: at each node the mass and rotary inertia of the sections of its half of the
+        element. Their distance from the node along x1 is neglected.
 
         Parameters
         ----------
         mass : (6, 6) section mass per length, about the reference line
             [kg/m, kg, kg m]
         """
+        if mass_form == "lumped":
+            return np.asarray(np.kron(np.eye(2), 0.5 * self.length * mass))
+        if mass_form != "consistent":
+            raise ValueError(f"mass form {mass_form!r}: expected consistent or lumped")
         x, w = gauss(self.length, MASS_POINTS)
         N = self.shape(x)
         M = np.einsum(MASS, w, N, mass, N, optimize=_mass_path())
-        return 0.5 * (M + M.T)
-
-    def lumped_mass(self, mass: Array) -> Array:
-        """Half of the element's mass at each node, (12, 12).
-
-        Mass and rotary inertia are those of the sections of the half element. Their
-        distance from the node along x1 is neglected.
-        """
-        half = 0.5 * self.length * mass
-        M = np.zeros((12, 12))
-        M[:6, :6] = M[6:, 6:] = half
-        return M
+        return np.asarray(0.5 * (M + M.T))
 
 
 @cache

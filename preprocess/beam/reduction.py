@@ -1,5 +1,7 @@
 """Input of a beam to the mode computation: reference, static and spinning shapes, mesh error."""
 
+from typing import Literal
+
 import numpy as np
 
 from ...solver.errors import coded, few
@@ -92,13 +94,9 @@ def spinning_loads(
             loads.append(StaticLoad(f"{kind} {k + 1}", zero, load))
             shape = condition.static(zero[:, None], load[:, None]).columns[:, 0]
             slope = sign * shape.reshape(-1, 6)[:, turning]
-            pull = _derivative(tension * slope, line.nodes_B[:, 0])
+            order: Literal[1, 2] = 2 if line.n_node > 2 else 1
+            pull = np.gradient(tension * slope, line.nodes_B[:, 0], edge_order=order)
     return loads
-
-
-def _derivative(values: Array, x: Array) -> Array:
-    """Derivative by x of nodal values (n,), of second order in the size of the elements."""
-    return np.asarray(np.gradient(values, x, edge_order=2 if len(x) > 2 else 1))
 
 
 # Dofs of the reference nodes that are fixed in the frame. Clamped: all six of a node. Chord:
@@ -153,7 +151,9 @@ def static_loads(
         force[6 * node_of[at] + DIRECTIONS.index(direction)] = 1.0
         loads.append(StaticLoad(f"attachment {at} {direction}", force, zero))
     if spec.static_axial:
-        loads.append(StaticLoad("static-axial", zero, _centrifugal(line, origin)))
+        outwards = np.zeros((line.n_node, 6))  # centrifugal acceleration at 1 rad/s
+        outwards[:, 0] = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
+        loads.append(StaticLoad("static-axial", zero, outwards.ravel()))
     if spec.static_inertia:
         loads += inertia_loads(rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
     return loads
@@ -176,10 +176,3 @@ def unit_loads(condition: Condition, line: BeamLine, node_of: dict[str, int]) ->
     twist = 0.5 * np.einsum("nk,nl,lab->nkab", t, t, curl)
     fields.reshape(-1, 6, 3, 4)[:, 3:, :, :3] = slope + twist
     return np.hstack([forces, condition.M @ fields])
-
-
-def _centrifugal(line: BeamLine, origin: int) -> Array:
-    """Centrifugal acceleration x - x_origin along x at 1 rad/s, (6 n,)."""
-    acceleration = np.zeros((line.n_node, 6))
-    acceleration[:, 0] = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
-    return acceleration.ravel()

@@ -22,6 +22,11 @@ from ..laminate.spec import laminate_from_dict
 from ..laminate.stiffness import LaminateError, laminate_stiffness
 
 CELLS_OF_SIZE = {1: 1, 2: 3, 3: 5, 4: 9, 8: 12}
+# Number of corners -> derivatives of their functions by the natural coordinates at the middle.
+NATURAL = {
+    3: np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]),
+    4: 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]]),
+}
 STRESS = ("E1", "E2", "E3", "G12", "G13", "G23", "E")
 
 
@@ -148,7 +153,9 @@ def centre_strains(layups: Layups, nodes: Array, cells: Cells, shapes: Array) ->
     out = np.empty((len(layups.cell), 8, len(shapes)))
     rows = [cells.connectivity[cells.offsets[c] : cells.offsets[c + 1]] for c in layups.cell]
     for j, (own, A) in enumerate(zip(rows, layups.A_BE, strict=True)):
-        slope = _slopes((nodes[own] - nodes[own].mean(axis=0)) @ A[:, :2])  # (2, k)
+        # slopes of the linear or bilinear functions of the corners at the middle, (2, k)
+        x, natural = (nodes[own] - nodes[own].mean(axis=0)) @ A[:, :2], NATURAL[len(own)]
+        slope = np.linalg.solve(natural @ x, natural)
         u, turn = shapes[:, own, :3] @ A, shapes[:, own, 3:] @ A  # (m, k, 3)
         beta = np.stack([turn[..., 1], -turn[..., 0]], axis=-1)
         du, db = (np.einsum("ak,mkb->abm", slope, f) for f in (u, beta))  # d_a f_b
@@ -157,15 +164,6 @@ def centre_strains(layups: Layups, nodes: Array, cells: Cells, shapes: Array) ->
             out[j, first : first + 3] = d[0, 0], d[1, 1], d[1, 0] + d[0, 1]
         out[j, 6:] = du[:, 2] + mean
     return out
-
-
-def _slopes(x: Array) -> Array:
-    """Derivatives of the linear or bilinear functions of corners x (k, 2) at the middle, (2, k)."""
-    if len(x) == 3:
-        natural = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
-    else:
-        natural = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
-    return np.asarray(np.linalg.solve(natural @ x, natural))
 
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")

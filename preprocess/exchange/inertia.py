@@ -55,22 +55,15 @@ def inertia(body: FreeBody, shapes: Array) -> Inertia:
         m, J = lumped
         sums = from_stations(m, body.nodes, X[:, :3], X[:, 3:], J, "lumped")
         return Inertia(sums, m, J, "diagonal mass: sums over the nodes")
-    if (body.dof_direction < 3).all() and _same_in_all_directions(blocks, Ms, number[used]):
+    same = all(
+        np.abs((blocks[a][:, number[used, b]] - float(a == b) * Ms).data).max(initial=0.0)
+        <= SAME * np.abs(Ms.data).max()
+        for a, b in np.ndindex(3, 3)
+    )
+    if (body.dof_direction < 3).all() and same:
         sums = _consistent(Ms, body.nodes[used], X[used, :3])
         return Inertia(sums, *lumped, "M = M_s x 1: consistent sums")
     return Inertia(_coupled(body, X, *lumped), *lumped, "coupled mass: T11 from lumped masses")
-
-
-def _same_in_all_directions(
-    blocks: list[sp.csr_matrix], Ms: sp.csr_matrix, number: IntArray
-) -> bool:
-    limit = SAME * np.abs(Ms.data).max()
-    for a in range(3):
-        for b in range(3):
-            gap = blocks[a][:, number[:, b]] - (Ms if a == b else 0 * Ms)
-            if np.abs(gap.data).max(initial=0.0) > limit:
-                return False
-    return True
 
 
 def _consistent(Ms: sp.csr_matrix, x: Array, phi: Array) -> Invariants:

@@ -192,7 +192,9 @@ def _modes(
     kept = vibrations(condition, count, direct, participation, name_of, body.where)
     loads = _loads(table, every, parts)
     tell(f"{len(loads)} static shapes")
-    unit = _unit_loads(body, every, parts)
+    fields = accelerations(body.nodes[body.dof_node], body.dof_direction)
+    at_links = [(link.motion @ parts.T).T.toarray() for link in every]
+    unit = np.hstack([*at_links, parts.T.T @ (body.M @ fields)])
     return completed(condition, kept, loads, participation, unit), condition
 
 
@@ -236,13 +238,6 @@ def _carriers(body: FreeBody, table: Reduction, every: list[Link]) -> list[Link]
                 f"at {found[0].position.tolist()} m, {names[1]} at {found[1].position.tolist()} m"
             )
     return found
-
-
-def _unit_loads(body: FreeBody, every: list[Link], parts: Constrained) -> Array:
-    """Unit loads (I, l) of the compliance of a package: of interfaces, and inertia."""
-    loads = [(link.motion @ parts.T).T.toarray() for link in every]
-    fields = accelerations(body.nodes[body.dof_node], body.dof_direction)
-    return np.hstack([*loads, parts.T.T @ (body.M @ fields)])
 
 
 def _loads(table: Reduction, every: list[Link], parts: Constrained) -> list[StaticLoad]:
@@ -372,7 +367,9 @@ def vibrations(
     values, X = values[: ends[0]], X[:, : ends[0]]
     X = X @ separating_rotation(values, participation(X))
     values, X = values[:count], X[:, :count]
-    X = X * _signs(X)
+    # the first of the nearly largest entries of a column is positive
+    first = np.argmax(np.abs(X) >= 0.999 * np.abs(X).max(axis=0), axis=0)
+    X = X * np.where(X[first, np.arange(count)] < 0.0, -1.0, 1.0)
     labels = tuple(f"vibration {i + 1}" for i in range(count))
     return Eigenmodes(values, X, labels, shares_of(participation(X)))
 
@@ -398,10 +395,3 @@ def _check_stiffness(
             f"{where}: expected six motions without stiffness, found {6 + len(free)}: largest at "
             f"{named}: a mechanism, a hinge, or a degree of freedom without stiffness"
         )
-
-
-def _signs(X: Array) -> Array:
-    """+1 or -1 per column: the first of its nearly largest entries is positive."""
-    largest = np.abs(X).max(axis=0)
-    first = np.argmax(np.abs(X) >= 0.999 * largest, axis=0)
-    return np.where(X[first, np.arange(X.shape[1])] < 0.0, -1.0, 1.0)

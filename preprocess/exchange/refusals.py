@@ -67,7 +67,9 @@ def _matrices(body: FreeBody) -> None:
         largest = float(np.abs(A.data).max(initial=0.0))
         if largest == 0.0:
             raise InputError(f"{body.where}: {name}: all entries are zero")
-        above, below = (float(np.abs(part.data).max(initial=0.0)) for part in _triangles(A))
+        above, below = (
+            float(np.abs(part.data).max(initial=0.0)) for part in (sp.triu(A, 1), sp.tril(A, -1))
+        )
         if (above == 0.0) != (below == 0.0):
             side = "lower" if above == 0.0 else "upper"
             raise InputError(
@@ -80,10 +82,6 @@ def _matrices(body: FreeBody) -> None:
                 f"{body.where}: {name}: expected a symmetric matrix; it differs from its "
                 f"transpose by {gap / largest:.3g} of its largest entry"
             )
-
-
-def _triangles(A: sp.csr_matrix) -> tuple[sp.coo_matrix, sp.coo_matrix]:
-    return sp.triu(A, 1), sp.tril(A, -1)
 
 
 def _translations(body: FreeBody) -> None:

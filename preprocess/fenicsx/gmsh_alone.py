@@ -101,14 +101,10 @@ def cell_count(script: str, parameters: Parameters) -> float:
     if made:
         return float(made)
     gmsh.model.mesh.generate(1)
-    if gmsh.option.getNumber("Mesh.MeshSizeMax") < FINEST * _extent():
+    low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+    if gmsh.option.getNumber("Mesh.MeshSizeMax") < FINEST * np.linalg.norm(high - low):
         return np.inf  # gmsh divides nothing by a size below its tolerance
     return sum(_cells_of(tag) for _, tag in gmsh.model.getEntities(2))
-
-
-def _extent() -> float:
-    box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
-    return float(np.linalg.norm(box[1] - box[0]))
 
 
 def _cells_of(surface: int) -> float:

@@ -42,7 +42,9 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
         quadrilaterals of degree 1 may be mixed: see `SURFACE`.
     """
     _check_kinds(where)
-    tags, every = _nodes()
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    tags, every = np.asarray(tags, dtype=np.int64)[order], np.reshape(coordinates, (-1, 3))[order]
     groups = _surface_groups(where)
     _check_membership(groups, where)
     kinds = sorted(int(kind) for kind in gmsh.model.mesh.getElementTypes(2))
@@ -172,23 +174,11 @@ def _in_plane(points: Array, where: str) -> Array:
     return np.ascontiguousarray(points[:, :2])
 
 
-def _nodes() -> tuple[IntArray, Array]:
-    """Numbers of all nodes, ascending, and their positions (n, 3)."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    order = np.argsort(tags)
-    return np.asarray(tags, dtype=np.int64)[order], np.reshape(coordinates, (-1, 3))[order]
-
-
 def curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
     """Line elements of every physical curve by name."""
-    lines = {n: _lines(entities, tags, points, gdim) for n, entities in physical(1).items()}
-    return {name: ends for name, ends in lines.items() if ends.size}
-
-
-def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) -> Array:
-    """Line elements of some curves; none if their degrees are mixed."""
-    rows = np.searchsorted(tags, _line_tags(entities))
-    return np.asarray(points[rows, :gdim])
+    lines = {name: _line_tags(entities) for name, entities in physical(1).items()}
+    places = {name: points[np.searchsorted(tags, own), :gdim] for name, own in lines.items()}
+    return {name: ends for name, ends in places.items() if ends.size}
 
 
 def _line_tags(entities: Sequence[int]) -> IntArray:

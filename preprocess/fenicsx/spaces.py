@@ -69,16 +69,11 @@ def dolfinx_mesh(plain: PlainMesh) -> Any:
         domain = ufl.Mesh(domain)
     create = dolfinx.mesh.create_mesh
     keyword = "e" if "e" in inspect.signature(create).parameters else "domain"
-    cells = _dolfinx_cells(plain)
-    with quiet():
-        return create(MPI.COMM_SELF, cells=cells, x=plain.points, **{keyword: domain})
-
-
-def _dolfinx_cells(plain: PlainMesh) -> IntArray:
-    """The cells with their nodes in DOLFINx's order."""
     kind = getattr(dolfinx.mesh.CellType, plain.cell)
     order = dolfinx.cpp.io.perm_gmsh(kind, plain.cells.shape[1])
-    return np.ascontiguousarray(plain.cells[:, order])
+    cells = np.ascontiguousarray(plain.cells[:, order])
+    with quiet():
+        return create(MPI.COMM_SELF, cells=cells, x=plain.points, **{keyword: domain})
 
 
 def original_cells(mesh: Any) -> IntArray:

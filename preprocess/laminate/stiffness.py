@@ -223,17 +223,12 @@ def equilibrium_shear(
     height : (q,) places in every ply, from 0 at its bottom to 1 at its top [-]
     driven : assigns T to the gradients of M
     """
-    b, d = _bending_compliance(laminate)
+    # strain and curvature per unit moment without normal force [1/N, 1/(N m)]
+    A, B, D = (np.einsum("k,kij->ij", H, laminate.plane) for H in moments(laminate))
+    d = np.linalg.inv(D - B @ np.linalg.solve(A, B))
+    b = -np.linalg.solve(A, B) @ d
     constant, linear = driven(laminate.plane @ b), driven(laminate.plane @ d)
     return -_from_bottom(laminate, constant, linear, height)
-
-
-def _bending_compliance(laminate: Laminate) -> tuple[Array, Array]:
-    """Strain and curvature per unit moment without normal force, (3, 3) [1/N, 1/(N m)]."""
-    plane, H = laminate.plane, moments(laminate)
-    A, B, D = (np.einsum("k,kij->ij", H[n], plane) for n in range(3))
-    d = np.linalg.inv(D - B @ np.linalg.solve(A, B))
-    return -np.linalg.solve(A, B) @ d, d
 
 
 def _shared(S: Array) -> Array:

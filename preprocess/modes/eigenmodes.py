@@ -148,7 +148,12 @@ def eigenmodes(
         if found and missing is None:
             break
         if complete and missing is not None:
-            raise ModeError(_too_few(requests[missing], names, condition.n_free))
+            census = ", ".join(f"{names.count(kind)} {kind}" for kind in KINDS)
+            raise ModeError(
+                f"modes: {requests[missing].count} of kind {requests[missing].kind!r} requested; "
+                f"with {condition.n_free} free dofs this mesh has {census}: request fewer or "
+                "increase `elements`"
+            )
         n_mode = min(2 * n_mode, condition.n_finite)
     columns = X[:, chosen]
     columns = columns * signs(columns, [names[i] for i in chosen], far_to_near)
@@ -169,11 +174,3 @@ def _choose(names: list[str], requests: Sequence[ModeRequest]) -> tuple[list[int
         if len(fits) < request.count:
             return sorted(taken), number
     return sorted(taken), None
-
-
-def _too_few(request: ModeRequest, names: list[str], n_free: int) -> str:
-    census = ", ".join(f"{names.count(kind)} {kind}" for kind in KINDS)
-    return (
-        f"modes: {request.count} of kind {request.kind!r} requested; with {n_free} free dofs this "
-        f"mesh has {census}: request fewer or increase `elements`"
-    )

@@ -137,7 +137,7 @@ def _eigen_rates(
         for (_, dL), K, M in zip(found, K_rates, M_rates, strict=True):
             L = (K - mean * M)[np.ix_(own, own)]
             dL[np.ix_(kept, kept)] = 0.5 * (L + L.T)
-        for group in _groups(values, kept):
+        for group in _clusters(values[kept], SAME, kept):
             at = values[group]
             right = [
                 -(c.K @ X[:, group]) + (c.M @ X[:, group]) * at for c in changes
@@ -178,18 +178,12 @@ def _shares(
     return turn
 
 
-def _clusters(values: Array) -> list[IntArray]:
-    """Rows of close values together, each in ascending order of the rows."""
+def _clusters(values: Array, close: float = CLOSE, of: IntArray | None = None) -> list[IntArray]:
+    """Rows (or numbers `of` rows) of close values together, each ascending."""
     order = np.argsort(values, kind="stable")
-    apart = np.diff(values[order]) > CLOSE * np.abs(values[order][1:])
-    return [np.sort(part) for part in np.split(order, np.flatnonzero(apart) + 1)]
-
-
-def _groups(values: Array, rows: IntArray) -> list[IntArray]:
-    """Rows whose values are equal to round-off together."""
-    order = rows[np.argsort(values[rows], kind="stable")]
-    apart = np.diff(values[order]) > SAME * np.abs(values[order][1:])
-    return np.split(order, np.flatnonzero(apart) + 1)
+    apart = np.diff(values[order]) > close * np.abs(values[order][1:])
+    numbers = order if of is None else of[order]
+    return [np.sort(part) for part in np.split(numbers, np.flatnonzero(apart) + 1)]
 
 
 def _bordered(condition: Condition, value: float, X: Array, MX: Array, loads: Array) -> Array:

@@ -87,7 +87,9 @@ def error_of_edges(mesh: CellMesh, modulus: Array) -> float:
     corner = np.zeros((mesh.n_cell, 2))  # mean of the squares of the corners' distances
     for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
         corners = shape[:, : CORNERS[kind]]
-        weight[rows] = 0.5 * modulus[rows] * _twice_areas(corners)
+        x, y = np.moveaxis(corners, -1, 0)
+        area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+        weight[rows] = modulus[rows] * area
         corner[rows] = np.mean((corners - places[rows, None]) ** 2, axis=1)
     # second moment of a rectangle about its middle: a third of that of its corners
     whole = [weight.sum(), *(weight @ (places**2 + corner / 3.0))]
@@ -209,14 +211,6 @@ def _slivers_of_arcs(points: Array) -> Array:
     return sliver[:, None] * np.column_stack([np.ones(len(points)), points[:, 1] ** 2])
 
 
-def _twice_areas(corners: Array) -> Array:
-    """Twice the areas of polygons (c, n, 2)."""
-    following = np.roll(corners, -1, axis=1)
-    return np.asarray(
-        np.sum(corners[..., 0] * following[..., 1] - corners[..., 1] * following[..., 0], axis=1)
-    )
-
-
 def _removed(degree: int) -> float:
     """Share of an error proportional to degree^-RATE that one degree more removes."""
     return 1.0 - float((degree / (degree + 1.0)) ** RATE)
@@ -287,7 +281,8 @@ def cell_exponents(mesh: CellMesh, C: Array, error: Array, regular: float) -> Ar
     stiffness = C.mean(axis=1)
     around = _corners_around(mesh)
     known: dict[tuple[float, ...], float] = {}
-    for node in dict.fromkeys(n for cell in looked for n in _corner_nodes(mesh, cell).tolist()):
+    corners = (mesh.nodes[cell, : CORNERS[mesh.kind[cell]]].tolist() for cell in looked)
+    for node in dict.fromkeys(n for nodes in corners for n in nodes):
         angles, cells = around[node]
         wedges = _wedges(angles, cells, stiffness)
         if wedges is None:
@@ -346,10 +341,6 @@ def _strain(d2: Array, d3: Array) -> Array:
     by_2, by_3 = np.zeros((2, 6, 1, 3))
     by_2[[1, 3, 5], 0, [1, 2, 0]] = by_3[[2, 3, 4], 0, [2, 1, 0]] = 1.0
     return np.multiply.outer(d2, by_2) + np.multiply.outer(d3, by_3)
-
-
-def _corner_nodes(mesh: CellMesh, cell: int) -> IntArray:
-    return mesh.nodes[cell, : CORNERS[mesh.kind[cell]]]
 
 
 def _corners_around(mesh: CellMesh) -> dict[int, tuple[Array, IntArray]]:

@@ -391,6 +391,7 @@ def _iterated(
     def preconditioned(z: Array) -> Array:
         return simple.packed(*solver.solve(*equations.product(*simple.unpacked(z))))
 
+    key = "rtol" if "rtol" in inspect.signature(gmres).parameters else "tol"
     operator = LinearOperator((right.size, right.size), matvec=preconditioned, dtype=float)
     W, S_e = start or zero
     best, left = (W, S_e), np.inf
@@ -404,7 +405,10 @@ def _iterated(
         best, left = (W, S_e), now
         if left < TOLERANCE or slow:
             break
-        dW, dS = simple.unpacked(_solved(operator, residual, max(TOLERANCE / left, 1e-10)))
+        # the result is corrected by the residual afterwards, so that it may stop early
+        enough = {key: max(TOLERANCE / left, 1e-10)}
+        z, _ = gmres(operator, residual, restart=STEPS, maxiter=1, atol=0.0, **enough)
+        dW, dS = simple.unpacked(np.asarray(z))
         W, S_e = W + dW, S_e + dS
     return best, left
 
@@ -424,10 +428,3 @@ def _solution(
     norm = np.abs(strains.load_in_section(np.abs(stress))).max()
     left = float(np.abs(balance).max() / norm)
     return CentralSolutions(K, W, Q, S_e, left, strains, growth, by_waves)
-
-
-def _solved(operator: LinearOperator, right: Array, tolerance: float) -> Array:
-    """GMRES; its result is corrected by the residual afterwards, so that it may stop early."""
-    key = "rtol" if "rtol" in inspect.signature(gmres).parameters else "tol"
-    x, _ = gmres(operator, right, restart=STEPS, maxiter=1, atol=0.0, **{key: tolerance})
-    return np.asarray(x)

@@ -75,7 +75,10 @@ class Parameter:
         """A small change, in the unit of the parameter."""
         sizes = []
         for (*path, last), factor in self.at:
-            size = 60.0 if last == "angle_deg" else abs(_place(self.spec, path)[last])
+            place: Any = self.spec
+            for key in path:
+                place = place[key]
+            size = 60.0 if last == "angle_deg" else abs(place[last])
             sizes.append((size or 1.0) / abs(factor))
         return STEP * min(sizes)
 
@@ -94,12 +97,6 @@ class Parameter:
         """The error that it has no derivative."""
         targets = few(".".join(map(str, keys)) for keys, _ in self.at)
         return SectionError(f"{self.where}.design.{self.name} ({targets}): {why}")
-
-
-def _place(spec: Any, path: Sequence[Key]) -> Any:
-    for key in path:
-        spec = spec[key]
-    return spec
 
 
 def parameters(
@@ -122,7 +119,8 @@ def parameters(
         for target in targets:
             keys = target["of"].split(".") if isinstance(target["of"], str) else target["of"]
             place = f"{where}.design.{name}: {'.'.join(map(str, keys))}"
-            kind = next((k for k, p in ALLOWED.items() if re.fullmatch(p, _joined(keys))), None)
+            joined = ".".join(str(key).replace(".", "_") for key in keys)
+            kind = next((k for k, p in ALLOWED.items() if re.fullmatch(p, joined)), None)
             if kind is None:
                 raise SectionError(
                     f"{place}: a section has no derivative by it; expected regions.R.plies.I."
@@ -137,10 +135,6 @@ def parameters(
         kind = next(k for k in ("thickness", "number", "angle") if k in kinds)
         found.append(Parameter(name, kind, tuple(map(dict, targets)), spec, tuple(at), where))
     return found
-
-
-def _joined(keys: Sequence[Any]) -> str:
-    return ".".join(str(key).replace(".", "_") for key in keys)
 
 
 def _existing(spec: Any, keys: Sequence[Any], place: str) -> tuple[Key, ...]:

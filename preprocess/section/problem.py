@@ -258,10 +258,14 @@ class Solved:
 
 def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool) -> Solved:
     """With the solution of one degree more, and the estimate."""
-    problem = _richer(solved.problem, spec, where, first=first)
+    coarse, degree = solved.problem, solved.problem.space.degree + 1
+    if first:  # that of a mesh without refinement is kept for others
+        problem = section_problem(spec["mesh"], where, degree, coarse.team).like(coarse)
+    else:
+        problem = SectionProblem(coarse.mesh, degree, coarse.team).like(coarse)
     lay = layup(spec, problem.mesh, problem.space, where)
     richer = Solved(problem, lay, solve(problem, lay, where, spec, measured=False))
-    degree, K, better = solved.problem.space.degree, solved.result.K, richer.result
+    degree, K, better = coarse.space.degree, solved.result.K, richer.result
     energy = error_energy(solved.result, better, lay.stiffness)
     indicator = relative(energy, better.K)
     cells = problem.mesh.cells
@@ -320,13 +324,3 @@ def solve(
         raise SectionError(f"{where}: {error}{hint}") from error
     except SectionError as error:
         raise SectionError(f"{where}: {error}") from error
-
-
-def _richer(
-    problem: SectionProblem, spec: Mapping[str, Any], where: str, *, first: bool
-) -> SectionProblem:
-    """The problem with one degree more; that of a mesh without refinement is kept for others."""
-    degree = problem.space.degree + 1
-    if first:
-        return section_problem(spec["mesh"], where, degree, problem.team).like(problem)
-    return SectionProblem(problem.mesh, degree, problem.team).like(problem)

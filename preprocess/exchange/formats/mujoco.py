@@ -18,7 +18,6 @@ from scipy.spatial.transform import Rotation
 from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package import ModalPackage
-from ....solver.package.body.schema import Interface
 from ....solver.package.common.files import write_text
 
 SUFFIX = ".xml"
@@ -212,21 +211,13 @@ def mjcf(package: ModalPackage, chain: Chain, k: Array, damping: float, step: fl
         shown = {"type": "capsule", "fromto": line, "size": size}
         ET.SubElement(parent, "geom", shown, mass="0", contype="0", conaffinity="0")
         for interface in package.interfaces:
-            if _segment(chain, interface) == s:
-                _site(parent, interface, origin)
+            e, x_B = chain.axes[0], interface.position_B
+            if int(np.searchsorted(chain.points @ e, x_B @ e)) == s:
+                x, y, z, w = Rotation.from_matrix(interface.A_BI).as_quat()
+                place = {"pos": _words(x_B - origin), "quat": _words(np.array([w, x, y, z]))}
+                ET.SubElement(parent, "site", place, name=printable(interface.name))
     ET.indent(root)
     return str(ET.tostring(root, encoding="unicode")) + "\n"
-
-
-def _segment(chain: Chain, interface: Interface) -> int:
-    e = chain.axes[0]
-    return int(np.searchsorted(chain.points @ e, interface.position_B @ e))
-
-
-def _site(parent: ET.Element, interface: Interface, origin: Array) -> None:
-    x, y, z, w = Rotation.from_matrix(interface.A_BI).as_quat()
-    place, turn = _words(interface.position_B - origin), _words(np.array([w, x, y, z]))
-    ET.SubElement(parent, "site", name=printable(interface.name), pos=place, quat=turn)
 
 
 def _words(values: Array) -> str:

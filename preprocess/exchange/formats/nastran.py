@@ -69,7 +69,7 @@ def read_bulk_data(path: Path, cards: Sequence[Card]) -> tuple[IntArray, Array, 
         elif card in ELEMENTS:
             start, kinds = ELEMENTS[card]
             listed = fields[start - 1 : start - 1 + max(kinds)]
-            nodes = [int(text) for text in listed if _whole(text)]
+            nodes = [int(text) for text in listed if text.isdecimal() and int(text) > 0]
             size = max((k for k in kinds if k <= len(nodes)), default=0)
             if not size:
                 raise InputError(f"{path}: {card} {fields[0]}: expected {min(kinds)} nodes")
@@ -115,10 +115,6 @@ def _fields(line: str) -> tuple[str, list[str]]:
     data = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
     name = line[:8].strip().upper()
     return name.rstrip("*") if name[:1] != "*" else name, data
-
-
-def _whole(text: str) -> bool:
-    return text.isdecimal() and int(text) > 0
 
 
 def real(text: str, path: Path, card: str) -> float:

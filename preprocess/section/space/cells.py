@@ -211,12 +211,6 @@ def refined(mesh: CellMesh, marked: NDArray[np.bool_]) -> CellMesh:
     return work.divided()
 
 
-def _edges(mesh: CellMesh, cell: int) -> list[Edge]:
-    kind = int(mesh.kind[cell])
-    corners = mesh.nodes[cell]
-    return [_key(corners[a], corners[b]) for a, b in EDGES[KINDS[kind]]]
-
-
 def _key(a: int, b: int) -> Edge:
     return (int(a), int(b)) if a < b else (int(b), int(a))
 
@@ -238,7 +232,8 @@ def _with_neighbours(mesh: CellMesh, marked: NDArray[np.bool_]) -> NDArray[np.bo
     waiting = np.flatnonzero(marked).tolist()
     while waiting:
         cell = waiting.pop()
-        for edge in _edges(mesh, cell):
+        corners = mesh.nodes[cell]
+        for edge in (_key(corners[a], corners[b]) for a, b in EDGES[KINDS[mesh.kind[cell]]]):
             other = owner.get(half.get(edge, (-1, -1)), -1)
             if other >= 0 and not marked[other]:
                 marked[other] = True

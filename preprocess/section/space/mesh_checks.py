@@ -158,7 +158,8 @@ def _one_part(mesh: CellMesh, neighbours: sp.csr_matrix, where: str) -> None:
     for number in range(n_part):
         cells = np.flatnonzero(part == number)
         names = few(mesh.regions[i] for i in np.unique(mesh.region[cells]))
-        x = mesh.points[_corner_nodes(mesh, cells)]
+        owner, first, _ = mesh.edge_table
+        x = mesh.points[first[np.isin(owner, cells)]]
         parts.append(f"{names} from {_at(x.min(axis=0))} to {_at(x.max(axis=0))}")
     listed = few(parts, "; ")
     nodes = [_used(mesh.nodes[part == number]) for number in range(n_part)]
@@ -190,20 +191,6 @@ def _used(nodes: IntArray) -> IntArray:
     return found[found >= 0]
 
 
-def _corner_nodes(mesh: CellMesh, cells: IntArray) -> IntArray:
-    """Corners of some cells."""
-    inside = np.isin(mesh.edge_table[0], cells)
-    return np.unique(mesh.edge_table[1][inside])
-
-
-def _boundary_nodes(mesh: CellMesh) -> IntArray:
-    """Ends of the edges that only one cell has."""
-    _, first, second = mesh.edge_table
-    low, high = np.minimum(first, second), np.maximum(first, second)
-    key, count = np.unique(low * len(mesh.points) + high, return_counts=True)
-    return np.unique(np.divmod(key[count == 1], len(mesh.points)))
-
-
 def _coincident(mesh: CellMesh, nodes: IntArray) -> IntArray:
     """Pairs of nodes at the same position, (p, 2)."""
     near = COINCIDENT * float(np.ptp(mesh.points, axis=0).max())
@@ -222,7 +209,10 @@ def _coincident(mesh: CellMesh, nodes: IntArray) -> IntArray:
 
 def _unmerged(mesh: CellMesh) -> Warnings:
     """Warning about a slit between adjacent cells, which is rarely intended."""
-    pairs = _coincident(mesh, _boundary_nodes(mesh))
+    _, first, second = mesh.edge_table
+    low, high = np.minimum(first, second), np.maximum(first, second)
+    key, count = np.unique(low * len(mesh.points) + high, return_counts=True)
+    pairs = _coincident(mesh, np.unique(np.divmod(key[count == 1], len(mesh.points))))
     if not pairs.size:
         return []
     return coded(

@@ -61,7 +61,7 @@ class Numbering:
                 if vertex >= 0:
                     nodes[:, local] = corner[:, vertex]
                 elif side >= 0:
-                    row = _row(t, degree)
+                    row = int(np.argmin(np.abs(_inner(degree) - t)))
                     step = np.where(forward[:, side], row, inner - 1 - row)
                     nodes[:, local] = n_vertex + edges[:, side] * inner + step
                 else:
@@ -134,10 +134,6 @@ def _where(kind: int, place: Array) -> tuple[int, int, float]:
 def _inner(degree: int) -> Array:
     """Positions of the nodes inside an edge of length 1, ascending."""
     return np.asarray(np.sort(fenicsx.reference_nodes("interval", degree)[:, 0])[1:-1])
-
-
-def _row(t: float, degree: int) -> int:
-    return int(np.argmin(np.abs(_inner(degree) - t)))
 
 
 EVERY = slice(None)
