@@ -57,12 +57,14 @@ def warped_warnings(problem: ShellProblem, u: Array, names: Sequence[str]) -> Wa
             f"use cells about {np.ceil(10.0 * times) / 10.0:.1f} times smaller in the mesh file or "
             "its script, with nodes on the curved surface"
         )
-    return coded(
-        f"shell-{kind}-warped",
+    text = (
         f"{names[worst]}{more}: {kind} are too large for the thickness of this warped surface, "
         "and the shell is too stiff: rotations of bending that are tilted into their planes take "
-        f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; {advice}",
+        f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; {advice}"
     )
+    if quads:
+        return coded("shell-quadrilaterals-warped", text)
+    return coded("shell-triangles-warped", text)
 
 
 def tilted_work(problem: ShellProblem, u: Array) -> Array:
