@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -131,19 +131,6 @@ def choice(tests: Tests) -> Choice:
     return Choice(own.names, tuple(types), tuple(alike))
 
 
-def in_turn(found: list[Choice]) -> list[Choice]:
-    """The same choices with each core type in one of them only: they take turns.
-
-    For interpreters that run the same tests: each has results of other kernels than its own.
-    """
-    types = sorted({each for one in found for each in one.types}, key=list(FLAGS).index)
-    kept: list[list[str]] = [[] for _ in found]
-    for core_type in types:
-        having = [k for k, one in enumerate(found) if core_type in one.types]
-        kept[min(having, key=lambda k: len(kept[k]))].append(core_type)
-    return [replace(one, types=tuple(own)) for one, own in zip(found, kept, strict=True)]
-
-
 def job(tests: Tests, core_type: str, after: Job | None = None) -> Job:
     """The run of the tests with the kernels of one type, after another run."""
     command = (tests.python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests.arguments)
@@ -159,7 +146,7 @@ def summary(title: str, choice: Choice, results: list[Done]) -> str:
     if choice.alike:
         own += f"; {', '.join(choice.alike)} give the same bits as one of these"
     if not choice.types:
-        return f"{title}: NO CORE TYPES but {own}, no others are left of this processor"
+        return f"{title}: NO CORE TYPES but {own}, no others are known of this processor"
     pairs = zip(choice.types, results, strict=True)
     failed = [core_type for core_type, result in pairs if result.code]
     listed = ", ".join(choice.types)

@@ -10,8 +10,7 @@ numbers (tools/fe_numbers.py).
 
 The tests whose result could depend on rounding (KERNEL_TESTS, and LIGHT_KERNEL_TESTS of the
 package checks) run again with every kernel of OpenBLAS that the processor has
-(tools/core_types.py); the versions of DOLFINx take turns at the kernels. The output of each
-program is printed when it ends; the summary comes last.
+(tools/core_types.py). The output of each program is printed when it ends; the summary comes last.
 """
 
 import os
@@ -19,7 +18,7 @@ import shutil
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-from core_types import Choice, Tests, choice, in_turn
+from core_types import Choice, Tests, choice
 from core_types import job as job_of_type
 from core_types import summary as summary_of_types
 from fe_numbers import differences, pairs
@@ -258,8 +257,7 @@ def core_types(ran: list[Report]) -> list[tuple[Tests, Choice]]:
         for report in ran
     ]
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        light, *ends = pool.map(choice, every)
-    return list(zip(every, [light, *in_turn(ends)], strict=True))
+        return list(zip(every, pool.map(choice, every), strict=True))
 
 
 def compare_core_types(

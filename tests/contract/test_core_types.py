@@ -111,14 +111,3 @@ def test_nothing_run_is_said(core_types: ModuleType) -> None:
     assert "but Haswell; Zen give" in core_types.summary("some", alike, [])
     one = core_types.Choice(frozenset({"Haswell"}), ())
     assert "NO CORE TYPES but Haswell" in core_types.summary("some", one, [])
-
-
-def test_interpreters_take_turns_at_the_types(core_types: ModuleType) -> None:
-    """Each type has one of those that differ with it; one that a copy lacks goes to the other."""
-    found = [
-        core_types.Choice(frozenset({"SkylakeX"}), types, ("Zen",))
-        for types in (("Prescott", "Nehalem", "Haswell"), ("Nehalem", "Haswell"))
-    ]
-    turns = core_types.in_turn(found)
-    assert [each.types for each in turns] == [("Prescott", "Haswell"), ("Nehalem",)]
-    assert all(each.alike == ("Zen",) for each in turns)
