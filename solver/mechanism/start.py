@@ -145,28 +145,36 @@ def _carried(model: Model, before: Array, y: Array) -> Array:
     A tree: bodies follow from the ground outwards, or from a body. The joints keep their
     coordinates, so that a stiff spring of one does not push.
     """
-    positions, placed = y[: model.n_pos], {-1}
-    while len(placed) <= model.n_body:
-        pairs = [ends if int(model.marker_body[ends[0]]) in placed else ends[::-1]
-                 for ends in model.joint_marker.tolist()]  # fmt: skip
-        bodies = [(int(model.marker_body[k]), int(model.marker_body[m])) for k, m in pairs]
-        following = (k for k, (a, b) in enumerate(bodies) if a in placed and b not in placed)
-        joint = next(following, None)
-        if joint is None:
-            placed.add(min(set(range(model.n_body)) - placed))
+    joined: dict[int, list[tuple[int, int, int]]] = {i: [] for i in range(-1, model.n_body)}
+    for ends in model.joint_marker.tolist():
+        for k, m in (ends, ends[::-1]):
+            joined[int(model.marker_body[k])].append((int(model.marker_body[m]), k, m))
+    # Places x of a body of y go to c + R x.
+    moves: dict[int, tuple[Array, Array]] = {}
+    for root in joined:
+        if root in moves:
             continue
-        now = np.concatenate([positions, y[model.n_pos :]])
-        old, new = ([marker_motion(model, k, at) for k in pairs[joint]] for at in (before, now))
-        turn = new[0].A @ old[0].A.T
-        place, body = new[0].x + turn @ (old[1].x - old[0].x), bodies[joint][1]
-        turn = turn @ old[1].A @ new[1].A.T
-        i, j = int(model.pos_start[body]), int(model.vel_start[body])
-        step, frame = np.zeros(model.n_vel), rotation_matrix(positions[i + 3 : i + 7])
-        step[j : j + 3] = place + turn @ (positions[i : i + 3] - new[1].x) - positions[i : i + 3]
-        step[j + 3 : j + 6] = frame.T @ matrix_to_vector(turn)
-        positions = moved(model, positions, step)
-        placed.add(body)
-    return positions
+        moves[root], reached = (np.eye(3), np.zeros(3)), [root]
+        while reached:
+            body = reached.pop()
+            R, c = moves[body]
+            for other, k, m in joined[body]:
+                if other in moves:
+                    continue
+                old_k, old_m, new_k, new_m = (
+                    marker_motion(model, *pair)
+                    for pair in ((k, before), (m, before), (k, y), (m, y))
+                )
+                turn = R @ new_k.A @ old_k.A.T
+                R_m = turn @ old_m.A @ new_m.A.T
+                moves[other] = R_m, c + R @ new_k.x + turn @ (old_m.x - old_k.x) - R_m @ new_m.x
+                reached.append(other)
+    step = np.zeros(model.n_vel)
+    for i in range(model.n_body):
+        (R, c), a, j = moves[i], int(model.pos_start[i]), int(model.vel_start[i])
+        step[j : j + 3] = c + R @ y[a : a + 3] - y[a : a + 3]
+        step[j + 3 : j + 6] = rotation_matrix(y[a + 3 : a + 7]).T @ matrix_to_vector(R)
+    return moved(model, y[: model.n_pos], step)
 
 
 def _not_converged(body_names: list[str], energies: Array, *, joined: bool) -> InputError:
