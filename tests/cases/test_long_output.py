@@ -14,7 +14,7 @@ from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.integrators.generic import drive as output
+from plymotion.solver.integrators.generic import output
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import ComputedRows, LongRows, StoredRows
 from plymotion.solver.package.common.files import RECORD
