@@ -216,6 +216,13 @@ def write_piece(model: Model, number: int, t: float, coefficients: Array) -> Non
     model.law_coefficient[first, : min(len(coefficients), N_COEFFICIENT)] = coefficients
 
 
+def write_course(model: Model, given: Input, t: float, coefficients: Array) -> None:
+    """Let an input be a polynomial of the time after t [s], in values of the case."""
+    coefficients = coefficients.copy()
+    coefficients[0] += given.offset
+    write_piece(model, given.law, t, coefficients)
+
+
 # A mechanism that moves from one communication point to the next, with inputs in between.
 
 DRIVE_ORDER, FORCE_ORDER = 2, 1
@@ -399,8 +406,7 @@ class Stepper:
         course, rates = before.courses[k].copy(), self.last.rates
         value, h = float(self.last.values[k]) + by, self.last.t - before.t
         piece = course.piece(before.t, h, value, UNKNOWN if rates is None else rates[k])
-        piece[0] += given.offset
-        write_piece(model, given.law, before.t, piece)
+        write_course(model, given, before.t, piece)
         return model
 
     def kept(self) -> Kept:
@@ -459,8 +465,8 @@ class Stepper:
         change = values - np.array([given.start[0] for given in self.inputs])
         for given, by in zip(self.inputs, change, strict=True):
             powers = given.start * [1.0, 1.0, 0.5]
-            powers[0] += by + given.offset
-            write_piece(model, given.law, 0.0, powers)
+            powers[0] += by
+            write_course(model, given, 0.0, powers)
         y = started(model, 0.0, y)
         equations = assemble(model, 0.0, y)
         rates = equations.Phi_q @ y[model.n_pos : model.n_pos + model.n_vel] + equations.Phi_t
@@ -526,8 +532,7 @@ class Stepper:
             self.inputs, self._courses, values, known, strict=True
         ):
             piece = course.piece(self.t, h, float(value), its)
-            piece[0] += given.offset
-            write_piece(prepared.model, given.law, self.t, piece)
+            write_course(prepared.model, given, self.t, piece)
         integrator.go_on(t)
         integrator.keeps_stages = stages
         nowhere, happened = (np.empty(0), np.empty((0, integrator.n))), False

@@ -40,14 +40,11 @@ function addOrbit(list, figure) {
     dot.style.fill = colour;
     return dot;
   });
-  const tell = () => dots.forEach((dot, i) => {
-    const t = array(runs[i].t);
-    let k = t.findIndex((each) => each >= clock.t);
-    if (k < 0) k = t.length - 1;
-    const [px, py] = at(i, k);
+  const move = () => dots.forEach((dot, i) => {
+    const [k, high, part] = between(array(runs[i].t), clock.t), [px, py] = at(i, part > 0 ? high : k);
     if (Number.isFinite(px + py)) { dot.setAttribute('cx', px); dot.setAttribute('cy', py); }
   });
-  clock.onChange(tell);
-  tell();
+  clock.onChange(move);
+  move();
   list.append(element('figure', {}, element('figcaption', {}, element('h3', {}, figure.title)), picture));
 }
