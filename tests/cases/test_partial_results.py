@@ -44,6 +44,7 @@ def test_ctrl_c_keeps_the_part(repository, tmp_path):
         "    print('stepping', flush=True) if i.t[-1] > 0.3 else None\n"
         "    return step(self, i)\n"
         "r.Progress.__call__ = told\n"
+        "r.PATIENCE_S = 60.0  # a busy machine may need longer to save\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
     process = subprocess.Popen(
