@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..dynamics.evaluation.accelerations import derivative_into
 from ..dynamics.model.model import Model, new_work
 from ..math.arrays import Array
 from ..math.compiled import rebound
@@ -129,7 +130,6 @@ class ExplicitRungeKutta(Explicit):
         super().__init__(*args, **options)
         self._workspace = new_explicit_workspace(self.tableau, self.t, self.y, self._f_start)
         self._options = Options(
-            self.t_end,
             float(self.norm.rtol),
             self.norm.atol,
             np.append(options.get("block_starts") or [0], self.n).astype(np.int64),
@@ -189,9 +189,9 @@ class ExplicitLoop(Explicit, ClosingLoop):
         super().__init__(model, t0, y0, t_end, **options)
         self._project = projection(model) if self._closed else None
 
-    def _begin(self, rate: Array, multipliers: Array) -> Any:
+    def _begin(self) -> Any:
         sizes = self._model.n_vel, self._model.n_pos
-        made = new_explicit_workspace(self.tableau, self.t, self.y, rate, sizes)
+        made = new_explicit_workspace(self.tableau, self.t, self.y, self._f_start, sizes)
         made.clock[codes.NEXT], self._work = self._h_next, new_work(self._model)
         return made
 
@@ -209,8 +209,9 @@ class ExplicitLoop(Explicit, ClosingLoop):
             self._evaluated += RATE_EVALUATIONS
             self._options = self._options._replace(max_step=float(self.max_step))
 
-    def _restart(self, rate: Array, multipliers: Array) -> None:
-        self._workspace.y[:], self._workspace.f[:] = self.y, rate
+    def _restart(self) -> None:
+        workspace = self._workspace
+        derivative_into(self._model, self._work, self.t, workspace.y, workspace.f)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

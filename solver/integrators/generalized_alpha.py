@@ -100,11 +100,11 @@ class GeneralizedAlpha(StepLoop):
         """Formulation."""
         return {"formulation": name}
 
-    def _begin(self, rate: Array, multipliers: Array) -> Any:
-        return new_alpha_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
+    def _begin(self) -> Any:
+        return new_alpha_workspace(self._model, self.t, self.y, self._h_next)
 
-    def _restart(self, rate: Array, multipliers: Array) -> None:
-        restart_alpha(self._model, self._workspace, self.t, self.y, rate, multipliers)
+    def _restart(self) -> None:
+        restart_alpha(self._model, self._workspace, self.t)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

@@ -225,11 +225,11 @@ class Radau(ClosingLoop):
         """Return the model with the softness of dependent rows that suits the iteration."""
         return model._replace(penalty=PENALTY) if model.penalty > 0.0 else model
 
-    def _begin(self, rate: Array, multipliers: Array) -> Any:
-        return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
+    def _begin(self) -> Any:
+        return new_radau_workspace(self._model, self.t, self.y, self._h_next)
 
-    def _restart(self, rate: Array, multipliers: Array) -> None:
-        restart_radau(self._model, self._workspace, self.t, self.y, rate, multipliers)
+    def _restart(self) -> None:
+        restart_radau(self._model, self._workspace, self.t)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

@@ -220,7 +220,6 @@ class StepLoop(StrideMemory):
         self._model = self.for_loop(model)
         super().__init__(right_hand_side(model), t0, y0, t_end, **options)
         self._options = Options(
-            self.t_end,
             float(self.norm.rtol),
             np.broadcast_to(np.asarray(self.norm.atol, dtype=float), (self.n,)).copy(),
             np.append(options.get("block_starts") or [0], self.n).astype(np.int64),
@@ -232,13 +231,12 @@ class StepLoop(StrideMemory):
             np.zeros(0),
             self._closes(),
         )
-        work, rate = spare_work(model), np.zeros(self.n)
+        self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
+        self._workspace = self._begin()
         if self.status == "running":
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                derivative_into(model, work, self.t, self.y, rate)
+                self._restart()
             self.counters.evaluations += 1
-        self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
-        self._workspace = self._begin(rate, work.multipliers.copy())
         self._evaluated = self.counters.evaluations
         self._forget()
         self._pace = CHUNK  # steps of the next call, if forces may hide
@@ -308,14 +306,14 @@ class StepLoop(StrideMemory):
         if not keep:
             self._ends = self._room(LOCATED)
         most, begun = min(most, LOCATED), self._mark()
-        found, last = -1, np.inf
+        found, last, clock = -1, np.inf, self._workspace.clock
         for passes_left in range(MOST_PASSES - 1, -1, -1):
             reached = self._take(most, times, rows, filled, keep=keep)
             t, y = self._ends_since(begun)
             if found >= 0 and len(t) > 1:
                 gap, rate = beyond(self._model, self.t, self.y)[found]
                 late = gap / rate if rate > 0.0 else 0.0
-                if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < self._options.t_end:
+                if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < clock[codes.END]:
                     break
                 # what Newton's iteration leaves of a step: it differs from pass to pass
                 noise = abs(late) < SETTLED * self.h and abs(late) > 0.5 * last
@@ -329,10 +327,10 @@ class StepLoop(StrideMemory):
                     return reached
             self._go_back(begun)
             if at - self.t < NOTHING * max(1.0, abs(self.t)):
-                self._options = self._options._replace(t_end=self.t)
+                clock[codes.END] = self.t
                 reached = filled
                 break
-            self._options = self._options._replace(t_end=at)
+            clock[codes.END] = at
             begun = self._mark()
             self._begun = begun if keep else None
         self._struck = (found,)
@@ -349,11 +347,13 @@ class StepLoop(StrideMemory):
 
         For a run that has finished, or not begun, after laws of time in the model have changed.
         """
-        stops = np.append(self._kinks, self._jumps[:, 0])  # none a rounding error behind the end
-        near = stops[(stops > t_end) & (stops <= t_end * (1.0 + ROUNDING))]
-        self.t_end, self.status, self.message = float(max(near, default=t_end)), "running", ""
+        if self._kinks.size or self._jumps.size:  # none a rounding error behind the end
+            stops = np.append(self._kinks, self._jumps[:, 0])
+            near = stops[(stops > t_end) & (stops <= t_end * (1.0 + ROUNDING))]
+            t_end = float(max(near, default=t_end))
+        self.t_end, self.status, self.message = t_end, "running", ""
         self._set_instants()
-        self._options = self._options._replace(t_end=self.t)
+        self._workspace.clock[codes.END] = self.t
 
     def _set_instants(self) -> None:
         """Find when controllers act; the loop samples by itself what needs neither Python nor look.
@@ -362,8 +362,11 @@ class StepLoop(StrideMemory):
         sampled between two calls of the loop; so are instants at a jump of a law of time.
         """
         model = self._model
-        self._instants = Instants(model, self.t_end)
+        self._instants = Instants(model, self.t_end, self.t)
         t = self._instants.t
+        self._workspace.clock[codes.INSTANT] = 0.0
+        if not t.size + self._options.instants.size:
+            return
         between = np.ones(t.size, dtype=bool)
         if not (self._functions or model.quantities.event_state.size or reads_reactions(model)):
             between[:] = False
@@ -376,20 +379,20 @@ class StepLoop(StrideMemory):
 
     def _sample(self) -> None:
         """Sample controllers where the loop stands at an instant, and go on from there."""
-        if self.t < self._options.t_end or self.t >= self.t_end:
+        clock = self._workspace.clock
+        if self.t < clock[codes.END] or self.t >= self.t_end:
             return
         if self.t == self._before:
-            self.t = self._workspace.clock[codes.TIME] = self._behind
+            self.t = clock[codes.TIME] = self._behind
         which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
         which[self._model.quantities.event_state[list(self._struck)]] = True
         self._struck = ()
         if which.any():
             self.y = sampled(self._model, self.t, self.y, which, self._functions)
-        rate, work = np.zeros(self.n), spare_work(self._model)
+        self._workspace.y[:] = self.y
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            derivative_into(self._model, work, self.t, self.y, rate)
+            self._restart()
         self._evaluated += 1
-        self._restart(rate, work.multipliers.copy())
         self._stop_at_next(self.t)
 
     def _stop_at_next(self, t: float) -> None:
@@ -405,11 +408,11 @@ class StepLoop(StrideMemory):
                 same = end < self.t_end and abs(end - behind) < APART * apart
                 self._before, self._behind = before, max(behind, end) if same else behind
                 end = before
-        self._options = self._options._replace(t_end=end)
+        self._workspace.clock[codes.END] = end
 
-    def _restart(self, rate: Array, multipliers: Array) -> None:
-        """Go on from the present state as from a start, with its rate and multipliers."""
-        raise NotImplementedError
+    @abstractmethod
+    def _restart(self) -> None:
+        """Go on from the state of the workspace as from a start: evaluate its rate."""
 
     def _find_stop(self) -> None:
         self._stop = self._behind = self.t_end  # the loop has stops of its own
@@ -484,8 +487,8 @@ class StepLoop(StrideMemory):
         return model
 
     @abstractmethod
-    def _begin(self, rate: Array, multipliers: Array) -> Any:
-        """Return the workspace of the run."""
+    def _begin(self) -> Any:
+        """Return the workspace of the run, which `_restart` begins."""
 
 
 class ClosingLoop(StepLoop):

@@ -66,6 +66,8 @@ class Course:
         value : of the input at t
         rates : (2,) first and second derivative at t where they are known; nan: not
         """
+        if self._order == 0 and not self._drive and rates is UNKNOWN:
+            return np.array([value, 0.0, 0.0])
         if not self._times:
             # As if it had followed the parabola of its start before t.
             rate, acceleration = self._at[1:]
@@ -103,8 +105,6 @@ class Course:
 
     def _ahead(self, t: float, value: float, rates: Array) -> Array:
         """Return coefficients (3,) of the polynomial through the last values."""
-        if self._order == 0 and rates is UNKNOWN:
-            return np.array([value, 0.0, 0.0])
         count = self._order + 1
         since = np.array(self._times[-count:]) - t
         found = np.zeros(3)
@@ -217,8 +217,7 @@ def write_piece(model: Model, number: int, t: float, coefficients: Array) -> Non
 
 
 def write_course(model: Model, given: Input, t: float, coefficients: Array) -> None:
-    """Let an input be a polynomial of the time after t [s], in values of the case."""
-    coefficients = coefficients.copy()
+    """Let an input be a polynomial of the time after t [s], in values of the case, which go."""
     coefficients[0] += given.offset
     write_piece(model, given.law, t, coefficients)
 

@@ -547,20 +547,22 @@ def is_sampled(period: float, t: float) -> bool:
 
 
 class Instants:
-    """When the auxiliary states of a model are sampled, after t = 0 and before t_end [s].
+    """When the auxiliary states of a model are sampled, from `begin` > 0 to before t_end [s].
 
     Attributes
     ----------
     t : (k,) [s]
     """
 
-    def __init__(self, model: Model, t_end: float) -> None:
+    def __init__(self, model: Model, t_end: float, begin: float = 0.0) -> None:
         self._period = model.quantities.period
         if not (self._period > 0.0).any():
             self.t: Array = np.zeros(0)
             return
         periods = np.unique(self._period[self._period > 0.0])
-        all_t = [p * np.arange(1, int(np.ceil(t_end / p - NEAR))) for p in periods]
+        all_t = [
+            p * np.arange(max(int(begin / p), 1), int(np.ceil(t_end / p - NEAR))) for p in periods
+        ]
         t = np.sort(np.concatenate([np.zeros(0), *all_t]))
         apart = np.diff(t, prepend=-1.0) > NEAR * periods.min(initial=1.0)
         self.t = t[apart]

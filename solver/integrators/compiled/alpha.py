@@ -38,6 +38,7 @@ from .pencil import factorise_feedback, factorise_pencil, fed_back, freeze
 from .residual import element_residual, inertia_residual
 from .step_control import (
     ARRIVED,
+    END,
     EVALUATIONS,
     FACTORISATIONS,
     GOES_ON,
@@ -78,7 +79,7 @@ def advance_alpha(
     filled: int,
     ends: Ends,
 ) -> tuple[int, int]:
-    """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py).
+    """Take steps until END or `most_steps` accepted ones; see `advance` (radau.py).
 
     `first` is the scheme of steps without one before, under error control.
     """
@@ -88,7 +89,7 @@ def advance_alpha(
         tightest = min(tightest, options.atol[i])
     opening = options.rtol + tightest  # of constraints after a correction
     taken, refused = 0, 0.0  # steps; the last that Newton's iteration refused, or 0
-    while clock[TIME] < options.t_end:
+    while clock[TIME] < clock[END]:
         if taken == most_steps:
             return PAUSED, filled
         t = clock[TIME]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.elements.floating_frame import flatten, inflate, row_products
-from ...dynamics.evaluation.accelerations import accelerate
+from ...dynamics.evaluation.accelerations import accelerate, derivative_into
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.coordinates import move, rates_into
@@ -138,10 +138,8 @@ class AlphaWorkspace(NamedTuple):
     apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
 
 
-def new_alpha_workspace(
-    model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
-) -> AlphaWorkspace:
-    """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
+def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> AlphaWorkspace:
+    """Return memory for a run from state y (n,) at t [s], which `restart_alpha` begins."""
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
     n_r = model.plan.newton.place.shape[0]
     workspace = AlphaWorkspace(
@@ -149,10 +147,10 @@ def new_alpha_workspace(
         new_frozen(model),
         new_pencil(model, 1.0),
         y.copy(),
-        rate.copy(),
+        np.zeros(n),
         y.copy(),
-        rate.copy(),
-        rate[model.n_pos : model.n_pos + n_vel].copy(),
+        np.zeros(n),
+        np.zeros(n_vel),
         np.zeros(n_r),
         np.zeros(n_vel),
         np.zeros(n),
@@ -173,20 +171,16 @@ def new_alpha_workspace(
     )
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
     workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf
-    restart_alpha(model, workspace, t, y, rate, multipliers)
     return workspace
 
 
-def restart_alpha(
-    model: Model, workspace: AlphaWorkspace, t: float, y: Array, rate: Array, multipliers: Array
-) -> None:
-    """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
-    workspace.y[:], workspace.rate[:], workspace.v_dd[:] = y, rate, 0.0
-    workspace.a[:] = rate[model.n_pos : model.n_pos + model.n_vel]
+def restart_alpha(model: Model, workspace: AlphaWorkspace, t: float) -> None:
+    """Forget what was before the state at t [s], and evaluate it."""
+    rate = workspace.rate
+    derivative_into(model, workspace.work, t, workspace.y, rate)
+    workspace.a[:], workspace.v_dd[:] = rate[model.n_pos : model.n_pos + model.n_vel], 0.0
     workspace.clock[POWER], workspace.clock[TAKEN] = rate[-1], 0.0
-    workspace.multipliers[: model.n_constraint] = multipliers
-    workspace.work.multipliers[:] = multipliers
-    evaluate(model, workspace.work, t, y)
+    workspace.multipliers[: model.n_constraint] = workspace.work.multipliers
     start_forces(model, workspace.work, workspace.multipliers)
 
 

@@ -12,6 +12,7 @@ from ...math.compiled import inlined, lean, structure
 from ..generic.dormand_prince import Tableau
 from .step_control import (
     ARRIVED,
+    END,
     ERROR_LAST,
     EVALUATIONS,
     GOES_ON,
@@ -218,10 +219,10 @@ def advance_explicit(
     filled: int,
     ends: Ends,
 ) -> tuple[int, int]:
-    """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
+    """Take steps until END or `most_steps` accepted ones; see `advance` (radau.py)."""
     clock, counts, y = workspace.clock, workspace.counts, workspace.y
     taken = 0
-    while clock[TIME] < options.t_end:
+    while clock[TIME] < clock[END]:
         if taken == most_steps:
             return PAUSED, filled
         t = clock[TIME]

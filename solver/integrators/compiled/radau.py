@@ -37,6 +37,7 @@ from .residual import residual
 from .step_control import (
     ARRIVED,
     CUTOFF,
+    END,
     ERROR_LAST,
     EVALUATIONS,
     FACTORISATIONS,
@@ -99,7 +100,7 @@ def advance(
     filled: int,
     ends: Ends,
 ) -> tuple[int, int]:
-    """Take steps until t_end or `most_steps` accepted ones; return a code and rows filled.
+    """Take steps until END or `most_steps` accepted ones; return a code and rows filled.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ def advance(
     stored, ringing = 0.0, False  # energy; whether an error above the cutoff was left out
     if filtered:
         stored = energy(model, workspace.work, clock[TIME], workspace.y, workspace.cutoff.parts)
-    while clock[TIME] < options.t_end:
+    while clock[TIME] < clock[END]:
         if taken == most_steps:
             return PAUSED, filled
         t = clock[TIME]

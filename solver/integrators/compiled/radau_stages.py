@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...dynamics.evaluation.accelerations import derivative_into
 from ...dynamics.evaluation.elimination import solve
-from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.model import Model, Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
@@ -98,15 +98,8 @@ class RadauWorkspace(NamedTuple):
     apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
 
 
-def new_radau_workspace(
-    model: Model,
-    t: float,
-    y: Array,
-    rate: Array,
-    multipliers: Array,
-    first_step: float,
-) -> RadauWorkspace:
-    """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
+def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> RadauWorkspace:
+    """Return memory for a run from state y (n,) at t [s], which `restart_radau` begins."""
     n, nb, widest = y.shape[0], model.n_body, model.plan.widest
     n_r = model.plan.newton.place.shape[0]
     frozen, least = new_frozen(model), np.full(model.plan.element_row.shape[0], np.inf)
@@ -116,7 +109,7 @@ def new_radau_workspace(
         new_pencil(model, 1.0),
         new_pencil(model, 1.0 + 0.0j),
         y.copy(),
-        rate.copy(),
+        np.zeros(n),
         y.copy(),
         np.zeros((3, n)),
         np.zeros((3, n)),
@@ -141,16 +134,13 @@ def new_radau_workspace(
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
     workspace.clock[LIMIT], workspace.clock[ROUGH], workspace.clock[GROWTH] = 1e300, 1e300, 1.0
     workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf
-    restart_radau(model, workspace, t, y, rate, multipliers)
     return workspace
 
 
-def restart_radau(
-    model: Model, workspace: RadauWorkspace, t: float, y: Array, rate: Array, multipliers: Array
-) -> None:
-    """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
-    workspace.y[:], workspace.f[:], workspace.work.multipliers[:] = y, rate, multipliers
-    evaluate(model, workspace.work, t, y)
+@lean
+def restart_radau(model: Model, workspace: RadauWorkspace, t: float) -> None:
+    """Forget what was before the state at t [s], and evaluate it."""
+    derivative_into(model, workspace.work, t, workspace.y, workspace.f)
     begin_anew(model, workspace)
 
 

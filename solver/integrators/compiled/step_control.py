@@ -20,7 +20,8 @@ ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH, GROWTH = 3, 4, 5, 6, 7, 8
 TENSE, TRIED, REFUSALS, SINCE, OTHER = 9, 10, 11, 12, 13
 KINK = 14  # number of the first kink of a law of time that is still to come
 INSTANT = 15  # number of the first instant of sampling that is still to come
-N_CLOCK = 16
+END = 16  # where the loop comes back [s]
+N_CLOCK = 17
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
@@ -36,7 +37,6 @@ MAX_NOT_FINITE = 25  # attempts in a row
 class Options(NamedTuple):
     """What does not change during a run."""
 
-    t_end: float
     rtol: float
     atol: Array  # (n,)
     block_starts: IntArray  # (b + 1,) of the error norm
@@ -72,7 +72,7 @@ def keep_end(ends: Ends, k: int, t: float, y: Array) -> None:
 def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
     """Return the next step [s], its end, and whether it is too small to be taken.
 
-    Within the largest step, on the next kink or t_end exactly, no sliver before it.
+    Within the largest step, on the next kink or END exactly, no sliver before it.
     """
     kinks, k = options.kinks, int(clock[KINK])
     while k < kinks.shape[0] and kinks[k] <= clock[TIME]:
@@ -82,7 +82,7 @@ def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
     while i < instants.shape[0] and instants[i] <= clock[TIME]:
         i += 1
     clock[INSTANT] = i
-    end = options.t_end
+    end = clock[END]
     if i < instants.shape[0]:
         end = min(end, instants[i])
     t, h, stretch = clock[TIME], clock[NEXT], 1.01
