@@ -315,7 +315,7 @@ class StepLoop(StrideMemory):
                 late = gap / rate if rate > 0.0 else 0.0
                 if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < clock[codes.END]:
                     break
-                # what Newton's iteration leaves of a step: it differs from pass to pass
+                # residual error of Newton's iteration: it differs from pass to pass
                 noise = abs(late) < SETTLED * self.h and abs(late) > 0.5 * last
                 if noise or passes_left == 0:
                     break

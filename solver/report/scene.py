@@ -180,7 +180,7 @@ def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
 
     What turns about an axis is a cylinder along it, what slides a bar, what turns about all a ball.
 
-    free : what the joint leaves of x, y, z, about x, about y, about z (results/schema.py)
+    free : free directions of the joint: x, y, z, about x, about y, about z (results/schema.py)
     """
     shifts = [each for each in free if each in SHIFTS]
     if not free:

@@ -103,7 +103,7 @@ class Link:
     name: str
     kind: str
     sides: tuple[Side, Side]
-    free: tuple[str, ...] = ()  # of x, y, z, about x, about y, about z: what the joint leaves
+    free: tuple[str, ...] = ()  # free directions: x, y, z, about x, about y, about z
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a run leaves: histories, signals, checks and warnings from its solution."""
+"""Results of a run from its solution: histories, signals, checks, warnings, summary."""
 
 import os
 import platform
@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -35,11 +35,6 @@ from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
 from .drawing import drawn_loads, links, pictures, point_masses, with_views
 from .inputs import RunSpec
-
-if TYPE_CHECKING:
-    pass
-
-# What a run leaves: histories, signals, checks and warnings from its solution.
 
 VTK_LINE = 3
 MOST_IN_MEMORY = 10 * IN_MEMORY  # bytes of reactions and signals

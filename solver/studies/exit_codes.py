@@ -1,4 +1,4 @@
-"""What a command leaves on the screen and behind it: messages, internal errors, exit codes."""
+"""How a command ends: messages on the screen, internal errors, exit codes."""
 
 import logging
 import os

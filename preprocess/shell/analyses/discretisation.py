@@ -202,7 +202,7 @@ def energy_errors(finer: FinerMesh, energy: Array, *, slow: bool = False) -> Arr
     loaded = energy > 0.0
     rest = np.full(len(energy), FIRST if slow else REST)
     if found is not None:
-        # what halving the cells leaves of the difference: a quarter of second order, half of first
+        # ratio of successive differences under halving: a quarter for second order, half for first
         with np.errstate(divide="ignore", invalid="ignore"):
             left = np.nan_to_num((fine - found) / (energy - fine), nan=0.25)
         rest = 1.0 / (1.0 - np.clip(left, 0.25, MOST_LEFT))

@@ -10,8 +10,8 @@ from ..evaluation.evaluation import evaluate, evaluate_rates, momenta_into
 from ..model.coordinates import move
 from ..model.model import PHI, Model, Work, spare_work
 
-# Given velocities are held by inertia: a change of the others moves them by the reciprocal of HOLD.
-# What they move is taken back, and the next pass answers what this leaves open.
+# Given velocities are kept by a large inertia: a change of the others moves them by about 1 / HOLD.
+# They are then reset to the given values, and the next pass removes the residual of this.
 HOLD = 1e6
 MOST_PASSES = 40
 ROUND_OFF = 1e-15

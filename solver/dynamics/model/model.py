@@ -253,7 +253,7 @@ class Work(NamedTuple):
     acceleration: Array  # (nb, n)
     gamma: Array  # (n_c,) right-hand side of the constraint rows
     multipliers: Array  # (n_c,)
-    left: Array  # (n_c,) what a solution leaves of gamma
+    left: Array  # (n_c,) residual of the constraint rows after a solution
     softness: Array  # (n_r,) of the rows of plan.mass: reciprocals of the penalties in use
     change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
     change_multipliers: Array  # (n_c,)

@@ -18,8 +18,8 @@ by one system of the same structure as that of the mass matrix:
 
 with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
 iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
-elements are unknowns of the iteration like multipliers, m being their change and e what they
-leave of the law of the element (elements.py): an element as stiff as a constraint is a constraint
+elements are unknowns of the iteration like multipliers, m being their change and e the residual
+of the law of the element (elements.py): an element as stiff as a constraint is a constraint
 to it.
 """
 

@@ -130,8 +130,8 @@ def residual(
     rate : (n,) of y
     multipliers : (n_r,) of constraints, and forces of elements
     load : (nb, n), f - M vdot - Phi_q' lambda
-    gamma : (n_r,), gamma - Phi_q vdot, with the feedback of Baumgarte's treatment, and what the
-        forces of elements leave of their law
+    gamma : (n_r,), gamma - Phi_q vdot, with the feedback of Baumgarte's treatment, and the
+        residuals of the laws of force elements
     r : (n,), of which positions: G v - qdot, and auxiliary states: their law less zdot
     """
     for k in range(model.n_constraint):

@@ -121,7 +121,7 @@ class Noted:
 
 @dataclass(frozen=True)
 class Solution:
-    """What a run leaves behind.
+    """The solution of a run.
 
     A run that ended early keeps the requested times up to there and one more row: the
     state where it ended (t_stop of the request, or the last accepted step).
@@ -223,8 +223,8 @@ class _Drive:
                     output.make_room()
                     self._follow()
         except KeyboardInterrupt:
-            # Steps that were taken are kept, looked at or not; in plain NumPy a loop is heard
-            # within, and stands where its last stride ended.
+            # Accepted steps are kept, also those that were not processed yet. Plain NumPy is
+            # interrupted within a stride: the state is that of the end of the last one.
             integrator.take_up()
             filled = int(np.searchsorted(output.window, integrator.t, side="right"))
             self._reach(integrator.t, integrator.y, max(output.filled, filled))
@@ -303,7 +303,7 @@ class _Drive:
         output.cut(int(np.searchsorted(output.times[: output.count], t, side="right")))
 
     def solution(self, interrupted: bool) -> Solution:
-        """Return what the run leaves behind."""
+        """Return the solution of the run."""
         integrator, output = self.integrator, self.output
         status, message, code = integrator.status, integrator.message, ""
         if interrupted:

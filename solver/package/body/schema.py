@@ -99,7 +99,7 @@ class SectionData:
     """A beam cross-section of the body.
 
     The equations of motion do not use it. With `recovery`, ply stresses follow from resultants,
-    with `end_compliance` what the beam theory leaves out at held ends.
+    with `end_compliance` the effect of held ends, which the beam theory neglects.
     """
 
     name: str

@@ -68,8 +68,8 @@ def modes_of(
     """Return the modes of linearised equations of a model at time t.
 
     `turning` (n_vel,) is a displacement that is known to leave the equations as they are: the turn
-    of a mechanism in steady spin. Its eigenvalue is zero, not what the stiff terms of the
-    accelerations leave of it.
+    of a mechanism in steady spin. Its eigenvalue is set to zero: as computed, it has the round-off
+    of the stiff terms of the accelerations.
     """
     if not space.A_free.size:
         none = np.zeros((0, 0), dtype=complex)

@@ -1,4 +1,4 @@
-"""sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md."""
+"""sweep.h5: all results of a sweep in one file; the layout is in docs/sweeps.md."""
 
 import hashlib
 from collections.abc import Iterable, Iterator, Sequence
@@ -55,7 +55,7 @@ class Row:
         return self.status != PENDING
 
 
-# sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md.
+# sweep.h5: all results of a sweep in one file; the layout is in docs/sweeps.md.
 
 FILE, CSV = "sweep.h5", "sweep.csv"
 FORMAT = "plymotion sweep"
