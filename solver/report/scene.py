@@ -15,6 +15,7 @@ from ..math.arrays import Array, IntArray
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
 from ..results.schema import BodyView, Link, Loads, Side, Sites
+from ..results.summary import findings
 from ..results.surfaces import halved, prism, unit_sphere
 from ..strength import criteria_of
 from ..strength.criteria.von_mises import equivalent_stress
@@ -278,7 +279,7 @@ def _peaks(story: Story) -> list[float]:
     found = [s.get(key) for s in summary.get("signals", {}).values() for key in ("t_min", "t_max")]
     for body in summary.get("strength", {}).values():
         found += [body.get("time"), *(ply.get("time") for ply in body.get("plies", [])[:5])]
-    found += [finding.get("t") for finding in summary.get("warnings", [])]
+    found += [finding.t for finding in findings(summary)]
     return [float(value) for value in found if value is not None]
 
 

@@ -7,7 +7,8 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ..errors import counted
-from ..results.summary import invalid_words, is_under_way, verdict
+from ..results.codes import Finding
+from ..results.summary import findings, invalid_words, is_under_way, verdict
 from .story import Story
 from .table import measure, number
 
@@ -95,13 +96,14 @@ def banner(stories: list[Story]) -> str:
     words = [f"{completed} of {counted(len(stories), 'run')} completed"]
     words += [escape(f"{story.title}: {story.summary['message']}") for story in going]
     if stopped:
-        errors = [f["code"] for story in stopped for f in _findings(story) if _level(f) == "error"]
+        found = [each for story in stopped for each in findings(story.summary)]
+        errors = [each.code for each in found if each.level == "error"]
         why = f" ({escape(', '.join(dict.fromkeys(errors)))})" if errors else ""
         words.append(f"{len(stopped)} stopped early{why}")
     if invalid := sum(bool(invalid_words(story.summary)) for story in stories):
         words.append(f"{invalid} completed, but invalid")
-    found = _said([each for story in stories for each in _doubts(story)])
-    words.append(f"<a href='#doubts'>{found}</a>" if found else "no warnings")
+    counts = _counts([each for story in stories for each in findings(story.summary)])
+    words.append(f"<a href='#doubts'>{counts}</a>" if counts else "no warnings")
     return f"<p class='verdict {worst}'>{'; '.join(words)}.</p>"
 
 
@@ -132,57 +134,45 @@ def outcomes(stories: list[Story]) -> str:
 
 def doubts(stories: list[Story]) -> str:
     """Return all findings by code, errors first: one line, which unfolds to those of each run."""
-    found = [(story, each) for story in stories for each in _findings(story)]
-    codes = dict.fromkeys(each["code"] for _, each in sorted(found, key=_order))
-    groups = "".join(_group([pair for pair in found if pair[1]["code"] == c]) for c in codes)
+    found = [(story, each) for story in stories for each in findings(story.summary)]
+    codes = dict.fromkeys(each.code for _, each in sorted(found, key=_order))
+    groups = "".join(_group([pair for pair in found if pair[1].code == c]) for c in codes)
     return section("doubts", "Warnings and notes", groups or "<p>None.</p>")
 
 
-def _order(pair: tuple[Story, dict[str, Any]]) -> int:
-    return ("error", "warning", "note").index(_level(pair[1]))
+def _order(pair: tuple[Story, Finding]) -> int:
+    return ("error", "warning", "note").index(pair[1].level)
 
 
-def _group(found: list[tuple[Story, dict[str, Any]]]) -> str:
+def _group(found: list[tuple[Story, Finding]]) -> str:
     """Return the findings of one code."""
-    level = _level(min(found, key=_order)[1])
+    level = min(found, key=_order)[1].level
     runs = list(dict.fromkeys(story.title for story, _ in found))
-    bodies = dict.fromkeys(each["body"] for _, each in found if each.get("body"))
+    bodies = dict.fromkeys(each.body for _, each in found if each.body)
     words = [counted(len(runs), "run") if len(runs) > 1 else runs[0], *bodies]
     lines = "".join(_line(story, each) for story, each in found)
     return (
-        f"<details class='{level}'><summary><code>{escape(found[0][1]['code'])}</code> {level}: "
+        f"<details class='{level}'><summary><code>{escape(found[0][1].code)}</code> {level}: "
         f"{escape(', '.join(words))}</summary><ul>{lines}</ul></details>"
     )
 
 
-def _line(story: Story, found: dict[str, Any]) -> str:
+def _line(story: Story, found: Finding) -> str:
     jump = ""
-    if found.get("t") is not None:
+    if found.t is not None:
         jump = (
             f" <button type='button' class='small' data-run='{escape(story.name)}' "
-            f"data-time='{float(found['t'])!r}'>show</button>"
+            f"data-time='{float(found.t)!r}'>show</button>"
         )
-    return f"<li><b>{escape(story.title)}</b>: {escape(found['message'])}{jump}</li>"
+    return f"<li><b>{escape(story.title)}</b>: {escape(found.text)}{jump}</li>"
 
 
-def _level(found: dict[str, Any]) -> str:
-    level = str(found.get("level", "warning"))
-    return level if level in ("error", "note") else "warning"
-
-
-def _findings(story: Story) -> list[dict[str, Any]]:
-    return list(story.summary.get("warnings", []))
-
-
-def _doubts(story: Story) -> list[dict[str, Any]]:
-    return [found for found in _findings(story) if _level(found) != "note"]
-
-
-def _said(found: list[dict[str, Any]]) -> str:
+def _counts(found: list[Finding]) -> str:
     """Return how many errors and warnings there are; nothing if there is none."""
-    errors = sum(_level(each) == "error" for each in found)
-    counts = {"error": errors, "warning": len(found) - errors}
-    return ", ".join(counted(n, word) for word, n in counts.items() if n)
+    levels = [each.level for each in found]
+    return ", ".join(
+        counted(levels.count(level), level) for level in ("error", "warning") if level in levels
+    )
 
 
 def _count(value: int | None) -> Cell:
@@ -191,12 +181,12 @@ def _count(value: int | None) -> Cell:
 
 def _outcome(story: Story) -> Cell:
     t_end = float(story.summary.get("t_end") or story.result.t[-1])
-    kind, said = verdict(story.summary), _said(_doubts(story))
+    kind, counts = verdict(story.summary), _counts(findings(story.summary))
     words = f"stopped at {t_end:.4g} s" if story.stopped else f"completed, {t_end:.4g} s"
     words = invalid_words(story.summary) or words
     badge = f"<span class='badge {kind}'>{words}</span>"
-    if said:
-        badge += f"<br><a href='#doubts'>{said}</a>"
+    if counts:
+        badge += f"<br><a href='#doubts'>{counts}</a>"
     return Cell(badge, float(_RANK[kind]))
 
 

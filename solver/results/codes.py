@@ -5,6 +5,7 @@ shells and blades are in these files; the preprocessor does not import this list
 compares codes and limits with its source.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isnan, nan
 from typing import Any, Literal
@@ -35,6 +36,14 @@ class Finding:
         more = {"body": self.body or None, "t": self.t, "value": self.value, "limit": self.limit}
         known = {key: value for key, value in more.items() if value is not None}
         return {"code": self.code, "message": self.text, "level": self.level, **known}
+
+    @classmethod
+    def of_entry(cls, entry: Mapping[str, Any]) -> "Finding":
+        """Return the finding of an entry of summary.json."""
+        known = {
+            key: entry[key] for key in ("body", "t", "value", "limit", "level") if key in entry
+        }
+        return cls(entry["code"], entry["message"], **known)
 
 
 @dataclass(frozen=True)

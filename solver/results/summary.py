@@ -11,7 +11,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.rows import spans
 from ..package.common.files import write_text
-from .codes import UNDER_WAY
+from .codes import UNDER_WAY, Finding
 from .schema import ResultError, Signal
 
 # Single numbers of a signal over time, and its amplitude spectrum.
@@ -122,30 +122,35 @@ def _percent(ratio: float) -> str:
 Verdict = Literal["good", "doubt", "bad"]
 
 
-def verdict(summary: dict[str, Any]) -> Verdict:
+def findings(summary: Mapping[str, Any]) -> list[Finding]:
+    """Return the findings of a summary, in its order."""
+    return [Finding.of_entry(entry) for entry in summary.get("warnings", [])]
+
+
+def verdict(summary: Mapping[str, Any]) -> Verdict:
     """Return what a run is worth.
 
     "bad": it ended early, or a finding of level error calls its results invalid; "doubt": it has
     warnings; "good": neither.
     """
-    levels = {found.get("level", "warning") for found in summary.get("warnings", [])}
+    levels = {found.level for found in findings(summary)}
     if not (summary.get("completed", False) or is_under_way(summary)) or "error" in levels:
         return "bad"
     return "doubt" if "warning" in levels else "good"
 
 
-def is_under_way(summary: dict[str, Any]) -> bool:
+def is_under_way(summary: Mapping[str, Any]) -> bool:
     """Tell whether a summary is that of the part so far of a run that goes on."""
-    return any(found.get("code") == UNDER_WAY.name for found in summary.get("warnings", []))
+    return any(found.code == UNDER_WAY.name for found in findings(summary))
 
 
-def invalid_words(summary: dict[str, Any]) -> str:
+def invalid_words(summary: Mapping[str, Any]) -> str:
     """Return from when on a completed run is invalid, and why; empty if it is not."""
-    errors = [f for f in summary.get("warnings", []) if f.get("level") == "error"]
+    errors = [found for found in findings(summary) if found.level == "error"]
     if not errors or not summary.get("completed", False):
         return ""
-    first = min(errors, key=lambda found: found.get("t") or 0.0)
-    return f"invalid from t = {first.get('t') or 0.0:.4g} s ({first['code']})"
+    first = min(errors, key=lambda found: found.t or 0.0)
+    return f"invalid from t = {first.t or 0.0:.4g} s ({first.code})"
 
 
 # summary.json: the main numbers of a run, with a stable layout.
