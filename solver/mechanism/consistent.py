@@ -207,7 +207,6 @@ DEFORMED = (
     "torsion and of bending in both planes, or take joints that leave more freedom (spherical, "
     "universal, point_on_line)"
 )
-ALL = slice(None)
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
 
@@ -279,29 +278,17 @@ def assembled(model: Model, start: Start, joint_names: list[str]) -> Array:
     return _assembled(model, y, joint_names, deforming=False)[: model.n_pos]
 
 
-def closed_by_frames(model: Model, y: Array, rows: NDArray[np.bool_]) -> Array:
-    """Return y (n,) after the least change of frames that closes some rows (n_c,) of the joints."""
-    return _closed(model, y, rows=rows)
-
-
-def _closed(
-    model: Model,
-    y: Array,
-    *,
-    elastic: bool = False,
-    rows: "NDArray[np.bool_] | slice" = ALL,
-) -> Array:
-    """Return y after Newton's steps of least change of frame positions and orientations.
+def with_closed_joints(model: Model, y: Array, *, elastic: bool = False) -> Array:
+    """Return y (n,) after Newton's steps of least change of frames that close the joints at t = 0.
 
     elastic : bodies deform where frames alone do not close the joints, with least strain energy
-    rows : of the joints that are to be closed
     """
     scale, y = _ease(model, elastic=elastic), y.copy()
     for _ in range(_MAX_ITERATIONS):
-        if _open(model, y)[rows].max(initial=0.0) < _POSITION_TOLERANCE:
+        if _open(model, y).max(initial=0.0) < _POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
         equations = assemble(model, 0.0, y)
-        J, gap = equations.Phi_q[rows], equations.Phi[rows]
+        J, gap = equations.Phi_q, equations.Phi
         step = scale * np.linalg.lstsq(J * scale, -gap, rcond=1e-10)[0]
         step *= min(1.0, _MAX_STEP / max(np.max(np.abs(step)), 1e-300))
         y[: model.n_pos] = moved(model, y[: model.n_pos], step)
@@ -324,14 +311,14 @@ def undeformed(model: Model, y: Array) -> Array:
     for i in range(model.n_body):
         a = int(model.pos_start[i]) + 7
         y[a : a + int(model.n_mode[i])] = 0.0
-    return _closed(model, y)
+    return with_closed_joints(model, y)
 
 
 def frames_close(model: Model, y: Array) -> bool:
     """Tell whether the joints can be closed in state y (n,) without further deformation."""
     if not model.n_constraint:
         return True
-    return bool(_open(model, _closed(model, y)).max() <= 1e3 * _POSITION_TOLERANCE)
+    return bool(_open(model, with_closed_joints(model, y)).max() <= 1e3 * _POSITION_TOLERANCE)
 
 
 def _open(model: Model, y: Array) -> Array:
@@ -341,10 +328,10 @@ def _open(model: Model, y: Array) -> Array:
 
 def _assembled(model: Model, y: Array, names: list[str], *, deforming: bool) -> Array:
     """Close the joints; the error names those that stay open."""
-    y = _closed(model, y)
+    y = with_closed_joints(model, y)
     gap, sprung = _open(model, y), np.inf if deforming else SPRUNG
     if 1e3 * _POSITION_TOLERANCE < gap.max() < sprung * min(1.0, extent(model, y)):
-        y = _closed(model, y, elastic=True)
+        y = with_closed_joints(model, y, elastic=True)
         gap = _open(model, y)
     if gap.max() > 1e3 * _POSITION_TOLERANCE:
         apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
@@ -448,7 +435,7 @@ def _nearby(model: Model, y: Array, rank: _Rank) -> Array | None:
     step = (mix @ rank.null) / np.sqrt(model.inertia_scale)
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
-    near = _closed(model, near)
+    near = with_closed_joints(model, near)
     closed = _open(model, near).max() < 1e3 * _POSITION_TOLERANCE
     return near if closed else None
 

@@ -13,10 +13,10 @@ from ..dynamics.analysis.quasi_static import (
 )
 from ..dynamics.analysis.recovery import extent, shape_sizes
 from ..dynamics.elements.added_inertia import undetermined_body
-from ..dynamics.elements.joints.table import DRIVES, NAMES
 from ..dynamics.elements.marker import marker_motion
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.elimination import is_tree
+from ..dynamics.evaluation.laws import with_laws
 from ..dynamics.evaluation.series import balance
 from ..dynamics.model.coordinates import Spin, moved
 from ..dynamics.model.model import Model, modal_matrix
@@ -25,7 +25,7 @@ from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, rotation_matrix
 from ..results.codes import START_MOVED, Finding
 from .built import Start
-from .consistent import DEFORMED, closed_by_frames, consistent_state, frames_close, rows_of
+from .consistent import DEFORMED, consistent_state, frames_close, with_closed_joints
 from .equilibrium import equilibrium, relative_equilibrium
 
 if TYPE_CHECKING:
@@ -264,23 +264,22 @@ def moved_findings(
         return []
     if not _moved(model, start.positions, y0, body_names):
         return []
-    rows = np.ones(model.n_constraint, dtype=bool)
-    for joint, kind in enumerate(model.joint_kind):
-        if NAMES[kind] in DRIVES:
-            rows[rows_of(model, joint)] = False
+    # With drives that hold the given coordinates, from which their laws count.
+    still = with_laws(model, 0.0, np.zeros((len(model.law_start) - 1, 3)))
     given = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
-    y = closed_by_frames(model, given, rows)
-    found = []
+    y = with_closed_joints(still, given)
+    closes, found = frames_close(still, y), []
     for share, i, distance, angle in _moved(model, given, y, body_names):
         name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
-        keys = "" if getattr(bodies.get(name), "part_of", None) else _keys(place)
+        listed = closes and not getattr(bodies.get(name), "part_of", None)
+        keys = _keys(place) if listed else ""
         by = f"{round(distance, 12):.3g} m and {np.degrees(angle):.3g} deg"
         found.append((share, f"{name} by {by}{keys}"))
     if not found:
         return []
-    listed = few((words for _, words in sorted(found, reverse=True)), "; ")
+    places = few((words for _, words in sorted(found, reverse=True)), "; ")
     text = (
-        f"to close the joints at the start, bodies were moved from their given places: {listed}. "
+        f"to close the joints at the start, bodies were moved from their given places: {places}. "
         "If this is the start that is meant, give these values [m, deg]; if not, check lengths, "
         "ground points, axes and positions"
     )

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from samples.case_samples import case_runs, rigid, run_text
 from samples.judged_samples import judged
@@ -32,19 +33,24 @@ def four_bar(apart=0.0, drive="", **places):
     return text
 
 
+def places_to_give(message):
+    """Position and rotation_deg of the bodies that a finding lists."""
+    listed = re.findall(
+        r"(\w+) by [^(]*\(position = \[([^]]*)\], rotation_deg = \[([^]]*)\]\)", message
+    )
+    return {
+        name: tuple([float(x) for x in part.split(", ")] for part in parts)
+        for name, *parts in listed
+    }
+
+
 @pytest.mark.provokes("start-moved")
 def test_a_loop_that_does_not_close_where_it_is_given(tmp_path):
     found = judged(tmp_path, four_bar(0.034), t_end=0.01).finding("start-moved")
     assert found["value"] == pytest.approx(0.0267, abs=1e-3)
     assert "rocker by 0.0206 m and 1.53 deg" in found["message"]
-    listed = re.findall(
-        r"(\w+) by [^(]*\(position = \[([^]]*)\], rotation_deg = \[([^]]*)\]\)", found["message"]
-    )
-    assert len(listed) == 3
-    given = {
-        name: tuple([float(x) for x in part.split(", ")] for part in parts)
-        for name, *parts in listed
-    }
+    given = places_to_give(found["message"])
+    assert len(given) == 3
     assert "start-moved" not in judged(tmp_path, four_bar(0.034, **given), t_end=0.01).codes
 
 
@@ -77,3 +83,21 @@ def test_shipped_cases_start_where_they_say(repository, tmp_path, case):
         spec = read_run(file)
         ready = prepare(spec.mechanism, spec.packages)
         assert "start-moved" not in {finding.code for finding in ready.notes}, file
+
+
+@pytest.mark.parametrize("law", ["[0.0, 1.0]", "[0.5, 1.0]"])
+def test_places_to_give_beside_a_drive_do_not_change_the_motion(tmp_path, law):
+    """The drive keeps the crank where it is given: its angle counts from there."""
+    drive = f"drive = {{ polynomial = {law} }}"
+    signals = "".join(
+        f'[signals.{c}]\nkind = "position"\nat = "rocker.b"\ncomponent = "{c}"\n' for c in "xy"
+    )
+    _, first, summary = run_text(tmp_path, four_bar(0.034, drive) + signals, t_end=0.1, step=0.1)
+    (moved,) = [w["message"] for w in summary["warnings"] if w["code"] == "start-moved"]
+    given = places_to_give(moved)
+    assert set(given) == {"rocker"}  # the coupler moves by less than the limit
+    text = four_bar(0.034, drive, **given) + signals
+    _, second, summary = run_text(tmp_path, text, t_end=0.1, step=0.1)
+    assert "start-moved" not in {w["code"] for w in summary["warnings"]}
+    for c in "xy":
+        np.testing.assert_allclose(second[c], first[c], atol=1e-7)
