@@ -5,6 +5,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any
 
 COMPILER = "DOLFINx needs a C compiler (gcc) and Python's headers (python3-dev)"
@@ -58,11 +59,11 @@ def printable(text: str) -> str:
 MOST_NAMED = 5
 
 
-def few(words: Iterable[str], separator: str = ", ") -> str:
+def few(words: Iterable[str], separator: str = ", ", most: int = MOST_NAMED) -> str:
     """Return the first of some words, and how many more there are: "a, b, c, d, e and 12 more"."""
     every = list(words)
-    more = f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else ""
-    return separator.join(every[:MOST_NAMED]) + more
+    more = f" and {len(every) - most} more" if len(every) > most else ""
+    return separator.join(every[:most]) + more
 
 
 def counted(number: int, one: str, several: str = "") -> str:
@@ -88,15 +89,24 @@ def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Excep
             )
 
 
+def not_by_check(file: Path, what: str, cause: object) -> InputError:
+    """Return the error of a file that is no `what` ("run file") of `plymotion check`."""
+    if file.suffix == ".toml":
+        cause = f"a TOML file; of a case: `plymotion {file}`, for a sweep with --sweep NAME"
+    elif isinstance(cause, KeyError):
+        cause = f"no key {cause}"
+    return InputError(f"{file}: not a {what} ({cause}); expected one written by `plymotion check`")
+
+
 def coded(code: str, message: str) -> list[dict[str, str]]:
     """Return a list of one warning, as files of sections, shells and bodies have them."""
     return [{"code": code, "message": message}]
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def nearest(name: str, known: Iterable[str], most: int = MOST_NAMED) -> str:
     """Return `did_you_mean`, or some known names if none is close."""
     names = sorted(known)
-    listed = f"; known: {few(names)}" if names else "; none is defined"
+    listed = f"; known: {few(names, most=most)}" if names else "; none is defined"
     return did_you_mean(name, names) or listed
 
 

@@ -324,8 +324,8 @@ class Builders:
         centre :
             mass centre in the body frame [m]; default [0.0, 0.0, 0.0]
         inertia :
-            3x3 inertia about the mass centre, body axes; symmetric, positive definite [kg
-            m2]
+            3x3 inertia about the mass centre, body axes, [[Jxx, Jxy, Jxz], [Jxy, Jyy, Jyz],
+            [Jxz, Jyz, Jzz]]; symmetric, positive definite [kg m2]
         interfaces :
             named places
         picture :

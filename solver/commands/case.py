@@ -281,7 +281,8 @@ def report_case(
         case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(
-            f"{folder}: no case.json ({error}); expected the folder of a case"
+            f"{folder}: no case.json ({getattr(error, 'strerror', None) or error}); expected the "
+            "folder of a case, such as build/CASE"
         ) from error
     if runs is None:
         runs = [r for r in case["runs"] if (folder / r / "summary.json").is_file()]

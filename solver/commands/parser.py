@@ -16,6 +16,7 @@ EPILOG = """\
 examples:
   plymotion new robot-arm                 a commented case, robot-arm/case.toml
   plymotion robot-arm/case.toml           check, bodies, runs: build/robot-arm/report.html
+  plymotion CASE.toml --sweep NAME        many runs of a case: build/CASE/sweeps/NAME/
   plymotion run --help                    its options: --run, --out, --jobs, --coarse, ...
 
 exit code: 0 done; 2 something is wrong with the input; 3 a run or a member of a sweep ended early
@@ -49,15 +50,14 @@ def add_completion(parser: Any) -> None:
     parser.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")
 
 
-# A case, its parts, packages, many runs, the rest.
+# A case, its parts, bodies of other codes, studies of a case, steps of `run`, the rest.
 COMMANDS = (
-    *(cases.add_new, cases.add_check, cases.add_run, cases.add_report),
-    *(cases.add_modes, cases.add_sensitivities, cases.add_plan),
-    *(bodies.add_section, bodies.add_shell, bodies.add_solid, bodies.add_blade),
-    *(bodies.add_import, bodies.add_export),
-    *(bodies.add_info, bodies.add_validate),
-    *(cases.add_packages_command, cases.add_sweep, cases.add_optimise),
-    *(add_materials, add_compile, add_schema, add_completion),
+    *(cases.add_new, cases.add_check, cases.add_run, cases.add_report, cases.add_modes),
+    *(bodies.add_section, bodies.add_shell, bodies.add_solid, add_materials, bodies.add_blade),
+    *(bodies.add_import, bodies.add_export, bodies.add_info, bodies.add_validate),
+    *(cases.add_optimise, cases.add_plan, cases.add_sensitivities),
+    *(cases.add_packages_command, cases.add_sweep),
+    *(add_compile, add_schema, add_completion),
 )
 
 

@@ -66,7 +66,10 @@ def _type(key: Mapping[str, Any]) -> str:
         return "table"
     options = key.get("anyOf") or key.get("oneOf")
     if options:
-        return " or ".join(dict.fromkeys(map(_type, options)))
+        texts = list(dict.fromkeys(map(_type, options)))
+        if len(texts) == 2 and texts[0] == f"list of {texts[1]}":
+            return f"{texts[1]}, or a list of these"
+        return " or ".join(texts)
     values = key.get("enum", [key["const"]] if "const" in key else [])
     if values:
         return " or ".join(f'`"{v}"`' if isinstance(v, str) else f"`{v}`" for v in values)
@@ -132,7 +135,8 @@ def page_keys(kind: str) -> list[str]:
         *found,
         "## `[mesh]`",
         "",
-        "Either `shape` with the sizes below, or `file`. Keys for both:",
+        f"Either `file` (last table), or `shape` with its sizes: {', '.join(SHAPE_MESHES)}.",
+        "Keys for both:",
         "",
         *keys(mesh),
         "",

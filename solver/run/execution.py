@@ -13,7 +13,7 @@ import numpy as np
 from ..checks.course import stall_finding
 from ..checks.finished import FinishedRun
 from ..checks.statics import unjudged_hints
-from ..errors import InputError, PackageError
+from ..errors import PackageError, not_by_check
 from ..inputs.case.record import sealed
 from ..integrators.generic.drive import Steps, StopRequest, Watch
 from ..package import ModalPackage, read_package
@@ -49,6 +49,8 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
     """
     try:
         table = json.loads(file.read_text(encoding="utf-8"))
+        if "members" in table:
+            raise ValueError("a sweep, which `plymotion sweep` computes")
         case, run = str(table["case"]), str(table["run"])
         mechanism = _mechanism(table, str(file))
         entries = _entries(table, mechanism)
@@ -58,10 +60,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
         }
         of_others = {name: _entries(each, other) for name, (other, each) in others.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise InputError(
-            f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
-            "`plymotion check`"
-        ) from error
+        raise not_by_check(file, "run file", error) from error
 
     # Segments of a body and other runs share files: each is read once.
     read: dict[tuple[str, str | None], ModalPackage] = {}

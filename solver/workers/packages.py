@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError, few
+from ..errors import InputError, few, not_by_check
 from ..inputs.case.record import package_entries
 from ..package.common.container import has_fingerprint
 from ..package.common.files import refuse_link
@@ -93,9 +93,7 @@ def named_packages(file: Path) -> list[Entry]:
         if not all(isinstance(entry["file"], str) for entry in entries):
             raise ValueError("packages: expected the names of files")
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise InputError(
-            f"{file}: not a run or sweep file ({error}); expected one written by `plymotion check`"
-        ) from error
+        raise not_by_check(file, "run or sweep file", error) from error
     return entries
 
 

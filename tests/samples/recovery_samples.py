@@ -12,8 +12,9 @@ import numpy as np
 from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.mode_fields import shape_resultants
 from plymotion.solver.package.body.schema import BodyRecovery
-from plymotion.solver.package.common.materials import bond, material_from_dict
+from plymotion.solver.package.common.materials import PlyStrength, bond, material_from_dict
 from plymotion.solver.package.section.schema import Ply, SectionRecovery
+from plymotion.solver.strength import CRITERIA
 
 PLY = {
     "kind": "orthotropic",
@@ -31,6 +32,8 @@ PLY = {
 PLY_STRENGTH = {"Xt": 1500e6, "Xc": 1200e6, "Yt": 50e6, "Yc": 200e6, "S12": 70e6}
 STEEL = {"kind": "isotropic", "E": 210e9, "nu": 0.3, "rho": 7850.0}
 STEEL_STRENGTH = {"yield_stress": 355e6}
+# All that judge a ply: reports have each of them.
+PLY_CRITERIA = {name for name, c in CRITERIA.items() if c.strength is PlyStrength}
 
 
 def plies_of(*stack: tuple[str, float]) -> tuple[Ply, ...]:

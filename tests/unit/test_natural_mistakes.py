@@ -13,6 +13,7 @@ from plymotion.solver.inputs.shell_specification import shell_spec
 
 STARTERS = Path(__file__).parents[2] / "solver/commands/starters"
 PUSH = '\n[forces.push]\nkind = "force"\nat = "arm.tip"\n'
+STRENGTH = '\n[signals.least]\nkind = "strength_ratio"\nbody = "{}"\n'
 SWEEP = '\n[sweeps.a]\nrun = "base"\n[sweeps.a.vary]\n'
 MISTAKES = [
     ("robot-arm", 'quantity = "moment"', 'quantity = "torque"', "did you mean 'moment'?"),
@@ -54,6 +55,19 @@ MISTAKES = [
         "[runs.base]",
         f"[runs.base]\n{SWEEP}L = [1, 2]",
         'expected a dotted key, such as "bodies',
+    ),
+    (
+        "arm",
+        "[runs.base]",
+        STRENGTH.format("arm") + "[runs.base]",
+        'least.body = "arm": no material of it has strengths; expected a table `strength` in [mat',
+    ),
+    ("panel", "[runs.base]", STRENGTH.format("panel") + "[runs.base]", "`strength` in [materials."),
+    (
+        "panel",
+        "inertia = [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 5.0]]",
+        "inertia = [5.0, 5.0, 5.0]",
+        "inertia.0 = 5.0: expected a list, an entry of: 3x3 inertia about the mass centre",
     ),
     ("arm", "[bodies.arm]", '[[bodies]]\nname = "arm"', "expected a table"),
     (
@@ -181,3 +195,26 @@ def test_check_names_an_unknown_driver(tmp_path: Path, capsys: pytest.CaptureFix
     assert "design.studies.s.driver = \"slqsp\": no such driver; did you mean 'slsqp'?" in (
         capsys.readouterr().err
     )
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("sweep", "of a case: `plymotion case.toml`, for a sweep with --sweep NAME"),
+        ("packages", "of a case: `plymotion case.toml`, for a sweep with --sweep NAME"),
+        ("report", "expected the folder of a case, such as build/CASE"),
+    ],
+)
+def test_a_case_file_for_a_command_of_other_files(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str, message: str
+) -> None:
+    monkeypatch.chdir(STARTERS / "arm")
+    assert main([command, "case.toml"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_sweep_file_for_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "sweep.json"
+    file.write_text('{"case": "arm", "run": "base", "members": []}')
+    assert main(["run", str(file)]) == 2
+    assert "not a run file (a sweep, which `plymotion sweep` computes)" in capsys.readouterr().err

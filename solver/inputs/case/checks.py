@@ -281,7 +281,10 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     found += _rotor(mechanism)
     for name, signal in mechanism.signals.items():
-        found += _signal(f"signals.{name}", signal, mechanism)
+        wrong = _signal(f"signals.{name}", signal, mechanism)
+        if isinstance(signal, StrengthSignal) and signal.body in bodies and not wrong:
+            wrong = _without_strengths(f"signals.{name}.body", signal.body, bodies[signal.body])
+        found += wrong
     found += check_combined(mechanism)
     spin = mechanism.solver.spin
     if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
@@ -511,6 +514,21 @@ def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
         what = "x2, x3 of a beam" if expected == 2 else f"x, y, z of a {body.kind}"
         found.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
     return found
+
+
+def _without_strengths(key: str, name: str, body: BodySpec) -> list[str]:
+    """Return an error if the materials of a body are known, and none has strengths."""
+    content: dict[str, Any] = dict(body.content)
+    parts = [content[part] for part in ("shell", "solid", "section") if part in content]
+    parts += [station["section"] for station in content.get("stations", [])]
+    materials = {name: m for part in parts for name, m in part.get("materials", {}).items()}
+    complete = parts and all("materials" in part for part in parts)
+    if not complete or any("strength" in material for material in materials.values()):
+        return []
+    return [
+        f'{key} = "{name}": no material of it has strengths; expected a table `strength` in '
+        f"{few(f'[materials.{material}]' for material in materials)} (docs/strength.md)"
+    ]
 
 
 def in_parts(

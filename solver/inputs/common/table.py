@@ -48,6 +48,9 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Axis = Annotated[Vector, AfterValidator(_of_some_length)]
 
 
+MOST_KEYS = 12  # of a table that a message lists
+
+
 def entry(meaning: str, unit: str = "", default: Any = ..., **bounds: Any) -> Any:
     """Return a key of a table.
 
@@ -262,7 +265,7 @@ def meant(word: str, known: Iterable[str]) -> str:
     for ours in MEANT.get(re.sub(r"\W", "_", word.lower()), ()):
         if ours in known or "." in ours:
             return f"; did you mean {ours!r}?"
-    return nearest(word, known)
+    return nearest(word, known, MOST_KEYS)
 
 
 def _kinds_with(names: Sequence[str], model: type[BaseModel], table: tuple[Any, ...]) -> list[Any]:
@@ -315,6 +318,8 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         return f"{key}.{inner[1]}", text[inner.end() :]
     if item["type"] == "list_type":
         text = f"expected a list{_of_numbers(field)}"
+        rows = _field(model, item["loc"][:-1]) if field is None else None
+        text += f", an entry of: {rows.description}" if rows and rows.description else ""
         text += f': ["{value}"]' if isinstance(value, str) and "numbers" not in text else ""
         text += ", such as [{ ... }]" if isinstance(value, dict) else ""
     elif item["type"] == "string_type" and field is not None and field.description:

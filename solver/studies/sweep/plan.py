@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr, ValidationError
 
 from plymotion import __version__
 
-from ...errors import InputError, PackageError, nearest
+from ...errors import InputError, PackageError, nearest, not_by_check
 from ...inputs.case.bodies.segments import in_segments
 from ...inputs.case.record import solver_sha256
 from ...inputs.case.tables.schema import Mechanism, put, resolved
@@ -213,9 +213,7 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         reason = str(error)
         if isinstance(error, ValidationError):
             reason = "; ".join(bare_lines(error, Plan)[:3])
-        raise InputError(
-            f"{file}: not a sweep file ({reason}); expected one written by `plymotion check`"
-        ) from error
+        raise not_by_check(file, "sweep file", reason) from error
     members = [m.model_copy(update={"number": k}) for k, m in enumerate(plan.members)]
     plan = plan.part(members)
     plan._file, plan._allow_doubtful = file, allow_doubtful

@@ -336,7 +336,8 @@ class RigidBody(Placed):
     mass: float = entry("mass", "kg", gt=0)
     centre: Vector = entry("mass centre in the body frame", "m", [0.0, 0.0, 0.0])
     inertia: list[Vector] = entry(
-        "3x3 inertia about the mass centre, body axes; symmetric, positive definite",
+        "3x3 inertia about the mass centre, body axes, [[Jxx, Jxy, Jxz], [Jxy, Jyy, Jyz], "
+        "[Jxz, Jyz, Jzz]]; symmetric, positive definite",
         "kg m2",
         min_length=3,
         max_length=3,
