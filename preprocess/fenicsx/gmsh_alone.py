@@ -1,31 +1,84 @@
-"""Mesh a gmsh script with gmsh and NumPy only, so that a separate process can run this file.
+"""Scripts of gmsh, and gmsh in a process of its own: it may abort, hang, or use up the memory."""
 
-    python gmsh_alone.py SCRIPT PARAMETERS MESH
-    python gmsh_alone.py SCRIPT PARAMETERS --count BYTES
-
-PARAMETERS is JSON, MESH the .msh to write. With --count, prints how many cells the script asks for,
-estimated from the mesh of its curves, and ends by a signal if that takes more memory than BYTES:
-gmsh has no limit of its own.
-"""
-
-import contextlib
 import json
+import multiprocessing
 import os
 import re
 import runpy
-import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from itertools import islice
+from typing import Any
 
-import gmsh
 import numpy as np
+
+from ...solver.system.platform import POSIX, context
+from .stack import gmsh
 
 FINEST = 1e-7  # size of cells over that of the model, below which no mesh is meant
 NAMED = re.compile(r"\b(Merge|Include)\s*[\"']([^\"'\n]+)[\"']")
 COMPUTED = re.compile(r"\b(?:Merge|Include)\b(?!\s*[\"'])")
 MOST_FOLDERS = 1000  # below that of a script, which are searched for what it could merge
 Parameters = Mapping[str, float | Sequence[float]]
+
+
+class GmshEndedError(Exception):
+    """The process of `apart` has ended with a code and no result; below 0: by a signal."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(f"gmsh has ended with {code}")
+        self.code = code
+
+
+def apart(function: Callable[..., Any], *arguments: Any, fresh: bool = False) -> Any:
+    """Return the value of a function from a copy of this process, or from a new one (`fresh`).
+
+    Raises
+    ------
+    GmshEndedError : a signal, or the end of Python, of that process
+    others : as of the function
+    """
+    copies = context(fresh=fresh)
+    here, there = copies.Pipe(duplex=False)
+    copy = copies.Process(target=_send, args=(there, function, arguments))
+    copy.start()
+    there.close()
+    try:
+        found = here.recv()
+    except EOFError:
+        copy.join()
+        raise GmshEndedError(copy.exitcode) from None
+    finally:
+        copy.kill()
+        copy.join()
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def _send(there: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # OpenCASCADE's words, and MPI's of a signal
+    try:
+        found = function(*arguments)
+    except Exception as error:  # raised again in the other process
+        found = error
+    there.send(found)
+
+
+def allow(seconds: float, memory: int | None = None) -> None:
+    """End this process after more processor time, or limit further memory [B], in `apart`."""
+    if not POSIX or multiprocessing.parent_process() is None:
+        return
+    import resource
+
+    limits = {resource.RLIMIT_CPU: int(time.process_time() + seconds) + 1, resource.RLIMIT_CORE: 0}
+    if memory is not None and os.path.exists("/proc/self/statm"):
+        with open("/proc/self/statm", encoding="ascii") as file:
+            pages = int(file.read().split()[0])
+        limits[resource.RLIMIT_AS] = pages * resource.getpagesize() + memory
+    for kind, limit in limits.items():
+        resource.setrlimit(kind, (limit, resource.getrlimit(kind)[1]))
 
 
 def define(parameters: Parameters) -> None:
@@ -126,33 +179,3 @@ def _cells_of(surface: int) -> float:
     area = 0.5 * float(np.linalg.norm(np.cross(a - a[0], b - a[0]).sum(axis=0)))
     mean = float(np.linalg.norm(b - a, axis=1).mean())
     return max(area / (0.25 * np.sqrt(3.0) * mean**2), float(len(a)))
-
-
-def count(script: str, parameters: str, memory: int) -> None:
-    """Print the number of cells, or end by a signal: gmsh aborts where it gets no memory."""
-    with contextlib.suppress(ImportError):  # Windows has no such limits
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    gmsh.initialize([], readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    print(cell_count(script, json.loads(parameters)))
-    gmsh.finalize()
-
-
-def main(script: str, parameters: str, mesh: str) -> None:
-    """Write the mesh."""
-    gmsh.initialize([], readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    generate(script, json.loads(parameters))
-    gmsh.option.setNumber("Mesh.SaveAll", 1)
-    gmsh.write(mesh)
-    gmsh.finalize()
-
-
-if __name__ == "__main__":
-    if sys.argv[3] == "--count":
-        count(sys.argv[1], sys.argv[2], int(sys.argv[4]))
-    else:
-        main(*sys.argv[1:])

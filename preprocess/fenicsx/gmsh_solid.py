@@ -1,18 +1,19 @@
 """Solids by gmsh: CAD files (OpenCASCADE), scripts and meshes become cells of degree 2."""
 
+import signal
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD, CAD_WITH_UNIT
-from .gmsh_alone import define, read
+from .gmsh_alone import GmshEndedError, allow, apart, define, read
 from .gmsh_surface import check_count, check_finite, curves, gmsh_session, opened, physical
 from .plain import PlainMesh
 from .stack import MeshError, gmsh
@@ -22,6 +23,7 @@ GAP = 1e-5  # between faces of an IGES file that are one surface [m]
 SAME = 1e-6  # relative difference of volumes that are one
 DELAUNAY = 5  # gmsh's number of this algorithm for surfaces
 MOST_UNKNOWNS = 1_500_000  # of a solid: the matrices of more take tens of gigabytes
+LEAST, PER_MEGABYTE, PER_UNKNOWN = 20.0, 5.0, 2e-4  # time to read and mesh a sound part [s]
 PER_TURN = 10  # cells around a full circle
 TETRAHEDRON = np.sqrt(2.0) / 12.0  # volume of a regular one with edges 1
 TRIANGLE = np.sqrt(3.0) / 4.0
@@ -65,7 +67,10 @@ def solid_from_file(
     parameters: Mapping[str, Any],
     smallest: float,
 ) -> GmshSolid:
-    """Mesh a CAD file or a script, or read a mesh.
+    """Mesh a CAD file or a script, or read a mesh, in a process of its own.
+
+    OpenCASCADE and gmsh end by a signal, or split crossing edges without end, where the edges of
+    a face are in no order.
 
     Parameters
     ----------
@@ -77,8 +82,29 @@ def solid_from_file(
     Raises
     ------
     MeshError : a file that is none of these, no closed volume, too many unknowns, faces that
-        intersect, cells turned inside out.
+        intersect, cells turned inside out; the copy ends by a signal, or takes too long.
     """
+    try:
+        return cast(GmshSolid, apart(_solid, path, size, metres, parameters, smallest))
+    except GmshEndedError as error:
+        number = signal.Signals(-error.code).name if error.code < 0 else "of no name"
+        end = "does not end" if number == "SIGXCPU" else f"ends by the signal {number}"
+        raise MeshError(
+            f"{path}: gmsh {end} while it reads or meshes the part; expected closed faces whose "
+            "edges follow each other and do not cross (check and export it in the CAD program)"
+        ) from None
+
+
+def _solid(
+    path: Path,
+    size: float | None,
+    metres: float | None,
+    parameters: Mapping[str, Any],
+    smallest: float,
+) -> GmshSolid:
+    """See `solid_from_file`."""
+    if path.suffix.lower() in CAD:
+        allow(LEAST + PER_MEGABYTE * path.stat().st_size / 1e6)
     for algorithm in (None, DELAUNAY):
         with _model(path, metres, parameters):
             if algorithm is not None:
@@ -127,8 +153,6 @@ def _model(path: Path, metres: float | None, parameters: Mapping[str, Any]) -> I
 
 def _import(path: Path, metres: float | None) -> None:
     """Import a CAD file in metres; touching solids share their faces then."""
-    if path.suffix.lower() in STEP and b"LENGTH_UNIT" not in path.read_bytes():
-        raise MeshError(f"{path}: has no LENGTH_UNIT; expected a STEP file with its unit of length")
     suffix, occ = path.suffix.lower(), gmsh.model.occ
     for name, value in (
         # of all directions alike it keeps cylinders, which `dilate` would not
@@ -257,6 +281,7 @@ def _check_unknowns(volume: float, area: float, size: float, what: str) -> None:
             f"{what}: about {count:.1e} unknowns; expected at most {MOST_UNKNOWNS}: larger cells, "
             "or a part without small features"
         )
+    allow(LEAST + PER_UNKNOWN * count)
 
 
 def _generate(path: Path, key: str) -> None:

@@ -1,23 +1,21 @@
 """Surface meshes by gmsh: scripts with parameters, and mesh files, as plain arrays."""
 
 import inspect
-import json
 import re
-import subprocess
-import sys
+import signal
 import tempfile
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from ...solver.errors import few
 from ..mesh_input import SUFFIXES, is_refused, load_script
-from . import gmsh_alone
-from .gmsh_alone import Parameters, generate
+from .gmsh_alone import GmshEndedError, Parameters, allow, apart, cell_count, generate
 from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
 from .stack import Array, MeshError, gmsh
 
@@ -252,21 +250,31 @@ def check_count(path: Path, parameters: Mapping[str, Any]) -> None:
                 f"{path}: mesh.parameters.{key} = {value}: expected a number up to {LARGEST:g}; "
                 f"as a density or a number of elements it asks for more than {MOST_CELLS} cells"
             )
-    command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), json.dumps(numbers)]
-    command += ["--count", str(MOST_MEMORY)]
+    text = f"the mesh of the curves takes more than {MOST_MEMORY / 2**30:g} GB"
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
-    except subprocess.TimeoutExpired:
-        text = f"the curves alone take more than {LONGEST:g} s to mesh"
+        count = apart(_counted, path, numbers)
+    except MemoryError:
         raise MeshError(f"{path}: {asked}: {text}, {limit}") from None
-    if done.returncode < 0 or "MemoryError" in done.stderr:
-        text = f"the mesh of the curves takes more than {MOST_MEMORY / 2**30:g} GB"
-        raise MeshError(f"{path}: {asked}: {text}, {limit}")
-    try:
-        count = float(done.stdout.split()[-1])
-    except (IndexError, ValueError):  # another error, which the run will show
-        return
-    check_size(count, f"{path}: {asked}")
+    except GmshEndedError as error:
+        if error.code >= 0:  # the script has ended Python
+            return
+        if error.code == -signal.SIGXCPU:
+            text = f"the curves alone take more than {LONGEST:g} s to mesh"
+        raise MeshError(f"{path}: {asked}: {text}, {limit}") from None
+    if count is not None:
+        check_size(count, f"{path}: {asked}")
+
+
+def _counted(path: Path, parameters: Parameters) -> float | None:
+    """Number of cells of a script; None for an error, which the run will show."""
+    allow(LONGEST, MOST_MEMORY)
+    with gmsh_session():
+        try:
+            return cell_count(str(path), parameters)
+        except MemoryError:
+            raise
+        except Exception:  # the script of a user, and gmsh, raise anything
+            return None
 
 
 def check_size(count: float, what: str) -> None:
@@ -352,7 +360,7 @@ def run_script(path: Path, parameters: Parameters, *, gdim: int = 2) -> PlainMes
             gmsh.clear()
             return plain
     # gmsh reads a script with a Macro only once per process, because it keeps the name
-    return _run_alone(path, parameters, gdim)
+    return cast(PlainMesh, apart(partial(run_script, gdim=gdim), path, parameters, fresh=True))
 
 
 def _flush_parser() -> None:
@@ -369,24 +377,6 @@ def _flush_parser() -> None:
             except Exception:  # gmsh raises bare Exception or ValueError
                 continue
             return
-
-
-def _run_alone(path: Path, parameters: Parameters, gdim: int) -> PlainMesh:
-    """`run_script` in a separate process."""
-    with tempfile.TemporaryDirectory() as folder:
-        mesh = Path(folder) / "mesh.msh"
-        numbers = json.dumps({key: np.asarray(v).tolist() for key, v in parameters.items()})
-        command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), numbers]
-        done = subprocess.run([*command, str(mesh)], capture_output=True, text=True)
-        if done.returncode != 0:
-            reason = (done.stderr.strip().splitlines() or ["no mesh"])[-1]
-            raise MeshError(f"{path}: gmsh: {reason.removeprefix('Exception: ')}")
-        with gmsh_session():
-            gmsh.clear()
-            gmsh.open(str(mesh))
-            plain = plain_from_model(str(path), gdim)
-            gmsh.clear()
-        return plain
 
 
 def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:

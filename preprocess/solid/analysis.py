@@ -47,7 +47,7 @@ class HeldSolid:
             self._links = {link.name: link for link in links(body, tables, 1.0)}
             parts = constrained(body, list(self._links.values()))
         except InputError as error:
-            raise SolidError(str(error)) from error
+            raise SolidError(str(error).removeprefix(": ")) from error
         self._body, self._T = body, parts.T
         self._of_support = {name: parts.reference_dofs[name] for name in supports}
         self._K = parts.T.T @ body.K @ parts.T
@@ -115,7 +115,7 @@ def _hertz(values: Array) -> Array:
 
 
 def accurate_model(
-    solid: Mapping[str, Any], interfaces: Mapping[str, Any], where: str
+    solid: Mapping[str, Any], interfaces: Mapping[str, Any], where: str = ""
 ) -> SolidModel:
     """The model with cells of the requested size, or with frequencies of the requested accuracy.
 
@@ -134,9 +134,9 @@ def accurate_model(
         size /= FINER
         model = SolidModel(solid, interfaces, where, size)
     raise SolidError(
-        f"{where}.mesh.accuracy = {wanted:g}: not reached with cells of {FINER * size:.3g} m, the "
-        f"estimated error is {error:.2g}; expected a larger value, or a part without sharp edges "
-        "inwards"
+        f"{model.described}mesh.accuracy = {wanted:g}: not reached with cells of "
+        f"{FINER * size:.3g} m, the estimated error is {error:.2g}; expected a larger value, or a "
+        "part without sharp edges inwards"
     )
 
 

@@ -43,8 +43,8 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
     """
     check_form(spec, SolidSpecification)
     table = cast(SolidSpecification, spec)
-    start = time.perf_counter()
-    model = accurate_model(table["solid"], table["interfaces"], "solid")
+    start, where = time.perf_counter(), "" if "analysis" in table else f"bodies.{table['body']}"
+    model = accurate_model(table["solid"], table["interfaces"], where)
     model.body  # noqa: B018  matrices
     assembled = time.perf_counter()
     reduction: Reduction = {
@@ -59,7 +59,7 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
         bending = partial(second_order_forces, model) if table.get("second_order") else None
         package = reduce_body(model.body, reduction, solver=model.solver, second_order=bending)
     except InputError as error:
-        raise SpecError(str(error)) from error
+        raise SpecError(str(error).removeprefix(": ")) from error
     n = len(model.body.nodes)
     connectivity, offsets, types = vtk_cells(model.mesh.corners)
     cases: dict[str, Array] = {}

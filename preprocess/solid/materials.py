@@ -16,6 +16,7 @@ from .places import unit
 ALL = "all"
 AT_ONCE = 200_000  # points whose nearest piece is sought at a time
 SAME = 1e-9  # distance of two ends that are one, relative to the size of the curve
+SPREAD = 1e7  # of stiffnesses of strains: with nu = 0.4999998 frequencies lose digits to 3e-5
 NEAR = 1e-6  # part of a vector normal to another, relative to it
 Axes = Callable[[Array], Array]  # of points (..., 3), (..., 3, 3): columns 1, 2, 3
 
@@ -116,7 +117,7 @@ def cell_materials(
     unknown = [name for name in regions if name not in (*plain.regions, ALL)]
     if unknown:
         hint = nearest(unknown[0], plain.regions)
-        raise SolidError(f"{where}.regions.{unknown[0]}: the solid has no such volume{hint}")
+        raise SolidError(f"{where}regions.{unknown[0]}: the solid has no such volume{hint}")
     C, rho, names = np.empty((len(plain.cells), 6, 6)), np.empty(len(plain.cells)), []
     axes: dict[int, Axes] = {}
     is_curved = False
@@ -124,12 +125,20 @@ def cell_materials(
         region = regions.get(name, regions.get(ALL))
         if region is None:
             raise SolidError(
-                f"{where}.regions.{name}: missing; the volumes are {few(plain.regions)}; expected "
+                f"{where}regions.{name}: missing; the volumes are {few(plain.regions)}; expected "
                 "a table for each, or for all"
             )
-        key = f"{where}.regions.{name if name in regions else ALL}"
+        key = f"{where}regions.{name if name in regions else ALL}"
         table = materials[region["material"]]
-        found = material_from_dict(table, f"{where}.materials.{region['material']}")
+        of_material = f"{where}materials.{region['material']}"
+        found = material_from_dict(table, of_material)
+        spread = float(np.linalg.cond(found.stiffness_M))
+        if not spread < SPREAD:
+            raise SolidError(
+                f"{of_material}: its stiffest strain is {spread:.1e} times as stiff as its "
+                "softest, as of a nearly incompressible material; expected less than "
+                f"{SPREAD:g}, as with nu up to 0.499999: more leaves no digits of the frequencies"
+            )
         own = np.flatnonzero(plain.region == number)
         rho[own] = found.rho
         C[own] = found.stiffness_M

@@ -15,8 +15,9 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
-from ..fenicsx.gmsh_solid import CadPart, solid_from_file
+from ..fenicsx.gmsh_solid import STEP, CadPart, solid_from_file
 from ..mesh_input import is_refused
+from .step import check_step
 
 
 class SolidError(Exception):
@@ -181,6 +182,8 @@ def _made(
     file: str, changed: int, size: float | None, unit: float | None, parameters: tuple[Any, ...]
 ) -> SolidMesh:
     del changed  # part of the cache key
+    if Path(file).suffix.lower() in STEP:
+        check_step(Path(file))
     for smallest in SMALLEST:
         found = solid_from_file(Path(file), size, unit, dict(parameters), smallest)
         plain = found.plain

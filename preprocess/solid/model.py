@@ -121,7 +121,7 @@ class SolidModel:
     ----------
     solid : `SolidTable` of a specification
     interfaces : `SolidInterfaceTable` by name
-    where : key of the description, for messages
+    where : key of the body in a case, for messages; "" if the description has its interfaces
     size : of the cells [m], in place of that of the description
 
     Raises SolidError.
@@ -131,17 +131,17 @@ class SolidModel:
         self,
         solid: Mapping[str, Any],
         interfaces: Mapping[str, Any],
-        where: str,
+        where: str = "",
         size: float | None = None,
     ) -> None:
-        self.where = where
-        self.mesh: SolidMesh = solid_mesh(solid["mesh"], f"{where}.mesh", size)
+        self.where, self.described = where, f"{where}.solid: " if where else ""
+        self.mesh: SolidMesh = solid_mesh(solid["mesh"], f"{self.described}mesh", size)
         self.materials: CellMaterials = cell_materials(
-            self.mesh, solid["regions"], solid["materials"], where
+            self.mesh, solid["regions"], solid["materials"], self.described
         )
         self.interfaces = dict(interfaces)
         self.faces: dict[str, IntArray] = {
-            name: interface_faces(self.mesh, table, f"{where}.interfaces.{name}")
+            name: interface_faces(self.mesh, table, f"{where}.interfaces.{name}".lstrip("."))
             for name, table in interfaces.items()
         }
 

@@ -208,7 +208,7 @@ def test_a_bore_that_is_not_there_fails_the_body(folder: Path, run: Run) -> None
     (folder / "bar.toml").write_text(SOLID.replace('{ at = "left" }', bore))
     code, _, errors = run("solid", "bar.toml")
     assert code == 2
-    assert "bar.toml: solid.interfaces.root.bore: no face lies on the cylinder" in errors
+    assert "bar.toml: interfaces.root.bore: no face lies on the cylinder" in errors
     assert not list(folder.glob("build/**/*.vtkhdf"))
 
 

@@ -112,6 +112,23 @@ def test_the_better_of_both_cells_is_taken(tmp_path: Path) -> None:
         assert errors[1] < errors[0]
 
 
+def test_estimates_of_cells_that_err_both_ways(tmp_path: Path) -> None:
+    """Some cells are too soft, others too stiff: their errors cancel on one mesh, not on others."""
+
+    def cases(diagonals: str, n: int) -> Any:
+        spec = rhombus(tmp_path, diagonals)
+        spec["mesh"]["parameters"]["n"] = n
+        spec["supports"]["right"] = {"at": "right", "fixed": "all"}
+        spec["loads"] = {"p": {"all": {"pressure": 1.0}}}
+        return analyse(spec).cases
+
+    exact = float(cases("Left", 48).energy[0])
+    for diagonals, n in (("Alternate", 8), ("Alternate", 12), ("Right", 12)):
+        found = cases(diagonals, n)
+        error, true = float(found.error[0]), float(found.energy[0]) / exact - 1.0
+        assert abs(error - true) < 0.04, (diagonals, n, error, true)
+
+
 def test_triangles_beside_quadrilaterals_are_paired(tmp_path: Path) -> None:
     """Not across the foot of a rib, whose cells would lose their side."""
     points = [[x, y, 0.0] for x in range(3) for y in range(2)] + [[1.0, 0.0, 1.0], [1.0, 1.0, 1.0]]

@@ -180,14 +180,14 @@ def test_cells_become_small_enough_for_the_accuracy(
     wanted = 1.5e-2
     spec = bar_body(bar_file)["solid"]
     spec["mesh"] |= {"size": 0.008, "accuracy": wanted}
-    model = accurate_model(spec, {}, "solid")
+    model = accurate_model(spec, {})
     hexahedra(tmp_path / "bar.msh", (31, 5, 5))  # within 1.6e-3 of tetrahedra of 2.5 mm
     exact = free_hertz(model_of(tmp_path / "bar.msh", None, unit=1e-3).body, 6)
     assert np.abs(free_hertz(model.body, 6) / exact - 1.0).max() < wanted
     assert np.abs(free_hertz(model_of(bar_file, 0.008).body, 6) / exact - 1.0).max() > 2.0 * wanted
     monkeypatch.setattr("plymotion.preprocess.solid.analysis.ROUNDS", 1)
-    with pytest.raises(SolidError, match=r"solid\.mesh\.accuracy = 0\.015: not reached"):
-        accurate_model(spec, {}, "solid")
+    with pytest.raises(SolidError, match=r"^mesh\.accuracy = 0\.015: not reached"):
+        accurate_model(spec, {})
 
 
 def hexahedra(file: Path, nodes: tuple[int, int, int] = (26, 3, 3)) -> None:

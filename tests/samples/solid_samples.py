@@ -126,7 +126,6 @@ def model_of(file: Path, size: float, material: Any = ALUMINIUM, **more: Any) ->
             "regions": {"all": {"material": "stuff", **more.get("region", {})}},
         },
         more.get("interfaces", {}),
-        "solid",
     )
 
 

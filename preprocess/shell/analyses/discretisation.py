@@ -119,8 +119,8 @@ def _around(mesh: ShellMesh, normal: Array) -> tuple[IntArray, IntArray]:
 
 STEPS = 3  # of the Krylov space
 # Error of the coarser mesh over the difference, second and first order; part of a difference that
-# halving the cells leaves at most, with an error of ten differences.
-REST, FIRST, MOST_LEFT = 4.0 / 3.0, 2.0, 0.9
+# halving the cells leaves: of first order, at most.
+REST, FIRST, LEFT, MOST_LEFT = 4.0 / 3.0, 2.0, 0.5, 0.6
 CHEAP = 4000  # unknowns up to which errors are estimated by default: half a second
 MOST = 300_000  # unknowns of the finer mesh, above which there is no estimate
 DEPENDENT = 1e-13  # of the largest eigenvalue of a Gram matrix of unit vectors
@@ -200,14 +200,17 @@ def energy_errors(finer: FinerMesh, energy: Array, *, slow: bool = False) -> Arr
     except ShellError:
         return None
     loaded = energy > 0.0
-    rest = np.full(len(energy), FIRST if slow else REST)
+    difference = (FIRST if slow else REST) * (energy - fine)
     if found is not None:
-        # ratio of successive differences under halving: a quarter for second order, half for first
+        # Ratio of successive differences under halving: a quarter for second order, half for first;
+        # negative where cells that are too soft stand beside cells that are too stiff.
+        one, two = energy - fine, fine - found
         with np.errstate(divide="ignore", invalid="ignore"):
-            left = np.nan_to_num((fine - found) / (energy - fine), nan=0.25)
-        rest = 1.0 / (1.0 - np.clip(left, 0.25, MOST_LEFT))
+            left = np.nan_to_num(two / one, nan=0.25)
+        left = np.where(left < 0.0, LEFT, np.clip(left, 0.25, MOST_LEFT))
+        difference = one + two / (1.0 - left)
     errors = np.zeros(len(energy))
-    errors[loaded] = _error(energy[loaded], fine[loaded], rest[loaded])
+    errors[loaded] = (difference / (energy - difference))[loaded]
     return errors
 
 
@@ -343,6 +346,6 @@ def _symmetric(A: Array) -> Array:
     return np.asarray(0.5 * (A + A.T))
 
 
-def _error(coarse: Array, fine: Array, rest: Array | float = REST) -> Array:
-    difference = rest * (coarse - fine)
+def _error(coarse: Array, fine: Array) -> Array:
+    difference = REST * (coarse - fine)
     return np.asarray(difference / (coarse - difference))
