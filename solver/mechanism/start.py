@@ -13,6 +13,8 @@ from ..dynamics.analysis.quasi_static import (
 )
 from ..dynamics.analysis.recovery import extent, shape_sizes
 from ..dynamics.elements.added_inertia import undetermined_body
+from ..dynamics.elements.joints.contract import Displacement
+from ..dynamics.elements.joints.table import DRIVES, NAMES
 from ..dynamics.elements.marker import marker_motion
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.elimination import is_tree
@@ -24,7 +26,7 @@ from ..errors import InputError, few
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, rotation_matrix
 from ..results.codes import START_MOVED, Finding
-from .built import Start
+from .built import BuiltMechanism, Start
 from .consistent import DEFORMED, consistent_state, frames_close, with_closed_joints
 from .equilibrium import equilibrium, relative_equilibrium
 
@@ -250,22 +252,30 @@ def _require_drives(model: Model, y: Array, spin: Spin, joint_names: list[str]) 
     )
 
 
-def moved_findings(
-    mechanism: "Mechanism", model: Model, start: Start, y0: Array, body_names: list[str]
-) -> list[Finding]:
+def _at_given_coordinates(built: BuiltMechanism) -> Model:
+    """Return the model with drives that hold the coordinates of the given positions."""
+    model, values = built.model, np.zeros((len(built.model.law_start) - 1, 3))
+    for joint in built.joints.values():
+        for row in joint.rows:
+            drive = DRIVES.get(NAMES[model.joint_kind[row]])
+            if drive is not None and isinstance(drive.coordinate, Displacement):
+                values[model.joint_law[row], 0] = joint.shift[drive.coordinate.axis]
+    return with_laws(model, 0.0, values)
+
+
+def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> list[Finding]:
     """Return one finding of all bodies that do not start, in y0 (n,), where the case says.
 
-    Drives are left out: what they prescribe at t = 0 is asked for. So is where a search for
-    equilibrium ends, the place of a body that is given none, and that beside given deformations.
+    Left out is what is asked for: what drives prescribe at t = 0, where a search for equilibrium
+    ends, the place of a body that is given none, and that beside given deformations.
     """
-    bodies = mechanism.bodies
+    bodies, model, start, body_names = mechanism.bodies, built.model, built.start, built.body_names
     deformed = any(getattr(body, "modal_coordinates", None) for body in bodies.values())
     if mechanism.solver.start == "equilibrium" or deformed or not model.n_constraint:
         return []
     if not _moved(model, start.positions, y0, body_names):
         return []
-    # With drives that hold the given coordinates, from which their laws count.
-    still = with_laws(model, 0.0, np.zeros((len(model.law_start) - 1, 3)))
+    still = _at_given_coordinates(built)
     given = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     y = with_closed_joints(still, given)
     closes, found = frames_close(still, y), []

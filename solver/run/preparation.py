@@ -140,7 +140,7 @@ def prepare(
     y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
     if not np.isfinite(y0).all():
         raise FloatingPointError("the starting state is not finite")
-    moved = moved_findings(mechanism, built.model, built.start, y0, built.body_names)
+    moved = moved_findings(mechanism, built, y0)
     found = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")

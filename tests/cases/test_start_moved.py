@@ -66,11 +66,15 @@ def test_a_body_that_is_turned_by_a_right_angle(tmp_path):
     [
         four_bar(0.0009),
         four_bar(drive="drive = { polynomial = [0.5, 1.0] }"),
+        rigid("slider", 1.0, 0.1, {"pin": (0, 0, 0)}, position=[0.7, 1e-4, 0.0])
+        + '[ground.o]\nposition = [0.0, 0.0, 0.0]\n[joints.rail]\nkind = "prismatic"\n'
+        + 'between = ["ground.o", "slider.pin"]\naxis = [1.0, 0.0, 0.0]\n'
+        + "drive = { polynomial = [0.2, 1.0] }\n",
         rigid("bob", 1.0, 0.1, {"pin": (-1, 0, 0)})
         + '[ground.o]\nposition = [0.3, 0.0, 0.0]\n[joints.pin]\nkind = "revolute"\n'
         + 'between = ["ground.o", "bob.pin"]\n',
     ],
-    ids=["small", "driven", "placed by the program"],
+    ids=["small", "driven", "a driven slider", "placed by the program"],
 )
 def test_starts_that_are_as_asked(tmp_path, text):
     _, _, summary = run_text(tmp_path, text, t_end=0.01, step=0.01)
