@@ -244,7 +244,7 @@ def add_import(parser: Any) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="import file, TOML; or a URDF")
     text = "the other code, or measured (default: the key `from` of FILE)"
     parser.add_argument("--from", dest="source", metavar="CODE", help=text)
-    text = f"{PACKAGE}; of a robot the new folder (default: named like FILE)"
+    text = f"{PACKAGE}; of a robot the new folder (default: named like FILE, in the current folder)"
     parser.add_argument("--out", "-o", type=Path, metavar="PACKAGE", help=text)
     flag(parser, "quiet", "no progress")
     robot = parser.add_argument_group("of a robot")

@@ -133,7 +133,7 @@ class Probe(Table):
 
     at: str | None = optional("physical point, curve or surface (mean value), or a link")
     near: Vector | None = optional(
-        "instead: the nearest node, or for resultants the nearest cell", "m"
+        "instead of `at` a position: the nearest node, or for resultants the nearest cell", "m"
     )
     what: Annotated[
         list[Asked],

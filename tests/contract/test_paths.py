@@ -15,8 +15,6 @@ LINK = re.compile(r"\]\(([^)#:\s]+)(?:#([\w-]+))?\)")
 ANCHOR = re.compile(r"\]\(#([\w-]+)\)")
 FUNCTION = re.compile(r"`(\w+)` (?:in |\()`((?:solver|preprocess)/[\w/]+\.py)`")
 PLACEHOLDERS = ("<", "NAME", "CASE")
-# Files of the user's, and folders of a section or shell file, that look like paths of ours.
-EXAMPLES = {"cases/shells/plate.toml"}
 
 
 def documents(repository: Path) -> list[Path]:
@@ -29,7 +27,7 @@ def named_paths(text: str) -> Iterator[str]:
     """Paths of the repository in a text, without what follows them."""
     for match in PATH.finditer(text):
         path = match[0].split("::")[0].rstrip(".-")
-        if not any(mark in path for mark in PLACEHOLDERS) and path not in EXAMPLES:
+        if not any(mark in path for mark in PLACEHOLDERS):
             yield path
 
 

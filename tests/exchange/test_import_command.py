@@ -58,10 +58,12 @@ def folder(body: Brick, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_command_makes_the_package(
-    body: Brick, folder: Path, capfd: pytest.CaptureFixture[str]
+    body: Brick, folder: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Without `-o` it is in the current folder, named like the import file."""
     out = folder / "arm.vtkhdf"
-    assert main(["import", str(folder / "arm.toml"), "-o", str(out)]) == 0
+    monkeypatch.chdir(folder)
+    assert main(["import", "arm.toml"]) == 0
     told = capfd.readouterr()
     assert "arm.vtkhdf: arm, 12 modes, 61.5" in told.out
     assert "6 vibrations of" in told.err

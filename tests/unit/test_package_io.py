@@ -186,6 +186,10 @@ def test_truncated_file(file: Path, kept: float) -> None:
     [
         (b"", "an empty file"),
         (b"*HEADING\nbeam model\n", "a text file"),
+        (
+            b'{"body": "arm", "kind": "beam"}',
+            "a JSON file; of a body in build/CASE/bodies the package",
+        ),
         (b"PK\x03\x04....", "a zip archive"),
         (b"\x00\x01\x02\x03" * 9, "something else"),
     ],

@@ -70,9 +70,8 @@ def run_import(options: argparse.Namespace) -> int:
     """Run `plymotion import`; returns the exit code."""
     if options.file.suffix == ".urdf":
         return import_urdf(options)
-    if options.out is None:
-        raise InputError("--out: missing; expected the package that is made, NAME.vtkhdf")
-    return _told(*import_body(options.file, options.out, options.source, quiet=options.quiet))
+    out = options.out or Path(f"{options.file.stem}.vtkhdf")
+    return _told(*import_body(options.file, out, options.source, quiet=options.quiet))
 
 
 def import_urdf(options: argparse.Namespace) -> int:

@@ -156,6 +156,7 @@ def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
             "its trace exceeds the modal mass: the rotary part would be negative "
             f"(scaled smallest eigenvalue {smallest:.3g})"
         )
+        text += "; with lumped masses, a finer mesh brings it closer to zero" if lumped else ""
         yield _finding("warning" if lumped else "error", "invariants/T11_B", text)
     gap = float(np.abs(package.mass - np.eye(package.n_mode)).max())
     if gap > CONSISTENCY:

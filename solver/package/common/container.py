@@ -135,6 +135,7 @@ def _kind_of_bytes(head: bytes) -> str:
         b"CDF": "a classic NetCDF file",
         b"# vtk": "a legacy VTK file",
         b"$MeshFormat": "a gmsh mesh",
+        b"{": "a JSON file; of a body in build/CASE/bodies the package is NAME.vtkhdf beside it",
     }
     for start, name in known.items():
         if head == start or (start and head.startswith(start)):
