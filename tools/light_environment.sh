@@ -7,11 +7,7 @@ folder=$1
 what=$2
 here=$(dirname "$0")
 
-# Python compiles a module when it is first imported. pip would compile all of them: 12 s of 15.
-later=--no-compile
-[ -z "${PYTHONDONTWRITEBYTECODE:-}" ] || later=
-
-install() { "$folder/bin/python" -m pip --disable-pip-version-check install --quiet $later "$@"; }
+install() { "$here/install.sh" "$folder/bin/python" "$@"; }
 
 if [ -n "${LOCKED:-}" ]; then
     if [ "$what" = runs ]; then # the one file has the wheels of the tests too

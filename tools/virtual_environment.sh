@@ -24,8 +24,18 @@ choose() {
     return 1
 }
 
+# For tools/install.sh, which does without where this fails.
+uv() {
+    [ -x "$folder/bin/uv" ] && return
+    lock=$folder/uv.lock
+    sed -n '/^uv==/,/[^\\]$/p' "$here/requirements.lock" >"$lock"
+    "$folder/bin/python" -m pip --disable-pip-version-check install --quiet --no-compile \
+        --require-hashes --only-binary :all: -r "$lock" || echo "setup: no uv: pip installs, slowly"
+}
+
 if [ -x "$folder/bin/python" ] && starts "$folder/bin/python" &&
     "$folder/bin/python" -c 'import pip' >/dev/null 2>&1; then
+    uv
     exit
 fi
 if ! python=$(choose makes_environments); then
@@ -44,3 +54,4 @@ if ! python=$(choose makes_environments); then
 fi
 echo "setup: $folder: Python $(version "$python") ($python)"
 "$python" -m venv --clear "$folder"
+uv
