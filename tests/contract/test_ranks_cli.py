@@ -10,6 +10,7 @@ from shutil import which
 
 import numpy as np
 import pytest
+from harness.mpi_samples import OPEN_MPI
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.report.section.codes import read_results
@@ -51,14 +52,7 @@ def plymotion(section: Path, python: str, *words: str, ranks: int = 1) -> tuple[
     done = subprocess.run(
         [*start, sys.executable, "-m", "plymotion", "section", str(section), "--quiet", *words],
         cwd=section.parent,
-        env={
-            **os.environ,
-            "FENICSX_PYTHON": python,
-            # Open MPI asks for these in a container and on a machine with few cores.
-            "OMPI_ALLOW_RUN_AS_ROOT": "1",
-            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-            "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        },
+        env={**os.environ, **OPEN_MPI, "FENICSX_PYTHON": python},
         capture_output=True,
         text=True,
         timeout=120,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from harness.mpi_samples import mpirun
+from harness.mpi_samples import environment, mpirun, run
 
 from plymotion.preprocess.__main__ import main
 from plymotion.solver.package.section.io import read_section
@@ -50,24 +50,6 @@ def write(folder: Path, **specs: dict[str, Any]) -> list[Path]:
 
 def command(*arguments: str | Path) -> list[str]:
     return [sys.executable, "-m", "plymotion.preprocess", *map(str, arguments)]
-
-
-def environment() -> dict[str, str]:
-    return {
-        **os.environ,
-        "PYTHONPATH": str(ROOT),
-        "OPENBLAS_NUM_THREADS": "1",
-        # Open MPI asks for these in a container and on a machine with few cores.
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    }
-
-
-def run(line: list[str], timeout: float = 120.0) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        line, capture_output=True, text=True, cwd=ROOT, env=environment(), timeout=timeout
-    )
 
 
 def here(capfd: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[int, str, str]:

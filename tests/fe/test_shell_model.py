@@ -1,9 +1,5 @@
 """The shell model: assembly, statics, links, frequencies, one answer on all versions and ranks."""
 
-import json
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,22 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
-from harness.mpi_samples import mpirun
 from samples.shell_element_samples import element_stiffness
 from samples.shell_specs import HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes
 from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.links import averaged, carried
 from plymotion.preprocess.shell.model.problem import ShellProblem
-from plymotion.solver.package.shell.io import read_shell
 
 Record = Callable[[str, Any], None]
-ROOT = Path(__file__).resolve().parent.parent.parent
 TIP = {"tip": {"at": "tip", "kind": "rigid"}}
 
 
@@ -296,52 +288,3 @@ def test_parts_are_told_apart() -> None:
     assert len(set(part[:3])) == len(set(part[3:])) == 1
     assert part[0] != part[3]
     assert len(freedom.free_rigid_motions()) == 12
-
-
-def command(*arguments: str | Path) -> list[str]:
-    return [sys.executable, "-m", "plymotion.preprocess", *map(str, arguments)]
-
-
-@pytest.mark.one_end
-def test_two_ranks_give_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    spec = box(
-        links={"tip": {"at": "tip", "kind": "average"}},
-        loads={
-            "a": {"f": {"at": "tip", "force": [1.0, 2.0, -3.0]}, "g": {"gravity": [0, 0, -9.8]}}
-        },
-        frequencies={"count": 4, "free": True},
-    )
-    file = tmp_path / "box.json"
-    file.write_text(json.dumps(spec))
-    assert main(["shell", str(file)]) == 0
-    assert "[1/1] box: " in capsys.readouterr().out
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(ROOT),
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    }
-    together = tmp_path / "together.vtkhdf"
-    done = subprocess.run(
-        [*mpirun(2), *command("shell", file, "--out", together)],
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        env=environment,
-        timeout=120,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("[1/1] together: ") == 1
-    one, two = read_shell(tmp_path / "box.vtkhdf"), read_shell(together)
-    assert (one.provenance["ranks"], two.provenance["ranks"]) == (1, 2)
-    assert one.modes is not None
-    assert two.modes is not None
-    for a, b in (
-        (one.cases.displacements_G, two.cases.displacements_G),
-        (one.modes.frequencies, two.modes.frequencies),
-        (one.modes.shapes_G[6:], two.modes.shapes_G[6:]),
-    ):
-        assert np.abs(a - b).max() < 1e-9 * np.abs(a).max()
-    assert main(["shell", str(file), "--json"]) == 0

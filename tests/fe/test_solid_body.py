@@ -327,9 +327,9 @@ def ring(occ: Any) -> None:
 @pytest.mark.parametrize(
     ("draw", "size", "finer", "material"),
     [
-        (bracket, 0.012, 3.0, ALUMINIUM),
-        (thin_rib, 0.012, 3.0, ALUMINIUM),
-        (bar, 0.008, 3.0, ALUMINIUM),
+        (bracket, 0.012, 2.5, ALUMINIUM),
+        (thin_rib, 0.012, 2.5, ALUMINIUM),
+        (bar, 0.008, 2.5, ALUMINIUM),
         (ring, 0.01, 3.5, WOUND),
     ],
 )

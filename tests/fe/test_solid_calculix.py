@@ -31,7 +31,7 @@ COUNT = 6
 
 @pytest.mark.parametrize(
     ("draw", "size", "rtol"),
-    [(bar, 0.006, 1e-6), (bracket, 0.008, 1e-6), (filleted, 0.02, 1e-6)],
+    [(bar, 0.01, 1e-6), (bracket, 0.012, 1e-6), (filleted, 0.03, 1e-6)],
     ids=["straight edges", "bores", "fillets"],
 )
 @pytest.mark.one_end

@@ -8,6 +8,16 @@ from shutil import which
 
 ROOT = Path(__file__).resolve().parents[2]
 
+OPEN_MPI = {
+    # It asks for these in a container and on a machine with few cores.
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    # Ranks that wait leave the core to others, and none is bound to a busy one.
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+}
+
 
 def with_mpi(folder: Path) -> str | None:
     """PYTHONPATH with mpi4py for this Python: its own, or that of FEniCSx if it fits."""
@@ -51,16 +61,16 @@ def mpirun(number: int) -> list[str]:
 
 def of_ranks(number: int, *words: str | Path) -> "subprocess.CompletedProcess[str]":
     """A program of this Python on some ranks, with its output."""
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]),
-        "OPENBLAS_NUM_THREADS": "1",
-        # Open MPI asks for these in a container and on a machine with few cores.
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    }
-    line = [*mpirun(number), sys.executable, *map(str, words)]
-    return subprocess.run(
-        line, capture_output=True, text=True, cwd=ROOT, env=environment, timeout=300
-    )
+    return run([*mpirun(number), sys.executable, *map(str, words)])
+
+
+def environment() -> dict[str, str]:
+    """Of a program that imports what tests share, maybe on ranks."""
+    path = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
+    return {**os.environ, **OPEN_MPI, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
+
+
+def run(line: list[str]) -> "subprocess.CompletedProcess[str]":
+    """Such a program with its output."""
+    more = {"cwd": ROOT, "env": environment(), "timeout": 300}
+    return subprocess.run(line, capture_output=True, text=True, **more)
