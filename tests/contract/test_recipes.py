@@ -1,6 +1,7 @@
 """The recipes of CONTRIBUTING.md: one new file is enough, and nothing else names a kind."""
 
 import ast
+import json
 import re
 from pathlib import Path
 
@@ -18,10 +19,32 @@ from plymotion.solver.package.shell import elements
 # also a measure of expressions.
 USED = {"fixed", "revolute", "distance"}
 
-DESCRIBED = """
+PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
+NAMES = [file.stem for file in sorted(PROGRAMS.glob("*.py"))]
+OF_FENICSX = ("shell_element", "section_stiffness")  # tests/fe runs them
+
+# Runs programs, each with a folder of its own, and prints what went wrong in each, and all pages.
+EACH = """
+import contextlib, io, json, runpy, sys, tempfile, traceback
+from pathlib import Path
 from pydantic import ValidationError
+from plymotion.solver.__main__ import main
+from plymotion.solver.inputs import manual
 from plymotion.solver.inputs.shell import Elements
 
+folder, *programs = sys.argv[1:]
+wrong = {}
+for program in programs:
+    sys.argv[1:] = [tempfile.mkdtemp(dir=folder)]
+    wrong[Path(program).stem] = ""
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            runpy.run_path(program, run_name="__main__")
+    except BaseException:
+        wrong[Path(program).stem] = traceback.format_exc()
+with contextlib.redirect_stdout(io.StringIO()) as page:
+    assert main(["check", "--reference"]) == 0
+pages = {name: "\\n".join(manual.page_keys(name)) for name in ("section", "shell")}
 assert Elements(plate="centroid").plate == "centroid"
 try:
     Elements(plate="centroids")
@@ -29,9 +52,8 @@ except ValidationError as error:
     assert "'centroid'" in str(error), error
 else:
     raise AssertionError
+print(json.dumps([wrong, {"case": page.getvalue(), **pages}]))
 """
-KEYS = "from plymotion.solver.inputs import manual; print(*manual.page_keys('{}'), sep='\\n')"
-PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 
 
 @pytest.fixture(scope="module")
@@ -43,72 +65,64 @@ def copy(repository, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def page(copy, repository) -> str:
-    """The reference page of case files with all examples."""
-    return run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
+def followed(copy, repository, tmp_path_factory) -> tuple[dict[str, str], dict[str, str]]:
+    """What went wrong in each program, and the reference pages, with all examples."""
+    files = [str(PROGRAMS / f"{name}.py") for name in NAMES if name not in OF_FENICSX]
+    printed = run_python(copy, repository, "-c", EACH, str(tmp_path_factory.mktemp("runs")), *files)
+    return json.loads(printed.splitlines()[-1])
 
 
-def test_a_joint(copy, page, repository, tmp_path):
-    run_python(copy, repository, str(PROGRAMS / "joint.py"), str(tmp_path))
-    assert '## `[joints.NAME]` with kind = "point_on_plane": the second place in a plane' in page
-    tests = str(repository / "tests/verification/test_joints.py")
-    printed = run_python(
-        copy,
-        repository,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-k",
-        "point_on_plane",
-        tests,
-    )
-    assert re.search(r"\b[3-9] passed", printed), printed
+@pytest.fixture(scope="module")
+def passed(copy, repository) -> str:
+    """The tests of all joints and integrators, of which those of the examples passed."""
+    files = ("verification/test_joints.py", "unit/test_integrators_contract.py")
+    tests = [str(repository / "tests" / file) for file in files]
+    words = ("-m", "pytest", "-q", "-rp", "-p", "no:cacheprovider", "-k", "point_on_plane or heun")
+    return run_python(copy, repository, *words, *tests)
 
 
-def test_a_force_element(copy, page, repository, tmp_path):
-    run_python(copy, repository, str(PROGRAMS / "force_element.py"), str(tmp_path))
-    assert '## `[forces.NAME]` with kind = "cubic_spring": a force that grows' in page
-    assert "| `strength` | number | N/m3 | >= 0 | required | k in k s^3 |" in page
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in OF_FENICSX])
+def test_the_example_does_what_its_program_asserts(followed, name):
+    wrong, _ = followed
+    assert wrong[name] == ""
 
 
-def test_a_section_shape(copy, repository, tmp_path):
-    run_python(copy, repository, str(PROGRAMS / "section_shape.py"), str(tmp_path))
-    page = run_python(copy, repository, "-c", KEYS.format("section"))
-    assert '### `shape = "square-tube"`' in page
-    assert "| `side` | number | m | > 0 | required | outer width and height |" in page
+@pytest.mark.parametrize(
+    ("page", "lines"),
+    [
+        (
+            "case",
+            [
+                '## `[joints.NAME]` with kind = "point_on_plane": the second place in a plane',
+                '## `[forces.NAME]` with kind = "cubic_spring": a force that grows',
+                "| `strength` | number | N/m3 | >= 0 | required | k in k s^3 |",
+                "specific_force [m/s2]: acceleration less gravity, interface axes",
+                "heun: explicit, of order 2",
+                "| `corrections` | integer |  | >= 1, <= 9 | `1` | of heun in a step |",
+            ],
+        ),
+        (
+            "section",
+            [
+                '### `shape = "square-tube"`',
+                "| `side` | number | m | > 0 | required | outer width and height |",
+            ],
+        ),
+        # Of descriptions and their manual; tests/fe/test_shell_recipe.py computes with it.
+        ("shell", ["centroid is linear, with the shear strain of its centroid"]),
+    ],
+)
+def test_the_manual_has_the_examples(followed, page, lines):
+    _, pages = followed
+    assert [line for line in lines if line not in pages[page]] == []
 
 
-def test_a_criterion(copy, repository):
-    run_python(copy, repository, str(PROGRAMS / "criterion.py"))
-
-
-def test_a_signal(copy, page, repository, tmp_path):
-    run_python(copy, repository, str(PROGRAMS / "signal_of_a_place.py"), str(tmp_path))
-    assert "specific_force [m/s2]: acceleration less gravity, interface axes" in page
-
-
-def test_a_shell_element(copy, repository):
-    """In descriptions and their manual; tests/fe/test_shell_recipe.py computes with it."""
-    run_python(copy, repository, "-c", DESCRIBED)
-    page = run_python(copy, repository, "-c", KEYS.format("shell"))
-    assert "centroid is linear, with the shear strain of its centroid" in page
-
-
-def test_an_export_format(copy, repository, tmp_path):
-    run_python(copy, repository, str(PROGRAMS / "export_format.py"), str(tmp_path))
-
-
-def test_an_integrator(copy, page, repository, tmp_path):
-    run_python(copy, repository, str(PROGRAMS / "integrator.py"), str(tmp_path))
-    assert "heun: explicit, of order 2" in page
-    assert "| `corrections` | integer |  | >= 1, <= 9 | `1` | of heun in a step |" in page
-    tests = str(repository / "tests/unit/test_integrators_contract.py")
-    run = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "heun", tests)
-    printed = run_python(copy, repository, *run)
-    assert re.search(r"\b\d+ passed", printed), printed
-    assert "failed" not in printed
+@pytest.mark.parametrize(
+    ("file", "least", "most"), [("test_joints", 3, 9), ("test_integrators_contract", 1, 99)]
+)
+def test_the_tests_of_a_folder_find_the_example(passed, file, least, most):
+    assert least <= len(re.findall(rf"^PASSED \S*{file}\.py::", passed, re.M)) <= most
+    assert re.search(r"\d+ failed", passed) is None
 
 
 def test_the_page_on_shells_has_a_line_for_each_element(repository):

@@ -216,9 +216,7 @@ def test_installed_package_hides_nothing_of_the_other_python(
 ) -> None:
     # As a wheel lies in site-packages, beside modules that are built for this Python.
     site = folder / "site-packages"
-    shutil.copytree(
-        repository / "plymotion", site / "plymotion", ignore=shutil.ignore_patterns("__pycache__")
-    )
+    shutil.copytree(repository / "plymotion", site / "plymotion")  # its bytecode stays valid
     (site / "gmsh.py").write_text("raise ImportError('of the wrong Python')\n")
     if not system:
         done = process(
