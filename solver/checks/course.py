@@ -14,6 +14,7 @@ from ..math.arrays import Array
 from ..math.catalogue import Code, Expression, Expressions
 from ..mechanism.built import BuiltMechanism
 from ..results.codes import (
+    CHATTERS,
     CODES,
     ENERGY_JUMP,
     GROWS,
@@ -163,9 +164,12 @@ LONGEST = 1.25
 def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield one finding for a run whose share of refused attempts is above the limit.
 
-    None where nothing would help: refusals where impacts or ramps begin are how steps are found.
+    None where nothing would help: refusals where impacts or ramps begin are how steps are found,
+    and a law that chatters is named.
     """
     found = run.solution.refusals
+    if any(finding.code == CHATTERS.name for finding in run.noticed):
+        return
     if found is None or found.attempts < WORTH_A_WORD or found.share <= REFUSED.limit:
         return
     reasons = []

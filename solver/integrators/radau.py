@@ -114,6 +114,7 @@ PATIENCE = 4  # looks at a run that goes on stalled, before the next
 # Part of the kinetic energy above a cutoff: with more than half, the motion itself would be damped.
 MOTION = 0.5
 NOTHING = 1e-20  # part of it that is rounding: no vibration is above the cutoff
+FAINT = 1e-8  # part of it below which a law that chatters keeps the steps short, not a vibration
 
 
 class Radau(ClosingLoop):
@@ -173,7 +174,8 @@ class Radau(ClosingLoop):
         """Answer a stall by a cutoff, as high as ends it; end a run that turns beyond all measure.
 
         Short steps of a body that turns fast are those of its rotation: no cutoff changes them.
-        Neither does one help rigid bodies, whose motion is no vibration; and a vibration with
+        Neither does one help rigid bodies, whose motion is no vibration, or a law that chatters,
+        which is named; and a vibration with
         most of the kinetic energy is the motion itself, which no cutoff may damp.
         """
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
@@ -190,7 +192,8 @@ class Radau(ClosingLoop):
         energies = kinetic_energies(self._model, least, self.t, self.y, cutoff)
         self._kinetic = np.maximum(self._kinetic, energies)
         component, rate = ringing(self._model, self._workspace)
-        if energies[0] <= NOTHING * energies[1] and rate * found.step > OWN:
+        faint = energies[0] <= NOTHING * energies[1] and rate * found.step > OWN
+        if faint or (self.chattering and energies[0] <= FAINT * energies[1]):
             return
         if not self.stalls:
             self.stalls = [replace(found, component=component, rate=rate, remedy=self.on_stall)]

@@ -182,7 +182,8 @@ def first_break(
                     low = middle
             before, behind = _value(watched, low), _value(watched, min(high + SAME, 1.0))
             size = max(max(abs(size), abs(behind)), watched.span[last, 1] - watched.span[last, 0])
-            jump = abs(behind - before)
+            jump = abs(behind - before)  # less what a steep part goes on by
+            jump -= abs(_value(watched, min(high + 2.0 * SAME, 1.0)) - behind)
             jump = jump if jump > JUMPS * size else 0.0
             side = BESIDE * min(high, 1.0 - high)
             for m in range(5):

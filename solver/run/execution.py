@@ -31,10 +31,10 @@ LOGGER = logging.getLogger(__name__)
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
-# To complete the files of a run after a signal: wall time, of the second within which a program
+# To complete the files of a run after a signal: CPU time, of the second within which a program
 # answers at once (Nielsen, Usability Engineering, 1993, 5.5), less the end of a large process; or
-# part of that of its integration.
-PATIENCE_S, PATIENCE = 0.6, 0.05
+# part of that of its integration. Wall time would lose what a busy machine has computed.
+PATIENCE_S, PATIENCE = 0.4, 0.05
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
@@ -324,7 +324,7 @@ def run_file(
     solving, copies = Stopwatch(), Copies(out)
     with copies.ending():
         solved = _solved(spec, solving, progress, disk, allow_python=allow_python, copies=copies)
-        patience_s = max(PATIENCE_S, PATIENCE * solved[2])
+        patience_s = max(PATIENCE_S, PATIENCE * sum(solving.seconds.values()))
         digest, progress = ("", False) if copies.is_copy else (digest, progress)
         with completing(patience_s):  # what is computed is kept
             found = _collected(spec, *solved, solving, disk, progress, patience_s)

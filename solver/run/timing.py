@@ -29,7 +29,7 @@ class StageProgress:
 
     Parameters
     ----------
-    patience_s : wall time for the rest of the stage after a signal; a stage whose pace needs more
+    patience_s : CPU time for the rest of the stage after a signal; a stage whose pace needs more
         ends with KeyboardInterrupt
     """
 
@@ -37,17 +37,16 @@ class StageProgress:
         self, label: str, stage: str, *, show: bool, patience_s: float = float("inf")
     ) -> None:
         self._words, self._patience_s = f"{label}: {stage}", patience_s
-        self._asked: tuple[float, float] | None = None  # when a signal was seen, and the part then
         self._begin, self._next = time.perf_counter(), FIRST_LINE_S if show else float("inf")
+        self._begin_cpu = time.process_time()
 
     def __call__(self, part: float) -> None:
         """Note the part that is done."""
         seconds = time.perf_counter() - self._begin
-        if stop_requested():
-            self._asked = self._asked or (seconds, part)
-            late, done = seconds - self._asked[0], part - self._asked[1]
-            if late > PACE * self._patience_s and late * (1.0 - part) > self._patience_s * done:
-                raise KeyboardInterrupt
+        taken = time.process_time() - self._begin_cpu
+        late = taken > PACE * self._patience_s and taken * (1.0 - part) > self._patience_s * part
+        if late and stop_requested():
+            raise KeyboardInterrupt
         if seconds > self._next:
             self._next = 2.0 * seconds
             LOGGER.info("%s: %.0f %%, %.0f s", self._words, 100.0 * part, seconds)

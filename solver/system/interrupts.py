@@ -18,7 +18,7 @@ from .platform import ENDING, POSIX, alarm, blocked, pass_on
 
 INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
 
-COMPLETING = b"interrupted: completing the files, for %.0f s at most; again: without them\n"
+COMPLETING = b"interrupted: completing the files, %.1f CPU s at most; again: without them\n"
 SAME_S = 0.3  # a worker receives a signal to the group twice: by itself, and from its parent
 
 _received: list[int] = []  # since the command began
@@ -130,9 +130,9 @@ def completing(patience_s: float | None = None) -> Iterator[None]:
     """Complete a block that saves results before a signal counts; a second one counts at once.
 
     In a command the signal is noted, see `stop_requested`; elsewhere it is raised after the block.
-    With `patience_s`, a block that is not complete so long after the signal, or after its begin
-    if the signal came before, ends with KeyboardInterrupt. Without timers of POSIX a signal
-    ends it at once.
+    With `patience_s`, a block that takes more CPU time after the signal, or after its begin if the
+    signal came before, ends with KeyboardInterrupt: a busy machine does not lose what is computed.
+    Without timers of POSIX a signal ends it at once.
     """
     received: list[float] = []  # when it came
 

@@ -147,18 +147,18 @@ def blocked() -> Iterator[None]:
 
 
 def alarm(seconds: float, handler: Callable[..., None]) -> Callable[[], None] | None:
-    """Call a handler after some time, again and again; return what stops that.
+    """Call a handler after some CPU time of the process, again and again; return what stops that.
 
     None without timers of POSIX.
     """
     if sys.platform == "win32" or not POSIX:
         return None
-    before = signal.signal(signal.SIGALRM, handler)
-    signal.setitimer(signal.ITIMER_REAL, seconds, 0.2)
+    before = signal.signal(signal.SIGPROF, handler)
+    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)
 
     def stop() -> None:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
     return stop
 

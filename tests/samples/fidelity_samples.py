@@ -65,6 +65,33 @@ def pendulum(links: int = 1, speed: float = 6.0, t_end: float = 0.4, **fidelity:
     }
 
 
+def slider_crank(speed: float, t_end: float, **fidelity: Any) -> Table:
+    """A rigid crank and slider with a rod of 0.6 m, which starts as its loads bend it."""
+    made = pendulum(t_end=t_end, signals=["force"], **fidelity)
+    del made["masses"]
+    inertia = [[1e-4, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]
+    rigid: Table = {"kind": "rigid", "inertia": inertia}
+    root, tip = {"position": [0.0, 0.0, 0.0]}, {"position": [0.12, 0.0, 0.0]}
+    made["bodies"] = {
+        "crank": {**rigid, "mass": 0.3, "interfaces": {"root": root, "tip": tip}},
+        "link0": link(0.6, 0.12),
+        "slider": {**rigid, "mass": 0.5, "position": [0.72, 0, 0], "interfaces": {"pin": root}},
+    }
+    made["ground"]["rail"] = {"position": [0.72, 0.0, 0.0]}
+    motor, pin = ["ground.origin", "crank.root"], ["link0.tip", "slider.pin"]
+    rail = {"between": ["ground.rail", "slider.pin"], "axis": [1.0, 0.0, 0.0]}
+    made["joints"] = {
+        "hinge0": {"kind": "revolute", "between": motor, "axis": Z, "drive": {"speed": speed}},
+        "big_end": {"kind": "spherical", "between": ["crank.tip", "link0.root"]},
+        "small_end": {"kind": "universal", "between": pin, "axis": Z, "axis_2": [0.0, 1.0, 0.0]},
+        "guide": {"kind": "prismatic", **rail},
+    }
+    for name in ("tip_x", "tip_y"):
+        made["signals"][name]["at"] = "link0.tip"
+    made["solver"]["start"] = "quasi-static"
+    return made
+
+
 def planned_run(
     table: Table,
     side: str = "stiff",

@@ -379,8 +379,11 @@ class Integrator(ABC):
         self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
 
     def follow(self, pace: Pace) -> None:
-        """Notice that the run has come to a stall; called between steps, or many of them."""
-        if self.stalls:
+        """Notice that the run has come to a stall; called between steps, or many of them.
+
+        A law that chatters is the reason of its own, and named.
+        """
+        if self.stalls or self.chattering:
             return
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is not None:

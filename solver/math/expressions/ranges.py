@@ -15,7 +15,9 @@ from ..laws import N_COEFFICIENT
 from . import operations as op
 from .program import Programs, unary
 
-FLAT = 4.0  # argument of tanh at which it bends, for a step that is long beside its rise
+# Arguments of tanh at which it bends, for a step that is long beside its rise: where it begins, and
+# where it is steep, as a step of rk5 from one flat side to the steep part was off by 30 tolerances.
+FLAT, STEEP = 4.0, 1.0
 PLACES = 5  # of a piece of a curve at which its values are looked at
 
 
@@ -202,8 +204,14 @@ def _breaks(code: int, u: float, v: float) -> bool:
     if code == op.FLOOR:
         return bool(np.floor(u) < np.floor(v))
     if code == op.TANH:
-        return (u <= -FLAT and v > -FLAT) or (u < FLAT and v >= FLAT)
+        return _rise(u) != _rise(v)
     return code == op.SMOOTH and ((u <= 0.0 and v > 0.0) or (u < 1.0 and v >= 1.0))
+
+
+@inlined
+def _rise(u: float) -> int:
+    """Return the part of tanh in which u is."""
+    return int(u >= -FLAT) + int(u >= -STEEP) + int(u >= STEEP) + int(u >= FLAT)
 
 
 @inlined
@@ -216,7 +224,7 @@ def _branch(code: int, u: float) -> int:
     if code == op.SMOOTH:
         return 2 if u >= 1.0 else 1 if u > 0.0 else 0
     if code == op.TANH:
-        return 2 if u >= FLAT else 1 if u > -FLAT else 0
+        return _rise(u)
     return 0
 
 

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ...checks.modes import motion_findings
 from ...errors import counted
@@ -35,6 +36,9 @@ def not_compared(model: Trial, check: Trial) -> str:
     return "; ".join(found)
 
 
+REACTION = "reaction"  # kind of the signals that are joint forces
+
+
 @dataclass
 class Answer:
     """A plan with what is known of it.
@@ -46,6 +50,8 @@ class Answer:
     verdict : "planned", "met", "not met"
     horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
+    reactions : (o,) signals that are joint forces, as far as the plan was checked
+    settled : (o,) change of the check by a tighter tolerance; None: not known
     finest : of a request that is not met, the run with all modes of the package of the check
     beyond : where the delivered run leaves the range of the theory, in words
     plan_sha256 : of the plan as it was read from its file, or written there
@@ -63,6 +69,8 @@ class Answer:
     shares: list[Share] = field(default_factory=list)
     trial: Trial | None = None
     check: Trial | None = None
+    reactions: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    settled: Array | None = None
     finest: Trial | None = None
     rounds: int = 0
     reason: str = ""
@@ -114,10 +122,16 @@ class Answer:
         """What the error of the delivered run is at most, by signal; None: not estimated.
 
         The check has more of everything than the model, so that its error is smaller. How much
-        smaller, no run tells. A run that no other one was compared with has no estimate.
+        smaller, no run tells. A run that no other one was compared with has no estimate. Joint
+        forces of a check may have larger errors, by its tolerance: that change is one of them.
         """
         richer = self.finest is not None or self.delivered is self.check
-        known = (estimate_entry(self) if richer else None) or {}
+        known = dict((estimate_entry(self) if richer else None) or {})
+        change = self.settled if self.finest is None else None
+        for o in np.flatnonzero(self.reactions).tolist():
+            name, value = self.names[o], known.get(self.names[o])
+            no = change is None or value is None
+            known[name] = None if no else max(value, float(change[o]))
         return {name: known.get(name) for name in self.names}
 
 
