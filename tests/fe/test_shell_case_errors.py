@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from samples.shell_specs import EDGES, mesh_from, plate
 
+from plymotion.preprocess.shell.analyses import discretisation
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.mesh import ShellMesh
 from plymotion.solver.report.shell.findings import shell_json
@@ -65,9 +66,20 @@ def test_many_unknowns_are_estimated_on_request_only() -> None:
     """26 x 26 nodes have 4056 unknowns."""
     found = _found(25, 90.0, CLAMPED)
     assert found.cases.error is None
-    assert "not estimated for many unknowns; --verify does" in shell_text(found)
-    assert shell_json(found)["cases"]["p"]["energy_error"] is None
-    assert _found(25, 90.0, CLAMPED, verify=True).cases.error is not None
+    case, reason = shell_json(found)["cases"]["p"], "the mesh has many unknowns; --verify does"
+    assert (case["energy_error"], case["energy_error_left_out"]) == (None, reason)
+    assert f"not estimated: {reason}" in shell_text(found)
+    asked = _found(25, 90.0, CLAMPED, verify=True)
+    assert asked.cases.error is not None
+    assert shell_json(asked)["cases"]["p"]["energy_error_left_out"] is None
+
+
+def test_a_finer_mesh_that_is_too_large_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(discretisation, "MOST", 100)
+    found = _found(4, 90.0, CLAMPED, verify=True)
+    case = shell_json(found)["cases"]["p"]
+    assert case["energy_error"] is None
+    assert case["energy_error_left_out"].startswith("the mesh of half the cell size is too large")
 
 
 def _pushed(key: str, value: list[float]) -> list[str]:

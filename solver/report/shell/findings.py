@@ -306,6 +306,15 @@ def not_estimated(shell: ShellFile) -> str | None:
     return str(reason) if reason else None
 
 
+def energy_not_estimated(shell: ShellFile) -> str | None:
+    """Why the errors of the load cases are not estimated; None if they are, or nobody knows."""
+    if shell.cases.error is not None or not shell.provenance.get("dofs"):
+        return None
+    if shell.provenance.get("verification") is None:
+        return "the mesh has many unknowns; --verify does"
+    return "the mesh of half the cell size is too large, or cannot be analysed"
+
+
 def _listed(error: Array | None, rows: Array | slice) -> list[float] | None:
     return None if error is None else error[rows].tolist()
 
@@ -351,6 +360,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> dict[str, Any]:
         "rotation_deg": case.rotation_deg,
         "energy": float(shell.cases.energy[row]),
         "energy_error": None if shell.cases.error is None else float(shell.cases.error[row]),
+        "energy_error_left_out": energy_not_estimated(shell),
         "load": case.load_G.tolist(),
         "reactions": dict(zip(shell.supports.names, reactions, strict=True)),
         "reaction_sum": case.reactions_G.tolist(),

@@ -12,6 +12,7 @@ from .findings import (
     CaseFindings,
     PlyExtreme,
     case_findings,
+    energy_not_estimated,
     not_estimated,
     short_stacking,
     stacking,
@@ -149,8 +150,8 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
     if shell.cases.error is not None:
         share = round(100.0 * float(shell.cases.error[row]), 6)  # rounding is no error
         lines.insert(3, f"{'Mesh error':16}{share:+.2g} % of the strain energy, estimated")
-    elif shell.provenance.get("dofs"):
-        lines.insert(3, f"{'Mesh error':16}not estimated for many unknowns; --verify does")
+    elif reason := energy_not_estimated(shell):
+        lines.insert(3, f"{'Mesh error':16}not estimated: {reason}")
     for name, reaction in zip(shell.supports.names, shell.cases.reactions_G[row], strict=True):
         label = f"Reaction {name}"
         if len(label) > 15:

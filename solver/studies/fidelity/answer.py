@@ -130,8 +130,9 @@ class Answer:
         change = self.settled if self.finest is None else None
         for o in np.flatnonzero(self.reactions).tolist():
             name, value = self.names[o], known.get(self.names[o])
-            no = change is None or value is None
-            known[name] = None if no else max(value, float(change[o]))
+            known[name] = None
+            if change is not None and value is not None:
+                known[name] = max(value, float(change[o]))
         return {name: known.get(name) for name in self.names}
 
 
