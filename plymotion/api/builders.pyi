@@ -320,12 +320,13 @@ class Builders:
             of the frame at the start, body axes; absent: follows from the joints with
             minimum kinetic energy [rad/s]
         mass :
-            mass [kg]
+            mass; 0 of a link whose others carry mass [kg]
         centre :
             mass centre in the body frame [m]; default [0.0, 0.0, 0.0]
         inertia :
             3x3 inertia about the mass centre, body axes, [[Jxx, Jxy, Jxz], [Jxy, Jyy, Jyz],
-            [Jxz, Jyz, Jzz]]; symmetric, positive definite [kg m2]
+            [Jxz, Jyz, Jzz]]; symmetric, positive definite; moments may be 0 if the mass is,
+            or with allow = ["inertia"] [kg m2]
         interfaces :
             named places
         picture :

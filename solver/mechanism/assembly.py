@@ -127,7 +127,10 @@ def inertia_scale(
         rotary = (trace + sum(2.0 * m * (x @ x) for m, x in carried)) / 3.0
         # a mass point has no rotary inertia: joints must constrain its rotations
         scale += [mass] * 3 + [rotary or mass] * 3 + list(np.diag(body.mass))
-    return np.array(scale, dtype=float)
+    whole = np.array(scale, dtype=float)
+    none, some = whole == 0.0, whole > 0.0  # of a body without mass, for scaling only
+    whole[none] = whole[some].min(initial=1.0)
+    return whole
 
 
 def filled(lists: Sequence[Sequence[float]], columns: int) -> Array:

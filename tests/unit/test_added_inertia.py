@@ -6,6 +6,7 @@ from samples.constraint_runs import new_run, prepared
 from samples.flexible_samples import Points, body_of, random_points
 from samples.mechanism_samples import GRAVITY, GROUND, Sample, four_bars
 
+import plymotion as pm
 from plymotion.solver.dynamics.elements.added_inertia import missing_inertia, undetermined_body
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import (
@@ -178,3 +179,50 @@ def test_a_body_that_nothing_holds_is_named():
     found = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
     assert found is not None
     np.testing.assert_allclose(np.abs(found[1]), [0, 0, 0, 1, 0, 0], atol=1e-6)
+
+
+def _crossed(**link: object) -> pm.Case:
+    """A weight under a universal joint, or under two hinges with a link between them."""
+    case = pm.Case("cross", gravity=[0, 0, -9.81])
+    case.point("o", (0, 0, 0))
+    places = {"o": (0, 0, 0), "end": (0, 0, -0.5)}
+    weight = case.rigid(
+        "weight",
+        mass=2.0,
+        centre=(0, 0, -0.3),
+        interfaces=places,
+        inertia=np.diag([0.02, 0.03, 0.04]).tolist(),
+    )
+    weight.angular_velocity = [3.0, 2.0, 0.0]
+    if link:
+        case.rigid("link", mass=0.0, inertia=np.zeros((3, 3)).tolist(), interfaces={"o": (0, 0, 0)})
+        case.table["bodies"]["link"] |= link
+        case.revolute("one", "ground.o", "link.o", axis="x")
+        case.revolute("two", "link.o", "weight.o", axis="y")
+    else:
+        case.universal("cross", "ground.o", "weight.o", axis="x", axis_2="y")
+    for axis in "xyz":
+        case.signals[axis] = {"kind": "position", "at": "weight.end", "component": axis}
+    case.table["solver"] = {"t_end": 0.5, "output_step": 0.05, "rtol": 1e-8}
+    case.table["runs"] = {"base": {}}
+    return case
+
+
+def test_two_hinges_and_a_link_without_mass_are_a_universal_joint(tmp_path):
+    """The same motion with all integrators; with parallel hinges the link is named."""
+    ends = []
+    for name, link in (("radau", {}), ("radau", {"mass": 0.0}), ("rk8", {"mass": 0.0})):
+        case = _crossed(**link)
+        case.solver.integrator = name
+        found = pm.run(case, out=tmp_path / f"{len(ends)}").signals
+        ends.append([found[axis].values for axis in "xyz"])
+    assert np.ptp(ends[0][0]) > 0.15
+    np.testing.assert_allclose(ends[1], ends[0], atol=3e-8)
+    np.testing.assert_allclose(ends[2], ends[0], atol=3e-8)
+    case = _crossed(mass=0.0)
+    case.joints.two.axis = [1.0, 0.0, 0.0]
+    case.bodies.weight.angular_velocity = [0.0, 0.0, 0.0]
+    with pytest.raises(InputError, match=r"bodies\.link: it can turn about its axis \(1, 0, "):
+        pm.run(case, out=tmp_path / "parallel")
+    with pytest.raises(InputError, match=r"bodies\.link\.inertia = .*positive definite"):
+        pm.run(_crossed(mass=1.0), out=tmp_path / "point")

@@ -179,7 +179,7 @@ BAD = {
         'at = "two.bb"',
         r'forces\.push\.at = "two\.bb": body "two" has no interface "bb"; did you mean \'b\'',
     ),
-    "zero mass": ("mass = 1.0", "mass = 0.0", r"bodies\.one\.mass = 0\.0: .*greater than 0"),
+    "negative mass": ("mass = 1.0", "mass = -1.0", r"bodies\.one\.mass = -1\.0: .*equal to 0"),
     "negative stiffness": (
         "stiffness = [1.0, 2.0, 3.0]",
         "stiffness = [1.0, -2.0, 3.0]",

@@ -84,6 +84,7 @@ def test_what_acts_in_free_joints(tmp_path: Path) -> None:
 def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A note for each; a joint that mimics another one has its friction, damping and stop."""
     text = ARM.replace('lower="-1.5" upper="2.0"', 'lower="-1.5" upper="-0.5"')
+    text = text.replace('<joint name="shoulder"/>', '<joint name="shouldr"/>')
     text = text.replace('lower="0" upper="0.3"', "")
     text = text.replace('<origin xyz="0 0.05 0.1" rpy="-0.6 0 0"/>', WRIST)
     (tmp_path / "arm.urdf").write_text(text)
@@ -92,6 +93,7 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     told = capsys.readouterr().err
     assert "note: shoulder: stands at 0, outside its limits -1.5 to -0.5: its stop pushes" in told
     assert "note: slide: no stops: its <limit> is 0 to 0" in told
+    assert "transmission of shouldr: left out: no such joint; did you mean 'shoulder'?" in told
     assert pm.load(tmp_path / "out").forces.wrist_damping.derivative == 0.7
 
 
@@ -153,9 +155,10 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
             r'link "slider" is the child of joint "slide" too, which closes a loop',
         ),
         (
-            '<mass value="0.8"/>',
-            '<mass value="0"/>',
-            r"<link slider>: moves without mass; expected",
+            '<link name="tip"/>',
+            '<link name="tip"/><link name="bare"/><joint name="bare" type="continuous">'
+            '<parent link="slider"/><child link="bare"/></joint>',
+            r"<link bare>: moves without inertia; expected <inertial> with a mass",
         ),
         ('<mass value="0.8"/>', '<mass value="800"/>', r"<link slider>: radius of gyration .*kg"),
         (
@@ -168,7 +171,7 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         (
             'ixx="0.002" iyy="0.003"',
             'ixx="0" iyy="0"',
-            r"<link slider>: principal moments 0, .*expected all above 0",
+            r"<link slider>: principal moments 0, .*expected all above 0, or --allow inertia",
         ),
         ('xyz="1 0 1"', 'xyz="0 0 0"', r"joint slide, <axis xyz>: expected a vector of non-zero"),
         ('lower="-1.5"', 'lower="2.5"', r"joint shoulder, <limit>: lower = 2.5; expected at most"),
@@ -176,6 +179,16 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         ('<link name="tip"/>', '<link name="tip"/><link name="x"/>', r"without a parent: base, x;"),
         ("</robot>", "", r"no XML: no element found"),
         (">100<", ">1.5.2<", r"transmission of shoulder, <mechanicalReduction value>: .1\.5\.2.;"),
+        (
+            'upper="2.0"',
+            'upper="180"',
+            r":\d+: <joint shoulder>, <limit>: -1.5 to 180: expected rad",
+        ),
+        (
+            'rpy="-0.6 0 0"',
+            'rpy="-34 0 0"',
+            r"<origin rpy>: -34 0 0; expected rad, found some like",
+        ),
         (">100<", ">0<", r":\d+: <mechanicalReduction> = 0; expected another number"),
         ("<robot", "<sdf><robot", r"no XML"),
         (

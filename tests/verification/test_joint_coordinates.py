@@ -38,7 +38,7 @@ def robot() -> Callable[..., Found]:
     return made
 
 
-@pytest.mark.parametrize("name", ["arm", "gripper"])
+@pytest.mark.parametrize("name", ["arm", "gripper", "shoulder"])
 @pytest.mark.parametrize("keep_fixed", [False, True])
 def test_the_recursive_method(robot: Callable[..., Found], name: str, keep_fixed: bool) -> None:
     """All kinds of joints, turned inertial frames, fixed joints merged or kept: equal to 1e-12."""

@@ -16,7 +16,7 @@ from ...dynamics.elements.forces import rotary_spring
 from ...dynamics.elements.forces.controller import CONTROLLER
 from ...dynamics.elements.forces.friction import FRICTION
 from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
-from ...errors import InputError, refuse
+from ...errors import InputError, nearest, refuse
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector
 from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about
@@ -32,6 +32,17 @@ TRIANGLE = 1e-5  # relative, of principal moments: that of the check of a case
 SLIM, WIDE, LONG = 0.05, 30.0, 100.0  # [m] of the last
 CLEAR = 0.02  # distance from which on a large ratio says something [m]
 STOP_DEPTH = 0.01  # at which a stop balances the effort of the drive [rad, m]
+# Axes along which and about which a joint moves: 0 is its own.
+MOTIONS: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
+    Type.REVOLUTE: ((), (0,)),
+    Type.CONTINUOUS: ((), (0,)),
+    Type.PRISMATIC: ((0,), ()),
+    Type.PLANAR: ((1, 2), (0,)),
+    Type.FLOATING: ((0, 1, 2), (0, 1, 2)),
+    Type.FIXED: ((), ()),
+}
+MANY_TURNS, DEGREES = 20.0, 720.0  # limits: of 69 robots up to 10 rad, or 1e16 for none
+SINGULAR = 1e-12  # least eigenvalue of a mass matrix with a diagonal of 1
 REST = 0.01  # speed below which the direction of friction is smoothed [rad/s, m/s]
 
 
@@ -97,6 +108,8 @@ def robot_case(
             raise InputError(f"{key} = {value!r}: expected one of {', '.join(get_args(known))}")
     heads, bodies = _bodies(robot, base == "free", keep_fixed)
     found = [line for body in bodies.values() for line in _mistakes(robot, body, bodies, allow)]
+    found += [] if "units" in allow else _degrees(robot)
+    found = found or _without_inertia(robot, heads, bodies)
     names = _names(robot, bodies, found)
     refuse(found)
     made = _Writer(robot, heads, bodies, names, joints)
@@ -154,23 +167,72 @@ def _mistakes(
     link = robot.links[body.head]
     at = f"{robot.file}:{link.line}: <link {link.name}>: "
     mass, J = body.inertia.mass, body.inertia.about_centre
-    if mass == 0.0:
-        return [f"{at}moves without mass; expected <inertial> with a mass above 0 [kg]"]
     a, b, c = (float(x) for x in np.linalg.eigvalsh(J))
-    if not a > 1e-14 * c:
+    least, free = _least(body.inertia), "inertia" in allow
+    if a < -least or (mass > 0.0 and a <= least and not free):
         return [
-            f"{at}principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected all above 0: with "
-            "one of 0 the body would turn without resistance"
+            f"{at}principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected all above 0, or "
+            "--allow inertia where joints hold what has none"
         ]
     found = []
-    if c > (a + b) * (1.0 + TRIANGLE) and "inertia" not in allow:
+    if c > (a + b) * (1.0 + TRIANGLE) + least and not free:
         found.append(
             f"{at}no solid has principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected none "
             "above the sum of the other two, or --allow inertia"
         )
-    if "units" not in allow:
+    if "units" not in allow and mass > 0.0:
         found += [f"{at}{text}; or --allow units" for text in _doubts(robot, body, mass, c)]
     return found
+
+
+def _degrees(robot: Robot) -> list[str]:
+    """Return a line for each hinge with limits that are none of a robot in rad."""
+    return [
+        f"{robot.file}:{joint.line}: <joint {joint.name}>, <limit>: {joint.lower:g} to "
+        f"{joint.upper:g}: expected rad, found some like deg; or --allow units"
+        for joint in robot.joints.values()
+        if joint.kind == Type.REVOLUTE and joint.lower is not None and joint.upper is not None
+        if MANY_TURNS < max(-joint.lower, joint.upper) <= DEGREES
+    ]
+
+
+def _without_inertia(
+    robot: Robot, heads: Mapping[str, tuple[str, Pose]], bodies: Mapping[str, Body]
+) -> list[str]:
+    """Return a line for a link that can move without inertia: M at q = 0 is singular."""
+    above = {j.child: j for j in robot.joints.values() if heads[j.child][0] == j.child}
+    owners, columns = list[str](), list[Array]()  # link; velocity at the origin, angular velocity
+    moving = {head: body for head, body in bodies.items() if head}
+    for head, body in moving.items():
+        joint = above.get(head)  # none: a free root
+        slides, turns = MOTIONS[joint.kind if joint else Type.FLOATING]
+        axis = joint.axis if joint else np.array([1.0, 0.0, 0.0])
+        axes = np.linalg.svd((body.pose.A @ axis)[None])[2]
+        columns += [np.append(axes[k], np.zeros(3)) for k in slides]
+        columns += [np.append(np.cross(body.pose.p, axes[k]), axes[k]) for k in turns]
+        owners += [head] * (len(slides) + len(turns))
+    n, whole = len(owners), np.array(columns).reshape(-1, 6)
+    M, carried = np.zeros((n, n)), {"": np.zeros(n)}
+    for head, body in moving.items():
+        before = heads[above[head].parent][0] if head in above else ""
+        carried[head] = carried[before] + [float(owner == head) for owner in owners]
+        V, W = np.split(whole * carried[head][:, None], 2, axis=1)
+        its = body.inertia.seen_from(body.pose)
+        V = V + np.cross(W, its.centre)
+        M += its.mass * V @ V.T + W @ its.about_centre @ W.T
+    scale = np.sqrt(np.where(np.diag(M) > 0.0, np.diag(M), 1.0))
+    values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
+    largest = np.argmax(np.abs(vectors[:, values <= SINGULAR]), axis=0) if n else ()
+    return [
+        f"{robot.file}:{robot.links[name].line}: <link {name}>: moves without inertia; expected "
+        "<inertial> with a mass [kg] and moments [kg m2] above 0, here or in a link that it carries"
+        for name in dict.fromkeys(owners[k] for k in largest)
+    ]
+
+
+def _least(inertia: Inertia) -> float:
+    """Return what is rounding in moments of inertia [kg m2]: also of masses within 1e-6 m."""
+    return max(1e-15 * float(np.abs(inertia.about_centre).max()), 1e-12 * inertia.mass)
 
 
 def _doubts(robot: Robot, body: Body, mass: float, largest: float) -> list[str]:
@@ -243,6 +305,10 @@ class _Writer:
 
     def case(self, allow: Collection[str]) -> RobotCase:
         robot, tables = self._robot, self._tables
+        for name in robot.reductions:
+            if name not in robot.joints:
+                near = nearest(name, robot.joints)
+                self._notes.append(f"transmission of {name}: left out: no such joint{near}")
         for joint in robot.joints.values():
             self._joint(joint)
         for head, body in self._bodies.items():
@@ -259,12 +325,11 @@ class _Writer:
             name = self._name("link", head)
             named[name] = body
             inertia = body.inertia.about_centre
-            least = 1e-15 * float(np.abs(inertia).max())
             tables["bodies"][name] = {
                 "kind": "rigid",
                 "mass": body.inertia.mass,
                 "centre": _numbers(body.inertia.centre),
-                "inertia": [_numbers(row, least) for row in inertia],
+                "inertia": [_numbers(row, _least(body.inertia)) for row in inertia],
                 "position": _numbers(body.pose.p),
                 "rotation_deg": _numbers(np.degrees(matrix_to_vector(body.pose.A))),
                 "interfaces": self._points[head],

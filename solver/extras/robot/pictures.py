@@ -92,7 +92,10 @@ def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
     if found is None:
         path = urdf.parent / re.sub(r"^file://", "", name)
         if not path.is_file():
-            raise InputError(f'filename = "{name}": {path}: no such file')
+            raise InputError(
+                f'filename = "{name}": {path}: no such file; expected one beside the URDF, '
+                "package://NAME/FILE, or --no-meshes"
+            )
         return path
     package, rest = found.groups()
     if package in packages:

@@ -48,6 +48,7 @@ SIZES = {
     MESH: {"scale": 3},
 }
 MOST_BYTES = 50_000_000
+TURNS = 6.3  # of roll, pitch and yaw [rad]: more are degrees
 
 
 @dataclass
@@ -167,7 +168,7 @@ class Robot:
     root: str
     links: dict[str, Link]
     joints: dict[str, UrdfJoint]
-    reductions: dict[str, float]  # of joints with a transmission
+    reductions: dict[str, float]  # of joints with a transmission, which may not be there
 
 
 def read_urdf(file: Path) -> Robot:
@@ -242,7 +243,7 @@ class _Reader:
         refuse(self._found)
         root, ordered = self._ordered(links, joints)
         name = self._root.attributes.get("name") or self._file.stem
-        return Robot(self._file, name, root, links, ordered, self._reductions(joints))
+        return Robot(self._file, name, root, links, ordered, self._reductions())
 
     def _named(self, tag: str, read: Callable[[str, Element], Thing]) -> dict[str, Thing]:
         found: dict[str, Thing] = {}
@@ -302,7 +303,12 @@ class _Reader:
         if origin is None:
             return HERE
         p = self._numbers(where, origin, "xyz", 3, (0.0,) * 3)
-        roll, pitch, yaw = self._numbers(where, origin, "rpy", 3, (0.0,) * 3)
+        roll, pitch, yaw = angles = self._numbers(where, origin, "rpy", 3, (0.0,) * 3)
+        if np.abs(angles).max() > TURNS:
+            text = " ".join(f"{angle:g}" for angle in angles)
+            self._say(
+                origin.line, f"{where}, <origin rpy>: {text}; expected rad, found some like deg"
+            )
         x, y, z = np.eye(3)
         return Pose(p, about(z, yaw) @ about(y, pitch) @ about(x, roll))
 
@@ -466,7 +472,7 @@ class _Reader:
         refuse(self._found)
         return roots[0], ordered
 
-    def _reductions(self, joints: dict[str, UrdfJoint]) -> dict[str, float]:
+    def _reductions(self) -> dict[str, float]:
         found: dict[str, float] = {}
         for transmission in self._root.all("transmission"):
             holders = [transmission, *transmission.all("joint"), *transmission.all("actuator")]
@@ -479,7 +485,7 @@ class _Reader:
             value = self._number(f"transmission of {', '.join(names)}", element, "value", 1.0)
             if value == 0.0:
                 self._of(own[0], " = 0; expected another number")
-            found |= {name: value for name in names if name in joints}
+            found |= dict.fromkeys(names, value)
         refuse(self._found)
         return found
 

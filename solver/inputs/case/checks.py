@@ -239,13 +239,16 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
                 sound[name + CHECK] = specs.of(whole, check, mechanism, candidates=True)
         elif isinstance(body, RigidBody):
             inertia = np.array(body.inertia)
-            gap = np.abs(inertia - inertia.T).max()
-            if gap > SYMMETRY * np.abs(inertia).max() or not is_positive_definite(inertia):
+            gap, free = np.abs(inertia - inertia.T).max(), "inertia" in mechanism.allow
+            regular = is_positive_definite(inertia)
+            if body.mass == 0.0 or free:  # joints must hold it: require_inertia
+                regular = regular or float(np.linalg.eigvalsh(inertia)[0]) >= 0.0
+            if gap > SYMMETRY * np.abs(inertia).max() or not regular:
                 found.append(
                     f"bodies.{name}.inertia = {body.inertia}: expected a symmetric, "
                     "positive definite 3x3 matrix"
                 )
-            elif "inertia" not in mechanism.allow:
+            elif not free:
                 a, b, c = np.linalg.eigvalsh(inertia)
                 if c > (a + b) * (1.0 + TRIANGLE):
                     found.append(

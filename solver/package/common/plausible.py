@@ -167,7 +167,7 @@ def body_doubts(mass: float, inertia: float = 0.0) -> Iterator[Doubt]:
             "in mm, and masses in kg?"
         )
         yield Doubt(SIZE, text, mass)
-    radius = sqrt(max(inertia, 0.0) / mass)
+    radius = sqrt(max(inertia, 0.0) / mass) if mass else 0.0
     if mass < THINNEST_BODY * (2.0 * radius) ** 3:
         text = (
             f"a mass of {mass:.4g} kg with a moment of inertia of {inertia:.4g} kg m2 has a radius "

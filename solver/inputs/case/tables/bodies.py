@@ -333,11 +333,12 @@ class RigidBody(Placed):
     """`[bodies.NAME]` with kind = "rigid"."""
 
     kind: Literal["rigid"]
-    mass: float = entry("mass", "kg", gt=0)
+    mass: float = entry("mass; 0 of a link whose others carry mass", "kg", ge=0)
     centre: Vector = entry("mass centre in the body frame", "m", [0.0, 0.0, 0.0])
     inertia: list[Vector] = entry(
         "3x3 inertia about the mass centre, body axes, [[Jxx, Jxy, Jxz], [Jxy, Jyy, Jyz], "
-        "[Jxz, Jyz, Jzz]]; symmetric, positive definite",
+        "[Jxz, Jyz, Jzz]]; symmetric, positive definite; moments may be 0 if the mass is, or with "
+        'allow = ["inertia"]',
         "kg m2",
         min_length=3,
         max_length=3,
