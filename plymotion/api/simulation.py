@@ -18,7 +18,6 @@ from .case import Case
 from .result import chosen, named, written
 
 Inputs = Mapping[str, float] | Sequence[float] | Array
-EVERY = 20  # steps, of which the monitors look at one
 
 
 class Values(Mapping[str, float]):
@@ -47,7 +46,8 @@ class Simulation:
     """A run under way, moved on by `step`; docs/python.md.
 
     It is the same stepping as that of an FMU: steps of the integrator end at each communication
-    point, and inputs may change there. Monitors look at one step of 20.
+    point, and inputs may change there. Monitors look at the first step, then at one of 20, sooner
+    where these are long.
 
     Attributes
     ----------
@@ -354,7 +354,7 @@ def simulate(
     checked, run, folder = chosen(case, run, out)
     with named(out):
         spec = read_run(written(checked, folder, f"runs/{run}.json", packages))
-    stepper = Stepper(spec, inputs, every=EVERY, fixed_step=fixed_step)
+    stepper = Stepper(spec, inputs, fixed_step=fixed_step)
 
     def built() -> BuiltMechanism:
         used = used_packages(spec.mechanism, spec.packages)

@@ -225,6 +225,9 @@ def write_course(model: Model, given: Input, t: float, coefficients: Array) -> N
 # A mechanism that moves from one communication point to the next, with inputs in between.
 
 DRIVE_ORDER, FORCE_ORDER = 2, 1
+# A look of the monitors costs as much as ten steps or more. They see the first communication step,
+# then one of so many, sooner where these have taken so many steps of the integrator.
+EVERY, UNSEEN = 20, 400
 ALLOWED = 1e-6  # gap of a joint in a state that another program gives [m, rad, m/s, rad/s]
 
 
@@ -263,7 +266,6 @@ class Stepper:
     ----------
     spec : the run; its laws of inputs are of use for the start and for the tolerances only
     inputs : names of those that are written from outside; None: all. The others follow the case
-    every : the monitors look at one communication step of so many
     fixed_step : of the integrator [s], without error control; None: by the tolerances
     retraces : keep what `retraced` needs
 
@@ -280,17 +282,18 @@ class Stepper:
     _started: bool  # the prepared mechanism has been started from
     _integrator: Integrator | None  # from the first step on
     last: Moved | None  # communication step, where it can be retraced
+    _moves: int  # communication steps
+    _looked: int  # steps of the integrator at the last look of the monitors
 
     def __init__(
         self,
         spec: RunSpec,
         inputs: Sequence[str] | None = None,
         *,
-        every: int = 1,
         fixed_step: float | None = None,
         retraces: bool = False,
     ) -> None:
-        self._spec, self._every, self._fixed_step = spec, every, fixed_step
+        self._spec, self._fixed_step = spec, fixed_step
         self._retraces = retraces
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
@@ -381,8 +384,11 @@ class Stepper:
         """
         if self._retraces:
             self.last = Moved(self.kept(), t, values.copy(), rates, to_event)
+        taken = self._integrator.counters.steps if self._integrator is not None else 0
+        watched = self._moves % EVERY == 0 or taken - self._looked >= UNSEEN
+        if watched:
+            self._looked = taken
         self._moves += 1
-        watched = self._moves % self._every == 0
         return self._move(t, values, rates, self._watch if watched else None, to_event=to_event)
 
     def retraced(self, watch: Watch) -> None:
@@ -500,7 +506,7 @@ class Stepper:
         self.t, self.y = 0.0, prepared.y0
         self._memory = {}
         self._reported: set[str] = set()
-        self._moves = 0  # communication steps
+        self._moves = self._looked = 0
         self.last = None
 
     def _move(
