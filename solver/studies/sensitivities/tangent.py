@@ -14,7 +14,7 @@ docs/sensitivities.md.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import qr
@@ -35,6 +35,7 @@ from ..linearisation.differences import units_of
 STEP = 3e-8
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
+SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
 MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
 
 
@@ -280,74 +281,90 @@ class Tangent:
         M, Phi_q = masses_and_jacobians(model, t, y)
         middle = Phi_q[len(t) // 2] / self._root
         rows, dep, ind = partition(middle, n_c - model.redundant)
-        inverse = np.linalg.inv(Phi_q[:, rows][:, :, dep])
-        Z = np.zeros((t.size, n, ind.size))
-        Z[:, ind] = np.eye(ind.size)
-        Z[:, dep] = -inverse @ Phi_q[:, rows][:, :, ind]
+        Phi_q, f = Phi_q[:, rows], ind.size
+        inverse = np.linalg.inv(Phi_q[:, :, dep])
+        Z = np.zeros((t.size, n, f))
+        Z[:, ind] = np.eye(f)
+        Z[:, dep] = -inverse @ Phi_q[:, :, ind]
         growth = np.abs(Z * self._root[:, None] / self._root[ind]).max(initial=0.0)
         if not growth < MOST_GROWTH and not last:
             return None
-
-        def answered(terms_: Array, which: int) -> Array:
-            """Dependent motions (k, n, d) that change terms (k, d, w) of the rows by as much."""
-            out = np.zeros((t.size, n, terms_.shape[1]))
-            begin = n + which * n_c
-            out[:, dep] = inverse @ terms_[:, :, begin + rows].transpose(0, 2, 1)
-            return out
-
-        def derived(x: Array | None, v: Array | None, z: Array | None = None) -> Array:
-            """Derivatives (k, d, w) of the terms along motions (k, n, d)."""
-            d = next(part.shape[2] for part in (x, v, z) if part is not None)
-            directions = np.zeros((t.size, d, 2 * n + n_a))
-            for begin, part in ((0, x), (n, v), (2 * n, z)):
-                if part is not None:
-                    directions[:, :, begin : begin + part.shape[1]] = part.transpose(0, 2, 1)
-            sizes = np.abs(directions) * np.concatenate([self.units, self.units, np.ones(n_a)])
-            largest = sizes.max(axis=2, initial=0.0)
-            h = np.where(largest > 0.0, STEP / np.maximum(largest, 1e-300), 1.0)
-            return along_directions(model, t, y, a, multipliers, directions, h)
-
+        base = terms(model, t, y, a, multipliers)
         partial = np.empty((t.size, len(self.columns), n + 3 * n_c + n_a))
         for p, each in enumerate(self._partials):
-            each(t, y, a, multipliers, partial[:, p])
-        f, shape = ind.size, (t.size, n, len(self.columns))
-        moving = not all(each.is_internal for each in self._partials)
-        X = -answered(partial, 1) if moving else np.zeros(shape)
-        moving = moving and bool(X.any())
-        of_x = derived(np.concatenate([Z, X], axis=2) if moving else Z, None)
-        if moving:
-            of_x[:, f:] += partial
-        else:
-            of_x = np.concatenate([of_x, partial], axis=1)
-        V = -answered(of_x, 2)
-        if V.any():
-            own = slice(None) if V[:, :, f:].any() else slice(f)
-            of_x[:, own] += derived(None, V[:, :, own])
-        of_v = derived(None, Z)
-        of_z = np.zeros((t.size, 0, of_x.shape[2]))
-        if n_a:
-            of_z = derived(None, None, np.broadcast_to(np.eye(n_a), (t.size, n_a, n_a)))
-        every = np.concatenate([of_x[:, :f], of_v, of_z, of_x[:, f:]], axis=1)
-        beside = answered(every, 0)  # accelerations
-        left = every[:, :, :n].transpose(0, 2, 1) - M @ beside
-        Z_t = Z.transpose(0, 2, 1)
-        free = np.linalg.solve(Z_t @ M @ Z, Z_t @ left)
-        none = np.zeros((t.size, n, n_a))
-        x = np.concatenate([Z, np.zeros_like(Z), none, X], axis=2)
-        v = np.concatenate([V[:, :, :f], Z, none, V[:, :, f:]], axis=2)
+            each(t, y, a, multipliers, base, partial[:, p])
+        # The rows that parameters move: their dependent motions X, at positions and velocities.
+        phi, phi_d = (partial[:, :, n + which * n_c + rows].transpose(0, 2, 1) for which in (1, 2))
+        own = np.flatnonzero(phi.any(axis=(0, 2)) | phi_d.any(axis=(0, 2)))
+        phi, phi_d = phi[:, own], phi_d[:, own]
+        X = np.zeros((t.size, n, own.size))
+        X[:, dep] = inverse[:, :, own]
+        of_phi, of_phi_d = X, X
+        if own.size > len(self.columns):
+            of_phi, of_phi_d = X @ phi, X @ phi_d
+            phi = phi_d = np.broadcast_to(np.eye(len(self.columns)), (t.size, *[phi.shape[2]] * 2))
+        G = np.concatenate([Z, of_phi], axis=2)
         # Body axes turn: -w x rotations is part of the rate of a displacement.
-        rates, turning = y[:, model.n_pos : model.n_pos + n], np.zeros_like(x)
+        rates, turning = y[:, model.n_pos : model.n_pos + n], np.zeros_like(G)
         for j in model.vel_start:
-            w = rates[:, None, j + 3 : j + 6]
-            turning[:, j + 3 : j + 6] = -np.cross(
-                w, x[:, j + 3 : j + 6].transpose(0, 2, 1)
-            ).transpose(0, 2, 1)
-        u_d = (v + turning)[:, ind]
-        rate = np.concatenate([u_d, free, every[:, :, n + 3 * n_c :].transpose(0, 2, 1)], axis=1)
+            w, turn = rates[:, j + 3 : j + 6, None], G[:, j + 3 : j + 6]
+            for c in range(3):
+                one, two = (c + 1) % 3, (c + 2) % 3
+                turning[:, j + 3 + c] = w[:, one] * turn[:, two] - w[:, two] * turn[:, one]
+        # D Phidot along displacements: d(Phi_q x)/dt at constant x, less Phi_q of the turning.
+        V = np.zeros_like(G)
+        V[:, dep] = inverse @ (Phi_q @ turning - self._jacobian_rates(t, y, rows, Phi_q) @ G)
+        d, none = G.shape[2], np.zeros((t.size, n, n_a))
+        directions = np.zeros((t.size, 2 * d + n_a, 2 * n + n_a))
+        directions[:, :d, :n], directions[:, :d, n : 2 * n] = (
+            part.transpose(0, 2, 1) for part in (G, V)
+        )
+        directions[:, d : d + f, n : 2 * n] = Z.transpose(0, 2, 1)
+        directions[:, d + f : 2 * d, n : 2 * n] = of_phi_d.transpose(0, 2, 1)
+        directions[:, 2 * d :, 2 * n :] = np.eye(n_a)
+        along = along_directions(
+            model, t, y, a, multipliers, directions, self._steps(rates, directions)
+        )
+        phi_t, phi_d_t = (each.transpose(0, 2, 1) for each in (phi, phi_d))
+        partial -= phi_t @ along[:, f:d] + phi_d_t @ along[:, d + f : 2 * d]
+        every = np.concatenate(
+            [along[:, :f], along[:, d : d + f], along[:, 2 * d :], partial], axis=1
+        ).transpose(0, 2, 1)
+        Z_M = Z.transpose(0, 2, 1) @ M
+        # What the rows ask of dependent accelerations is taken from the loads.
+        left = Z.transpose(0, 2, 1) @ every[:, :n] - (Z_M[:, :, dep] @ inverse) @ every[:, n + rows]
+        free = np.linalg.solve(Z_M @ Z, left)
+        x_p, v_p = -of_phi @ phi, -V[:, :, f:] @ phi - of_phi_d @ phi_d
+        x = np.concatenate([Z, np.zeros_like(Z), none], axis=2)
+        v = np.concatenate([V[:, :, :f], Z, none], axis=2)
+        u_d = np.concatenate([(V - turning)[:, ind, :f], v[:, ind, f:]], axis=2)
+        u_p = v_p[:, ind] + turning[:, ind, f:] @ phi
+        rate = np.concatenate(
+            [np.concatenate([u_d, u_p], axis=2), free, every[:, n + 3 * n_c :]], axis=1
+        )
         m = 2 * f + n_a
-        (J, g), (x, x_p), (v, v_p) = (np.split(each, [m], axis=2) for each in (rate, x, v))
         kept = np.concatenate([ind, n + ind, 2 * n + np.arange(n_a)])
-        return Linear(J, g, x, x_p, v, v_p, kept, f)
+        return Linear(rate[:, :, :m], rate[:, :, m:], x, x_p, v, v_p, kept, f)
+
+    def _jacobian_rates(self, t: Array, y: Array, rows: IntArray, Phi_q: Array) -> Array:
+        """Return the rates of rows of Phi_q at k states, of which these are the values."""
+        model, n = self.model, self.model.n_vel
+        v = y[:, model.n_pos : model.n_pos + n]
+        step = STEP / np.maximum(np.abs(v * self.units).max(axis=1, initial=0.0), SLOW)
+        change = np.zeros((t.size, 2 * n + model.n_aux))
+        change[:, :n] = step[:, None] * v
+        later = masses_and_jacobians(model, t + step, displaced(model, y, change))[1]
+        return np.asarray((later[:, rows] - Phi_q) / step[:, None, None])
+
+    def _steps(self, rates: Array, directions: Array) -> Array:
+        """Return the steps (k, d) of differences along directions (k, d, 2 n_vel + n_aux)."""
+        n = self.model.n_vel
+        sizes = np.abs(directions)
+        sizes[:, :, :n] *= self.units
+        quick = np.maximum(np.abs(rates * self.units).max(axis=1, initial=0.0), 1.0)
+        sizes[:, :, n : 2 * n] *= (self.units / quick[:, None])[:, None]
+        largest = sizes.max(axis=2, initial=0.0)
+        return np.where(largest > 0.0, STEP / np.maximum(largest, 1e-300), 1.0)
 
 
 class Linear(NamedTuple):
@@ -384,35 +401,43 @@ def partition(Phi_q: Array, rank: int) -> tuple[IntArray, IntArray, IntArray]:
 class _Partial:
     """Derivative of the terms by a parameter at known states.
 
+    Stiffness and damping of modes enter by their own derivatives, other numbers of the model by a
+    model with these numbers a little moved along theirs.
+
     Attributes
     ----------
     changes : whether the parameter changes anything
-    is_internal : whether it changes forces of modes only
     """
 
     def __init__(self, model: Model, column: Column) -> None:
-        self._minus, self._plus, self._h = column
-        one, two = _arrays(self._minus), _arrays(self._plus)
-        changed = {name for name in one if not np.array_equal(one[name], two[name])}
-        self.changes, self.is_internal = bool(changed), changed <= {"K_qq", "D_qq"}
+        one, two = _arrays(column.minus), _arrays(column.plus)
+        rates = {
+            name: (two[name] - one[name]) / (2.0 * column.h)
+            for name in one
+            if not np.array_equal(one[name], two[name])
+        }
+        self.changes = bool(rates)
         self._matrices: list[tuple[int, int, Array, Array]] = []
-        if self.is_internal:
-            K, D = ((two[name] - one[name]) / (2.0 * self._h) for name in ("K_qq", "D_qq"))
-            for i in range(model.n_body):
-                at = int(model.pos_start[i]) + 7, int(model.vel_start[i]) + 6
-                own = modal_matrix(model, K, i), modal_matrix(model, D, i)
-                self._matrices.append((*at, *own))
+        K, D = (rates.pop(name, np.zeros(model.K_qq.size)) for name in ("K_qq", "D_qq"))
+        for i in range(model.n_body) if K.any() or D.any() else ():
+            at = int(model.pos_start[i]) + 7, model.n_pos + int(model.vel_start[i]) + 6
+            self._matrices.append((*at, modal_matrix(model, K, i), modal_matrix(model, D, i)))
+        now = _arrays(model)
+        sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
+        self._h = STEP * float(min((s for s in sizes if s > 0.0), default=column.h / STEP))
+        self._near = _moved(model, {name: self._h * rate for name, rate in rates.items()})
+        self._n_pos, self._is_near = model.n_pos, bool(rates)
 
-    def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, out: Array) -> None:
-        """Fill out (k, w)."""
-        if not self.is_internal:
-            two, one = (terms(each, t, y, a, multipliers) for each in (self._plus, self._minus))
-            out[:] = (two - one) / (2.0 * self._h)
-            return
+    def __call__(
+        self, t: Array, y: Array, a: Array, multipliers: Array, base: Array, out: Array
+    ) -> None:
+        """Fill out (k, w); base (k, w) are the terms at the states."""
         out[:] = 0.0
+        if self._is_near:
+            out[:] = (terms(self._near, t, y, a, multipliers) - base) / self._h
         for q, v, K, D in self._matrices:
-            rate, m = self._minus.n_pos + v, len(K)
-            out[:, v : v + m] -= y[:, q : q + m] @ K.T + y[:, rate : rate + m] @ D.T
+            m, j = len(K), v - self._n_pos
+            out[:, j : j + m] -= y[:, q : q + m] @ K.T + y[:, v : v + m] @ D.T
 
 
 def _arrays(model: Model) -> dict[str, Array]:
@@ -424,3 +449,21 @@ def _arrays(model: Model) -> dict[str, Array]:
         for name, value in part._asdict().items()
         if name not in ("plan", "quantities", "programs", "rotor", "stack")
     }
+
+
+def _moved(model: Model, changes: dict[str, Array]) -> Model:
+    """Return a model with other numbers: by how much, by the names of `_arrays`."""
+
+    def added(part: Any) -> Any:
+        own = {name: getattr(part, name) for name in changes.keys() & set(part._fields)}
+        return part._replace(
+            **{
+                name: old + (changes[name] if isinstance(old, np.ndarray) else float(changes[name]))
+                for name, old in own.items()
+            }
+        )
+
+    quantities = added(model.quantities)
+    return added(model)._replace(
+        quantities=quantities._replace(programs=added(quantities.programs))
+    )
