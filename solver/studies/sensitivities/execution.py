@@ -10,7 +10,7 @@ from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
 from ...dynamics.model.coordinates import displaced
 from ...errors import InputError
-from ...integrators.breakpoints import JUMPS
+from ...integrators.breakpoints import JUMPS, breaks
 from ...integrators.generic.drive import Steps, StopRequest
 from ...integrators.radau import Radau
 from ...math.arrays import Array
@@ -24,8 +24,9 @@ from ...run.outcome import collect
 from ...run.preparation import Prepared, integrated, output_times, prepare
 from ...run.timing import Stopwatch
 from ...signals import HELD, Histories, Recording, Sensor, sensors
+from .linear import Column
 from .parameters import Parameter, Variant, check_variant, start_tangent, variant
-from .tangent import Column, Tangent
+from .tangent import Tangent
 
 SLOW = 1e-4  # of an impact, below which a stop is taken for one at rest [m/s, rad/s]
 # Operations that bend or jump where their arguments pass a value.
@@ -185,7 +186,11 @@ def _following(
         pairs.append((minus, plus))
         columns.append(Column(minus.built.model, plus.built.model, parameter.h))
         S.append(start_tangent(model, y0, minus.y0, plus.y0, parameter.h))
-    tangent = Tangent(model, columns, y0, np.array(S).T, bends_of(prepared))
+    laws = breaks(model, solver.t_end)
+    cuts = np.concatenate([laws.kinks, laws.narrow, laws.jumps.ravel()])
+    tangent = Tangent(
+        model, columns, y0, np.array(S).T, bends_of(prepared), None if laws.unsearched else cuts
+    )
     times = output_times(solver.t_end, solver.output_step)
     return _Follower(prepared, tangent, times, y0), pairs
 

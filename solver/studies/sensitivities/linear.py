@@ -1,0 +1,256 @@
+"""The equations of the tangent of a motion at known states, of independent coordinates.
+
+They are differentiated along free motions, and along motions of the constraint rows that parameters
+move. See tangent.py for the equations.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import qr
+
+from ...dynamics.evaluation.accelerations import masses_and_jacobians
+from ...dynamics.evaluation.variations import along_directions, terms
+from ...dynamics.model.coordinates import displaced
+from ...dynamics.model.model import Model, modal_matrix
+from ...math.arrays import Array, IntArray
+
+# Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
+STEP = 3e-8
+SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
+MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
+
+
+class Column(NamedTuple):
+    """A parameter: the model at its value less and plus h, treated like that of the run."""
+
+    minus: Model
+    plus: Model
+    h: float
+
+
+class Linear(NamedTuple):
+    """w' = J w + g of independent coordinates w at k states, and what follows from them."""
+
+    J: Array  # (k, m, m)
+    g: Array  # (k, m, P)
+    x: Array  # (k, n_vel, m) displacements x w + x_p
+    x_p: Array  # (k, n_vel, P)
+    v: Array  # (k, n_vel, m) changes of velocities v w + v_p
+    v_p: Array  # (k, n_vel, P)
+    kept: IntArray  # (m,) which of S are independent
+    n_free: int
+
+
+class Linearisation:
+    """Linearises a model along its motion.
+
+    Parameters
+    ----------
+    columns : the parameters
+    units : (n_vel,) of velocity coordinates as shares of the mechanism's size, or angles
+
+    Attributes
+    ----------
+    changes : whether the parameters change anything
+    """
+
+    def __init__(self, model: Model, columns: Sequence[Column], units: Array) -> None:
+        self.model, self.columns, self._units = model, columns, units
+        self._root = np.sqrt(model.inertia_scale)
+        self._partials = _Partials(model, columns)
+        self.changes = self._partials.changes
+
+    def __call__(
+        self, t: Array, y: Array, a: Array, multipliers: Array, *, last: bool
+    ) -> Linear | None:
+        """Return the equations of the independent coordinates at k states; see `_over`.
+
+        Parameters
+        ----------
+        a, multipliers : (k, n_vel), (k, n_c)
+        last : the partition is taken as it is
+        """
+        model, n, n_c, n_a = self.model, self.model.n_vel, self.model.n_constraint, self.model.n_aux
+        M, Phi_q = masses_and_jacobians(model, t, y)
+        middle = Phi_q[len(t) // 2] / self._root
+        rows, dep, ind = partition(middle, n_c - model.redundant)
+        Phi_q, f = Phi_q[:, rows], ind.size
+        inverse = np.linalg.inv(Phi_q[:, :, dep])
+        Z = np.zeros((t.size, n, f))
+        Z[:, ind] = np.eye(f)
+        Z[:, dep] = -inverse @ Phi_q[:, :, ind]
+        growth = np.abs(Z * self._root[:, None] / self._root[ind]).max(initial=0.0)
+        if not growth < MOST_GROWTH and not last:
+            return None
+        base = terms(model, t, y, a, multipliers)
+        partial = self._partials(t, y, a, multipliers, base, len(self.columns))
+        # The rows that parameters move: their dependent motions X, at positions and velocities.
+        phi, phi_d = (partial[:, :, n + which * n_c + rows].transpose(0, 2, 1) for which in (1, 2))
+        own = np.flatnonzero(phi.any(axis=(0, 2)) | phi_d.any(axis=(0, 2)))
+        phi, phi_d = phi[:, own], phi_d[:, own]
+        X = np.zeros((t.size, n, own.size))
+        X[:, dep] = inverse[:, :, own]
+        of_phi, of_phi_d = X, X
+        if own.size > len(self.columns):
+            of_phi, of_phi_d = X @ phi, X @ phi_d
+            phi = phi_d = np.broadcast_to(np.eye(len(self.columns)), (t.size, *[phi.shape[2]] * 2))
+        G = np.concatenate([Z, of_phi], axis=2)
+        # Body axes turn: -w x rotations is part of the rate of a displacement.
+        rates, turning = y[:, model.n_pos : model.n_pos + n], np.zeros_like(G)
+        for j in model.vel_start:
+            w, turn = rates[:, j + 3 : j + 6, None], G[:, j + 3 : j + 6]
+            for c in range(3):
+                one, two = (c + 1) % 3, (c + 2) % 3
+                turning[:, j + 3 + c] = w[:, one] * turn[:, two] - w[:, two] * turn[:, one]
+        # D Phidot along displacements: d(Phi_q x)/dt at constant x, less Phi_q of the turning.
+        V = np.zeros_like(G)
+        V[:, dep] = inverse @ (Phi_q @ turning - self._jacobian_rates(t, y, rows, Phi_q) @ G)
+        d, none = G.shape[2], np.zeros((t.size, n, n_a))
+        directions = np.zeros((t.size, 2 * d + n_a, 2 * n + n_a))
+        directions[:, :d, :n], directions[:, :d, n : 2 * n] = (
+            part.transpose(0, 2, 1) for part in (G, V)
+        )
+        directions[:, d : d + f, n : 2 * n] = Z.transpose(0, 2, 1)
+        directions[:, d + f : 2 * d, n : 2 * n] = of_phi_d.transpose(0, 2, 1)
+        directions[:, 2 * d :, 2 * n :] = np.eye(n_a)
+        along = along_directions(
+            model, t, y, a, multipliers, directions, self._steps(rates, directions)
+        )
+        phi_t, phi_d_t = (each.transpose(0, 2, 1) for each in (phi, phi_d))
+        partial -= phi_t @ along[:, f:d] + phi_d_t @ along[:, d + f : 2 * d]
+        every = np.concatenate(
+            [along[:, :f], along[:, d : d + f], along[:, 2 * d :], partial], axis=1
+        ).transpose(0, 2, 1)
+        Z_M = Z.transpose(0, 2, 1) @ M
+        # What the rows ask of dependent accelerations is taken from the loads.
+        left = Z.transpose(0, 2, 1) @ every[:, :n] - (Z_M[:, :, dep] @ inverse) @ every[:, n + rows]
+        free = np.linalg.solve(Z_M @ Z, left)
+        x_p, v_p = -of_phi @ phi, -V[:, :, f:] @ phi - of_phi_d @ phi_d
+        x = np.concatenate([Z, np.zeros_like(Z), none], axis=2)
+        v = np.concatenate([V[:, :, :f], Z, none], axis=2)
+        u_d = np.concatenate([(V - turning)[:, ind, :f], v[:, ind, f:]], axis=2)
+        u_p = v_p[:, ind] + turning[:, ind, f:] @ phi
+        rate = np.concatenate(
+            [np.concatenate([u_d, u_p], axis=2), free, every[:, n + 3 * n_c :]], axis=1
+        )
+        m = 2 * f + n_a
+        kept = np.concatenate([ind, n + ind, 2 * n + np.arange(n_a)])
+        return Linear(rate[:, :, :m], rate[:, :, m:], x, x_p, v, v_p, kept, f)
+
+    def _jacobian_rates(self, t: Array, y: Array, rows: IntArray, Phi_q: Array) -> Array:
+        """Return the rates of rows of Phi_q at k states, of which these are the values."""
+        model, n = self.model, self.model.n_vel
+        v = y[:, model.n_pos : model.n_pos + n]
+        step = STEP / np.maximum(np.abs(v * self._units).max(axis=1, initial=0.0), SLOW)
+        change = np.zeros((t.size, 2 * n + model.n_aux))
+        change[:, :n] = step[:, None] * v
+        later = masses_and_jacobians(model, t + step, displaced(model, y, change))[1]
+        return np.asarray((later[:, rows] - Phi_q) / step[:, None, None])
+
+    def _steps(self, rates: Array, directions: Array) -> Array:
+        """Return the steps (k, d) of differences along directions (k, d, 2 n_vel + n_aux)."""
+        n = self.model.n_vel
+        sizes = np.abs(directions)
+        sizes[:, :, :n] *= self._units
+        quick = np.maximum(np.abs(rates * self._units).max(axis=1, initial=0.0), 1.0)
+        sizes[:, :, n : 2 * n] *= (self._units / quick[:, None])[:, None]
+        largest = sizes.max(axis=2, initial=0.0)
+        return np.where(largest > 0.0, STEP / np.maximum(largest, 1e-300), 1.0)
+
+
+def partition(Phi_q: Array, rank: int) -> tuple[IntArray, IntArray, IntArray]:
+    """Return independent rows of Phi_q (n_c, n_vel), scaled, coordinates that they determine, and
+    the independent coordinates.
+
+    Raises
+    ------
+    InputError
+        Rows depend on each other: a singular position.
+    """
+    n = Phi_q.shape[1]
+    if rank == 0:
+        none = np.zeros(0, dtype=np.int64)
+        return none, none, np.arange(n)
+    rows = np.sort(qr(Phi_q.T, pivoting=True, mode="r")[1][:rank])
+    order = qr(Phi_q[rows], pivoting=True, mode="r")[1]
+    return rows, np.sort(order[:rank]), np.sort(order[rank:])
+
+
+class _Partials:
+    """Derivatives of the terms by all parameters at known states.
+
+    Stiffness and damping of modes enter by their own derivatives, other numbers of the model by a
+    model with these numbers a little moved along theirs.
+
+    Attributes
+    ----------
+    changes : whether the parameters change anything
+    """
+
+    def __init__(self, model: Model, columns: Sequence[Column]) -> None:
+        self._model, self._near, now = model, list[tuple[int, Model, float]](), _arrays(model)
+        P = len(columns)
+        stiffness = [np.zeros((2 * m, P, m)) for m in model.n_mode]  # of modal forces, by q and q'
+        for p, (minus, plus, h) in enumerate(columns):
+            one, two = _arrays(minus), _arrays(plus)
+            changed = [name for name in one if not np.array_equal(one[name], two[name])]
+            rates = {name: (two[name] - one[name]) / (2.0 * h) for name in changed}
+            for which, name in enumerate(("K_qq", "D_qq")):
+                if name in rates:
+                    rate = rates.pop(name)
+                    for i, m in enumerate(model.n_mode):
+                        stiffness[i][which * m : (which + 1) * m, p] = modal_matrix(
+                            model, rate, i
+                        ).T
+            if rates:
+                sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
+                step = STEP * float(min((s for s in sizes if s > 0.0), default=h / STEP))
+                near = _moved(model, {name: step * rate for name, rate in rates.items()})
+                self._near.append((p, near, step))
+        self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]
+        self.changes = bool(self._near or self._stiffness)
+
+    def __call__(
+        self, t: Array, y: Array, a: Array, multipliers: Array, base: Array, count: int
+    ) -> Array:
+        """Return (k, P, w) for P = `count`; base (k, w) are the terms at the states."""
+        model, found = self._model, np.zeros((t.size, count, base.shape[1]))
+        for p, near, step in self._near:
+            found[:, p] = (terms(near, t, y, a, multipliers) - base) / step
+        for i, K in self._stiffness:
+            m, j = K.shape[2], int(model.vel_start[i]) + 6
+            q, v = int(model.pos_start[i]) + 7, model.n_pos + j
+            moved = np.concatenate([y[:, q : q + m], y[:, v : v + m]], axis=1)
+            found[:, :, j : j + m] -= (moved @ K.reshape(2 * m, -1)).reshape(t.size, count, m)
+        return found
+
+
+def _arrays(model: Model) -> dict[str, Array]:
+    """Return all numbers of a model and of what its expressions read, by name."""
+    parts = (model, model.quantities, model.quantities.programs)
+    return {
+        name: np.asarray(value)
+        for part in parts
+        for name, value in part._asdict().items()
+        if name not in ("plan", "quantities", "programs", "rotor", "stack")
+    }
+
+
+def _moved(model: Model, changes: dict[str, Array]) -> Model:
+    """Return a model with other numbers: by how much, by the names of `_arrays`."""
+
+    def added(part: Any) -> Any:
+        own = {name: getattr(part, name) for name in changes.keys() & set(part._fields)}
+        return part._replace(
+            **{
+                name: old + (changes[name] if isinstance(old, np.ndarray) else float(changes[name]))
+                for name, old in own.items()
+            }
+        )
+
+    quantities = added(model.quantities)
+    return added(model)._replace(
+        quantities=quantities._replace(programs=added(quantities.programs))
+    )
