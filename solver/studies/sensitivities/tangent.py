@@ -214,7 +214,7 @@ class Tangent:
         def at(part: Array, stages: csr_array) -> Array:
             """Values at stages of values at the nodes."""
             values = stages @ part.reshape(nodes.size, -1)
-            return np.asarray(values.reshape(-1, *part.shape[1:]))
+            return np.asarray(values.reshape(len(values), *part.shape[1:]))
 
         w = self._stages(at(linear.J, weights), at(linear.g, weights), h, linear.kept)
         i = np.clip(np.searchsorted(t, times) - 1, 0, k - 1)
