@@ -93,20 +93,20 @@ def frequency_slopes(folder: Path) -> dict[str, Any]:
     }
 
 
-def beam(**study: Any) -> dict[str, Any]:
-    """The actuated beam of the paper, its flanges and webs of six plies each: 12 angles."""
+def beam(plies: int = PLIES // 2, **study: Any) -> dict[str, Any]:
+    """The actuated beam of the paper: an angle of each of the plies of flanges and of webs."""
     table = tomllib.loads(BEAM.read_text("utf-8"))
     box = tomllib.loads((BEAM.parent / "../sections/box-layup-2.toml").read_text("utf-8"))
-    ply = {"material": "as4-3501-6", "thickness": 0.000127}
-    plies = [{**ply, "angle_deg": a} for a in (0.0, 30.0) * 3]
-    box["laminates"] = {"flange": {"plies": plies}, "web": {"plies": plies}}
+    ply = {"material": "as4-3501-6", "thickness": 0.000762 / plies}
+    layup = [{**ply, "angle_deg": a} for a in (0.0, 30.0) * (plies // 2)]
+    box["laminates"] = {"flange": {"plies": layup}, "web": {"plies": layup}}
     walls = {"top": "flange", "bottom": "flange", "left": "web", "right": "web"}
     box["regions"] = {wall: {"laminate": name} for wall, name in walls.items()}
     key = "sections.box:laminates.{}.plies.{}.angle_deg"
     parameters = {
         f"{name}{k}": {"of": [key.format(name, k)], "kind": "angle", "bounds": [-90.0, 90.0]}
         for name in ("flange", "web")
-        for k in range(6)
+        for k in range(plies)
     }
     for unused in ("variants", "figures", "coarse"):
         table.pop(unused)
@@ -144,6 +144,34 @@ def actuated_beam(folder: Path) -> dict[str, Any]:
         expected = float(np.dot(SIX_WEIGHTS, ways)) / (60.0 * ANGLE)
         errors.append(abs(slopes[k] - expected) / float(np.abs(slopes).max()))
     return {**found, "largest_error": max(errors)}
+
+
+def ringing_beam(folder: Path) -> dict[str, Any]:
+    """The price of a gradient where steps are many: the beam without damping for a second."""
+    found: dict[str, Any] = {}
+    for count in (PLIES, 4 * PLIES):
+        table = beam(rtol=1e-6, plies=count // 2)
+        table["bodies"]["beam"].pop("damping_ratio")
+        table["solver"] |= {"rtol": 1e-6, "t_end": 1.0}
+        order = Order(table, BEAM, False, "tip", folder)
+        exact, plain = Trials(replace(order, exact=True)), Trials(order)
+        rng, seconds = np.random.default_rng(35), dict[str, float]()
+        p, q, r, s = (60.0 * rng.uniform(-1.0, 1.0, count) for _ in range(4))
+        for each, start in ((exact, p), (plain, q)):
+            each.values(start)  # loads what it needs
+        exact.slopes(p)
+        seconds["design"] = _seconds(plain.values, r)  # package and run
+        seconds["again"] = _seconds(plain.values, r)  # the package is there
+        seconds["with_derivatives"] = _seconds(exact.values, s)
+        seconds["slopes"] = _seconds(exact.slopes, s)
+        whole = seconds["with_derivatives"] + seconds["slopes"]
+        package = seconds["design"] - seconds["again"]
+        found[f"angles_{count}"] = {
+            **{f"{name}_cpu_s": each for name, each in seconds.items()},
+            "steps": sum(len(steps) for steps in exact._traces["base"].trace.steps),
+            "runs_besides_one_package": (whole - package) / seconds["again"],
+        }
+    return found
 
 
 def random_designs(folder: Path) -> dict[str, Any]:
@@ -199,6 +227,7 @@ def main() -> None:
                 oscillating,
                 frequency_slopes,
                 actuated_beam,
+                ringing_beam,
                 random_designs,
             )
         }

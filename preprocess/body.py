@@ -97,7 +97,9 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
         {"section": after_section - start, "modes": after_modes - after_section},
         [*(w for result in results for w in result.warnings), *remarks],
     )
-    package = beam_package(model, modes, sections.data(results, thinned), provenance)
+    # derivatives belong to all digits of the values beside them
+    data = sections.data(results, *(() if parameters else (thinned,)))
+    package = beam_package(model, modes, data, provenance)
     if not parameters:
         return package
 

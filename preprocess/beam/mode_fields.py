@@ -168,9 +168,9 @@ def _from_first_node(
     for span in line.spans:
         element, numbers, A = span.element, span.numbers, line.A_BE[span.numbers]
         x, w = gauss(element.length, POINTS)
-        d = np.einsum("gai,eim->egam", element.shape(x), nodal_E[numbers], optimize=True)
-        strain = np.einsum("gai,eim->egam", element.strain(x), nodal_E[numbers], optimize=True)
-        slope = strain + np.einsum("ab,egbm->egam", Z, d)
+        own = nodal_E[numbers][:, None]
+        d, strain = element.shape(x) @ own, element.strain(x) @ own
+        slope = strain + Z @ d
         f, u_slope, f_slope = d[:, :, 3:], slope[:, :, :3], slope[:, :, 3:]
         k1 = strain[:, :, 3]
         twisted = np.einsum("a,egi,egj->egaij", span.section.trapeze, k1, k1)
@@ -179,16 +179,14 @@ def _from_first_node(
         u2_slope = _cross(f2, E1, 2) + _both(f, u_slope - 0.5 * _cross(f, E1, 2))
         u2_slope -= twisted[:, :, :3]
         for part, slopes in enumerate((u2_slope, f2_slope)):
-            ends[numbers, part] = np.einsum("eab,g,egbij->eaij", A, w, slopes, optimize=True)
+            ends[numbers, part] = _turned(A, np.einsum("g,egbij->ebij", w, slopes))
         at, _ = station_places(element.length, mass_form)
         to_stations = _integration(x, at)
         u_in, f_in = (
-            np.einsum("eab,gh,ehbij->egaij", A, to_stations, slopes, optimize=True)
+            np.einsum("gh,ehaij->egaij", to_stations, _turned(A[:, None], slopes))
             for slopes in (u2_slope, f2_slope)
         )
-        turn = np.einsum(
-            "eab,gbi,eim->egam", A, element.shape(at)[:, 3:], nodal_E[numbers], optimize=True
-        )
+        turn = A[:, None] @ (element.shape(at)[:, 3:] @ own)
         inner.append((span, at, u_in, f_in, turn))
     zero = np.zeros((1, 3, m, m))
     node_f = np.concatenate([zero, np.cumsum(ends[:, 1], axis=0)])
@@ -212,6 +210,11 @@ def _from_first_node(
         )
     u, f, turns, centres = (np.concatenate(part) for part in zip(*parts, strict=True))
     return node_u, node_f, (u, f, turns, centres)
+
+
+def _turned(A: Array, field: Array) -> Array:
+    """A field (..., 3, m, m) in other axes."""
+    return np.asarray(A @ field.reshape(*field.shape[:-2], -1)).reshape(field.shape)
 
 
 def _mean_motion(points: PointMasses, rigid: Array, h_B: Array) -> Array:

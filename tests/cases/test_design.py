@@ -224,18 +224,18 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
     values, found = exact.values(p), exact.slopes(p)
     assert not values.why
     assert "tangent" in exact.words_of_gradient()
-    rebuilt = Trials(order)
-    assert rebuilt.values(p).values == values.values
-    # Packages keep 21 bits of the strains of recovery (5e-7): of rebuilt packages, differences of
-    # exposures have that over the step. A larger change of the mass moves the output of a peak.
-    of_strength = (2e-4, 1e-5)
-    for k, h in enumerate((0.2, 2e-4)):
+    # Packages without derivatives keep 21 bits of the strains of recovery (5e-7).
+    plain = Trials(order)
+    for one, other in zip(plain.values(p).values, values.values, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-6)
+    # A larger change of the angle moves the point of a ply that governs, of the mass a peak.
+    for k, (rebuilt, h) in enumerate(((exact, 0.1), (plain, 2e-4))):
         at = [rebuilt.values(p + i * h * np.eye(2)[k]).values for i in (-2, -1, 1, 2)]
         for m, slopes in enumerate(found):
             far, near, next_, further = (np.array(v[m]) for v in at)
             expected = (8.0 * (next_ - near) - (further - far)) / (12.0 * h)
             size = np.abs(np.array(slopes)[:, k]).max()
-            near_by = (1e-5, of_strength[k], 1e-5, 1e-7, 1e-6)[m] * size
+            near_by = (1e-6, 1e-6, 1e-6, 1e-7, 1e-6)[m] * size
             np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
 
 

@@ -96,7 +96,7 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
         {"shell": assembled - start, "modes": solved - assembled},
         [*model.problem.warnings, *(() if spec.get("candidates") else (*found, *modes.warnings))],
     )
-    package = shell_package(model, modes, provenance)
+    package = shell_package(model, modes, provenance, exact=bool(parameters))
     if not parameters:
         return package
     near = None

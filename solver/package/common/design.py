@@ -21,6 +21,7 @@ from .findings import Remark, finite
 from .plain_data import json_text
 
 Object = TypeVar("Object")
+Datasets = dict[str, Any]
 GROUP = "design"
 
 
@@ -91,6 +92,7 @@ def differenced(at: Sequence[Mapping[Any, Any]], step: float) -> dict[Any, Array
 
 def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) -> None:
     """Write derivatives beside their datasets. Raises PackageError for what `validate` refuses."""
+    known: Datasets = {}
     for index, one in enumerate(design):
         if not one.name or one.name == "." or "/" in one.name or "\0" in one.name:
             raise PackageError(f"{where}/{GROUP}: {one.name!r} is not a valid name")
@@ -99,8 +101,8 @@ def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) ->
         set_text(own, "kind", one.kind)
         set_text(own, "targets", json_text(f"{where}/{GROUP}/{one.name}", list(one.targets)))
         for path, rate in one.values.items():
-            own.create_dataset(path, data=np.asarray(rate, dtype=np.float64))
-            for message in _faults(group, own[path], path, rate):
+            made = own.create_dataset(path, data=np.asarray(rate, dtype=np.float64))
+            for message in _faults(group, known, made, path, rate):
                 raise PackageError(f"{where}/{GROUP}/{one.name}/{path}: {message}")
 
 
@@ -117,6 +119,7 @@ def read_design(group: h5py.Group) -> tuple[Derivative, ...]:
 def design_findings(group: h5py.Group) -> list[Remark]:
     """Compare the derivatives of a group with the datasets that they belong to."""
     bad: list[Remark] = []
+    known: Datasets = {}
 
     def error(dataset: str, message: str) -> None:
         bad.append(Remark("error", dataset, message))
@@ -125,14 +128,18 @@ def design_findings(group: h5py.Group) -> list[Remark]:
         if _targets(own) is None:
             error(own.name, "attribute targets: expected a JSON list of tables")
         for path, rate in _datasets(own).items():
-            for message in _faults(group, rate, path, rate[()]):
+            for message in _faults(group, known, rate, path, rate[()]):
                 error(rate.name, message)
     return bad
 
 
-def _faults(group: h5py.Group, rate: h5py.Dataset, path: str, values: Any) -> list[str]:
-    """What is wrong with a derivative, at most one fault."""
-    base, found = group.get(path), []
+def _faults(
+    group: h5py.Group, known: Datasets, rate: h5py.Dataset, path: str, values: Any
+) -> list[str]:
+    """What is wrong with a derivative, at most one fault; `known` members of the group by path."""
+    if path not in known:
+        known[path] = group.get(path)
+    base, found = known[path], list[str]()
     if not isinstance(base, h5py.Dataset) or base.dtype.kind != "f":
         return [f"expected the path of a dataset of numbers below {group.name}"]
     if rate.dtype.kind not in "fiu" or rate.shape != base.shape:

@@ -286,10 +286,15 @@ class ObjectFormat(FileFormat, Generic[Object]):
     # Finds numbers that contradict each other, "error", or are suspicious.
     doubts: Callable[[Object], Iterable[Remark]] = lambda _: ()
 
-    def layout_findings(self, file: h5py.File) -> list[Remark]:
-        """Compare the datasets of a file with the format: presence, type, shape."""
-        findings = layout_findings(file[self.group], self.kind)
-        return findings + design_findings(file[self.group]) if self._designed else findings
+    def layout_findings(self, file: h5py.File, *, whole: bool = True) -> list[Remark]:
+        """Compare the datasets of a file with the format: presence, type, shape.
+
+        Without `whole`, not the derivatives of a file with a seal, which `write_design` compared.
+        """
+        findings, group = layout_findings(file[self.group], self.kind), file[self.group]
+        if self._designed and (whole or not has_seal(Path(file.filename))):
+            findings += design_findings(group)
+        return findings
 
     @property
     def _designed(self) -> bool:
@@ -365,7 +370,7 @@ def read_object(
         notes = identity_notes(path, file, known)
         for note in notes:
             warnings.warn(note.message, UserWarning, stacklevel=3)
-        raise_first(path, known.layout_findings(file))
+        raise_first(path, known.layout_findings(file, whole=False))
         raise_first(path, checksum_findings(file, known) + unit_findings(file))
         raise_first(path, known.view_findings(file))
         found = known.load(file, known.kind)

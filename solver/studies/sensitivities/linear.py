@@ -18,6 +18,7 @@ from ...math.arrays import Array, IntArray
 
 # Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
 STEP = 3e-8
+BOTH, FEW = 1e-5, 6  # the same on both sides of a number; parameters for which there is time
 SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
 MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
 
@@ -181,8 +182,8 @@ def partition(Phi_q: Array, rank: int) -> tuple[IntArray, IntArray, IntArray]:
 class _Partials:
     """Derivatives of the terms by all parameters at known states.
 
-    Stiffness and damping of modes enter by their own derivatives, other numbers of the model by a
-    model with these numbers a little moved along theirs.
+    Stiffness and damping of modes enter by their own derivatives, other numbers of the model by
+    models with these numbers a little moved along theirs: one for each parameter, two for `FEW`.
 
     Attributes
     ----------
@@ -190,7 +191,11 @@ class _Partials:
     """
 
     def __init__(self, model: Model, columns: Sequence[Column]) -> None:
-        self._model, self._near, now = model, list[tuple[int, Model, float]](), _arrays(model)
+        self._model, self._near, now = (
+            model,
+            list[tuple[int, Model | None, Model, float]](),
+            _arrays(model),
+        )
         P = len(columns)
         stiffness = [np.zeros((2 * m, P, m)) for m in model.n_mode]  # of modal forces, by q and q'
         for p, (minus, plus, h) in enumerate(columns):
@@ -206,9 +211,13 @@ class _Partials:
                         ).T
             if rates:
                 sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
-                step = STEP * float(min((s for s in sizes if s > 0.0), default=h / STEP))
-                near = _moved(model, {name: step * rate for name, rate in rates.items()})
-                self._near.append((p, near, step))
+                step = float(min((s for s in sizes if s > 0.0), default=h / BOTH))
+                step *= BOTH if P <= FEW else STEP
+                low, high = (
+                    _moved(model, {name: by * rate for name, rate in rates.items()})
+                    for by in (-step, step)
+                )
+                self._near.append((p, low if P <= FEW else None, high, step))
         self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]
         self.changes = bool(self._near or self._stiffness)
 
@@ -217,8 +226,10 @@ class _Partials:
     ) -> Array:
         """Return (k, P, w) for P = `count`; base (k, w) are the terms at the states."""
         model, found = self._model, np.zeros((t.size, count, base.shape[1]))
-        for p, near, step in self._near:
-            found[:, p] = (terms(near, t, y, a, multipliers) - base) / step
+        at = t, y, a, multipliers
+        for p, low, high, step in self._near:
+            less, span = (base, step) if low is None else (terms(low, *at), 2.0 * step)
+            found[:, p] = (terms(high, *at) - less) / span
         for i, K in self._stiffness:
             m, j = K.shape[2], int(model.vel_start[i]) + 6
             q, v = int(model.pos_start[i]) + 7, model.n_pos + j

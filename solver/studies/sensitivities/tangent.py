@@ -33,8 +33,8 @@ from .linear import Column, Linearisation
 
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
-NODES = 6  # through which equations are interpolated
-ROUGH = 1e-6  # of the largest velocity: what interpolated accelerations may miss in a step
+NODES, STRIDES = 6, (2, 1)  # through which equations are interpolated; steps between them
+ROUGH = 1e-5  # of the largest velocity: what interpolated accelerations may miss in a step
 
 
 class Batch(NamedTuple):
@@ -237,17 +237,22 @@ class Tangent:
     def _nodes(self, batch: Batch) -> tuple[IntArray, csr_array]:
         """Return the stages at which equations are evaluated, and weights (3 k, nodes) of all.
 
-        Where the motion is smooth, the ends of steps are enough: the polynomial through six of
-        them has the order of the method. Accelerations, which are known at all stages, tell.
+        Where the motion is smooth, the ends of steps or of every second one are enough: the
+        polynomial through six of them has the order of the method. Accelerations, which are known
+        at all stages, tell.
         """
         k, at = batch.t.size - 1, batch.at
         asked = np.ones((k, 3), dtype=bool)
-        if batch.is_smooth and k > NODES:
-            asked[1:-1, :2] = False
+        v = batch.y[:, self.model.n_pos : self.model.n_pos + self.model.n_vel]
+        most = ROUGH * np.abs(v * self.units).max(initial=0.0)
+        for stride in STRIDES if batch.is_smooth and k > NODES else ():
+            asked[1:-1] = False
+            asked[1:-1:stride, 2] = True
             a = np.abs(_through(at, np.flatnonzero(asked)) @ batch.a[asked.ravel()] - batch.a)
             error = (a * self.units).max(axis=1).reshape(k, 3).max(axis=1) * np.diff(batch.t)
-            v = batch.y[:, self.model.n_pos : self.model.n_pos + self.model.n_vel]
-            asked |= (error > ROUGH * np.abs(v * self.units).max(initial=0.0))[:, None]
+            asked |= (error > most)[:, None]
+            if 3 * (error > most).sum() < asked.sum():
+                break
         nodes = np.flatnonzero(asked)
         return nodes, _through(at, nodes)
 
