@@ -143,8 +143,8 @@ def _faults(
     if not isinstance(base, h5py.Dataset) or base.dtype.kind != "f":
         return [f"expected the path of a dataset of numbers below {group.name}"]
     if rate.dtype.kind not in "fiu" or rate.shape != base.shape:
-        known = f"expected numbers of the shape of {base.name}, {base.shape}"
-        return [f"{known}, found {rate.dtype} {rate.shape}"]
+        wanted = f"expected numbers of the shape of {base.name}, {base.shape}"
+        return [f"{wanted}, found {rate.dtype} {rate.shape}"]
     finite(path, values, lambda _, message: found.append(message))
     return found
 
