@@ -13,10 +13,11 @@ import json
 import subprocess
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from robots_exchange import READY, TORQUES, contact, driven_arm, fmi, mujoco
+from robots_exchange import READY, ROOT, TORQUES, contact, driven_arm, fmi, mujoco, orders
 
 import plymotion as pm
 from plymotion.solver.dynamics.analysis.joint_coordinates import JointCoordinates
@@ -130,7 +131,9 @@ def main() -> None:
     result: dict[str, object] = {}
     with tempfile.TemporaryDirectory() as folder:
         result["steps of 1 ms"] = stepping(folder)
-        for key, found_by in (("FMI", fmi), ("MuJoCo", mujoco), ("contact", contact)):
+        drawn = partial(orders, picture=ROOT / "docs/pictures/fmu-orders.png")
+        parts = {"FMI": fmi, "orders of FMUs": drawn, "MuJoCo": mujoco, "contact": contact}
+        for key, found_by in parts.items():
             try:
                 result[key] = found_by(Path(folder))
             except ModuleNotFoundError as error:  # of programs that could not be installed

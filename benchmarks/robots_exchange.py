@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import pyplot
 from scipy.linalg import eigh
 
 import plymotion as pm
@@ -90,6 +91,47 @@ def fmi(folder: Path) -> dict[str, Any]:
     found["derivatives against differences, relative"] = worst
     unit.terminate()
     unit.freeInstance()
+    return found
+
+
+def orders(folder: Path, picture: Path) -> dict[str, float]:
+    """Return the largest distance of the tip from that of our run by `drive_order`; draw it.
+
+    The arm of cases/exchange in fmpy, steps of 1 ms; our run follows the law of the drive itself.
+    """
+    fmpy = importlib.import_module("fmpy")
+    case, run = pm.load(ROOT / "cases/exchange/case.toml"), "calculix-solid"
+    ready, file = ROOT / "tests/packages/exchange", folder / "arm.fmu"
+    case.solver.output_step = H
+    pm.export(case, "fmu3", file, run=run, packages=ready)
+    own = pm.run(case, run, packages=ready, out=folder / "own").signals
+    t = own["tip_x"].t
+    s = np.minimum(t / 0.4, 1.0)
+    angle = -(10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5)
+    rows = np.array(
+        list(zip(t, angle, strict=True)), [("time", float), ("joints.hinge.drive", float)]
+    )
+    found, axes = {}, pyplot.figure(figsize=(8.0, 3.6), layout="constrained").gca()
+    for order, line in enumerate((":", "--", "-")):
+        unit = fmpy.simulate_fmu(
+            str(file),
+            stop_time=t[-1],
+            output_interval=H,
+            input=rows,
+            start_values={"drive_order": order},
+        )
+        gaps = [
+            pm.Signal(key, "m", "", t, unit[f"signals.{key}"]) - own[key]
+            for key in ("tip_x", "tip_y", "tip_z")
+        ]
+        gap = pm.norm(*gaps)
+        gap.description = "tip, distance from our run"
+        gap.plot(axes, label=f"drive_order = {order}", linestyle=line)
+        found[f"drive_order {order}"] = gap.max
+    axes.set(yscale="log", ylim=(1e-9, 1e-2), xlim=(0.0, t[-1]))
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False)
+    axes.figure.savefig(picture, dpi=140)
     return found
 
 

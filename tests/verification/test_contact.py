@@ -138,6 +138,50 @@ def test_a_sliding_ball_begins_to_roll(tmp_path):
     assert s["ball_position_x"][-1] == pytest.approx(way, rel=1e-4)
 
 
+def test_a_spinning_ball_on_a_moving_belt(tmp_path):
+    """It ends with 5/7 of its speed over the belt and 2/7 of that of its surface, in both axes.
+
+    Friction acts at the belt, so that the moment of momentum about the line of contact stays.
+    """
+    k, mass, radius, belt = 1e8, 2.0, 0.1, 1.0
+    depth = (mass * G / k) ** (1.0 / 1.5)
+    turns = {"velocity": [0.2, 0.5, 0.0], "angular_velocity": [10.0, -25.0, 40.0]}
+    text = FLOOR + body("belt", 5.0, 1.0)
+    text += body("ball", mass, 8e-3, position=[0.0, 0.0, radius - depth], **turns)
+    text += '[joints.belt]\nkind = "prismatic"\nbetween = ["ground.floor", "belt.c"]\n'
+    text += f"axis = [1.0, 0.0, 0.0]\ndrive = {{ polynomial = [0.0, {belt}] }}\n"
+    how = {"radius": radius, "stiffness": k, "impact_speed": 1.0, "restitution": 0.5}
+    text += contact("belt.c", "ball.c", **how, coefficient=0.3, rest_velocity=1e-4)
+    text += signals("ball", "velocity")
+    _, s, summary = run(tmp_path, text, 0.4, 0.1)
+    x = belt + (5.0 * (0.2 - belt) + 2.0 * radius * -25.0) / 7.0
+    y = (5.0 * 0.5 - 2.0 * radius * 10.0) / 7.0
+    assert s["ball_velocity_x"][-1] == pytest.approx(x, abs=1e-7)
+    assert s["ball_velocity_y"][-1] == pytest.approx(y, abs=1e-7)
+    assert s["ball_velocity_x"][1] > x + 0.1  # still sliding
+    assert summary["warnings"] == []
+
+
+@pytest.mark.parametrize("part", [0.5, 0.9])
+def test_a_foot_creeps_below_the_friction_that_it_can_have(tmp_path, part):
+    """Three points under a block: rest_velocity p / (1 - p^2)^(1/2) at the part p of friction."""
+    k, mass, mu, rest = 1e6, 3.0, 0.6, 5e-3
+    depth = (mass * G / 3.0 / k) ** (1.0 / 1.5)
+    feet = {"f1": [0.2, 0.0, 0.0], "f2": [-0.1, 0.2, 0.0], "f3": [-0.1, -0.2, 0.0]}
+    text = FLOOR + rigid(
+        "block", mass, 0.05, {"c": [0.0, 0.0, 0.0], **feet}, position=[0.0, 0.0, -depth]
+    )
+    how = {"radius": 0.0, "stiffness": k, "impact_speed": 0.5, "restitution": 0.3}
+    for foot in feet:
+        keys = {"between": ["ground.floor", f"block.{foot}"], **how}
+        text += force(f"k_{foot}", "contact", **keys, coefficient=mu, rest_velocity=rest)
+    text += force("push", "force", at="block.c", direction=[1.0, 0.0, 0.0])
+    text += f"law = {{ constant = {part * mu * mass * G} }}\n"
+    _, s, _ = run(tmp_path, text + signals("block", "velocity"), 0.3, 0.1)
+    creep = rest * part / sqrt(1.0 - part**2)
+    assert s["block_velocity_x"][-1] == pytest.approx(creep, rel=1e-6)
+
+
 def test_a_tilted_disc_rolls_in_a_circle(tmp_path):
     """Steady rolling of a thin disc of mass m and radius r, its axis at theta to the vertical.
 
