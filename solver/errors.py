@@ -91,11 +91,10 @@ def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Excep
 
 def not_by_check(file: Path, what: str, cause: object) -> InputError:
     """Return the error of a file that is no `what` ("run file") of `plymotion check`."""
+    why = f"no key {cause}" if isinstance(cause, KeyError) else cause
     if file.suffix == ".toml":
-        cause = f"a TOML file; of a case: `plymotion {file}`, for a sweep with --sweep NAME"
-    elif isinstance(cause, KeyError):
-        cause = f"no key {cause}"
-    return InputError(f"{file}: not a {what} ({cause}); expected one written by `plymotion check`")
+        why = f"a TOML file; of a case: `plymotion {file}`, for a sweep with --sweep NAME"
+    return InputError(f"{file}: not a {what} ({why}); expected one written by `plymotion check`")
 
 
 def coded(code: str, message: str) -> list[dict[str, str]]:

@@ -16,8 +16,7 @@ EPILOG = """\
 examples:
   plymotion new robot-arm                 a commented case, robot-arm/case.toml
   plymotion robot-arm/case.toml           check, bodies, runs: build/robot-arm/report.html
-  plymotion CASE.toml --sweep NAME        many runs of a case: build/CASE/sweeps/NAME/
-  plymotion run --help                    its options: --run, --out, --jobs, --coarse, ...
+  plymotion CASE.toml --sweep NAME        many runs of a case; other options: plymotion run --help
 
 exit code: 0 done; 2 something is wrong with the input; 3 a run or a member of a sweep ended early
 or is invalid, see the help of the command; 70 a defect of the program; 130, 143, 129 ended by

@@ -66,10 +66,8 @@ def _type(key: Mapping[str, Any]) -> str:
         return "table"
     options = key.get("anyOf") or key.get("oneOf")
     if options:
-        texts = list(dict.fromkeys(map(_type, options)))
-        if len(texts) == 2 and texts[0] == f"list of {texts[1]}":
-            return f"{texts[1]}, or a list of these"
-        return " or ".join(texts)
+        text = " or ".join(dict.fromkeys(map(_type, options)))
+        return re.sub(r"^list of (.+) or \1$", r"\1, or a list of these", text)
     values = key.get("enum", [key["const"]] if "const" in key else [])
     if values:
         return " or ".join(f'`"{v}"`' if isinstance(v, str) else f"`{v}`" for v in values)

@@ -256,10 +256,10 @@ def _at_given_coordinates(built: BuiltMechanism) -> Model:
     """Return the model with drives that hold the coordinates of the given positions."""
     model, values = built.model, np.zeros((len(built.model.law_start) - 1, 3))
     for joint in built.joints.values():
-        for row in joint.rows:
-            drive = DRIVES.get(NAMES[model.joint_kind[row]])
-            if drive is not None and isinstance(drive.coordinate, Displacement):
-                values[model.joint_law[row], 0] = joint.shift[drive.coordinate.axis]
+        for drive in joint.rows[1:]:
+            of = DRIVES[NAMES[model.joint_kind[drive]]].coordinate
+            if isinstance(of, Displacement):
+                values[model.joint_law[drive], 0] = joint.shift[of.axis]
     return with_laws(model, 0.0, values)
 
 
@@ -281,8 +281,7 @@ def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> 
     closes, found = frames_close(still, y), []
     for share, i, distance, angle in _moved(model, given, y, body_names):
         name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
-        listed = closes and not getattr(bodies.get(name), "part_of", None)
-        keys = _keys(place) if listed else ""
+        keys = _keys(place) if closes and not getattr(bodies.get(name), "part_of", None) else ""
         by = f"{round(distance, 12):.3g} m and {np.degrees(angle):.3g} deg"
         found.append((share, f"{name} by {by}{keys}"))
     if not found:

@@ -42,9 +42,9 @@ def run_info(options: argparse.Namespace) -> int:
     labels = package.mode_labels or package.mode_kinds
     for label, frequency in zip(labels, package.frequencies, strict=True):
         print(f"  {label:24s} {frequency:12.5g} rad/s {frequency / (2.0 * math.pi):12.5g} Hz")
-    zero = 1e-12 * float(abs(package.nodes_B).max())
+    least = 1e-12 * float(abs(package.nodes_B).max())  # below it a coordinate is round-off
     for interface in package.interfaces:
-        x, y, z = (v if abs(v) > zero else 0.0 for v in interface.position_B)
+        x, y, z = (v if abs(v) > least else 0.0 for v in interface.position_B)
         print(f"  interface {interface.name:12s} at ({x:.6g}, {y:.6g}, {z:.6g}) m")
     for one in package.design:
         targets = few(str(target.get("of")) for target in one.targets)

@@ -284,10 +284,8 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     found += _rotor(mechanism)
     for name, signal in mechanism.signals.items():
-        wrong = _signal(f"signals.{name}", signal, mechanism)
-        if isinstance(signal, StrengthSignal) and signal.body in bodies and not wrong:
-            wrong = _without_strengths(f"signals.{name}.body", signal.body, bodies[signal.body])
-        found += wrong
+        key = f"signals.{name}"
+        found += _signal(key, signal, mechanism) or _without_strengths(key, signal, bodies)
     found += check_combined(mechanism)
     spin = mechanism.solver.spin
     if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
@@ -519,18 +517,20 @@ def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
     return found
 
 
-def _without_strengths(key: str, name: str, body: BodySpec) -> list[str]:
+def _without_strengths(key: str, signal: Signal, bodies: dict[str, BodySpec]) -> list[str]:
     """Return an error if the materials of a body are known, and none has strengths."""
-    content: dict[str, Any] = dict(body.content)
+    if not isinstance(signal, StrengthSignal) or signal.body not in bodies:
+        return []
+    content: dict[str, Any] = dict(bodies[signal.body].content)
     parts = [content[part] for part in ("shell", "solid", "section") if part in content]
     parts += [station["section"] for station in content.get("stations", [])]
     materials = {name: m for part in parts for name, m in part.get("materials", {}).items()}
-    complete = parts and all("materials" in part for part in parts)
-    if not complete or any("strength" in material for material in materials.values()):
+    known = parts and all("materials" in part for part in parts)
+    if not known or any("strength" in material for material in materials.values()):
         return []
     return [
-        f'{key} = "{name}": no material of it has strengths; expected a table `strength` in '
-        f"{few(f'[materials.{material}]' for material in materials)} (docs/strength.md)"
+        f'{key}.body = "{signal.body}": no material of it has strengths; expected a table '
+        f"`strength` in {few(f'[materials.{name}]' for name in materials)} (docs/strength.md)"
     ]
 
 
