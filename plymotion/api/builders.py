@@ -10,7 +10,7 @@ from keyword import iskeyword
 from textwrap import fill
 from typing import Any, NamedTuple, get_args
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from ..solver.errors import InputError, nearest
@@ -23,7 +23,7 @@ from ..solver.inputs.case.tables.kinds import (
 )
 from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import Body, GroundPoint, PointMass
-from ..solver.inputs.common.table import members, unit, validated, without_annotations
+from ..solver.inputs.common.table import bare_lines, members, unit, without_annotations
 from .keys import Keys, kind_of, plain
 
 WIDTH = 84  # of docstrings
@@ -146,8 +146,11 @@ def _function(kind: Kind) -> Callable[..., Keys]:
                 for point, where in table["interfaces"].items()
             }
         if not self.table.get("parameters"):  # a text in place of a number is an expression
-            where = f"{kind.group}.{name}"
-            validated(kind.model, plain(table), where, **{FOLDER: self.folder})
+            try:
+                kind.model.model_validate(plain(table), context={FOLDER: self.folder})
+            except ValidationError as error:
+                found = bare_lines(error, kind.model, f"{kind.group}.{name}")
+                raise InputError("\n".join(found)) from None
         self.table.setdefault(kind.group, {})[name] = table
         groups = Keys(kind_of(kind.group), kind.group, kind.group, self.table, self.folder)
         return groups[name]

@@ -52,6 +52,9 @@ class RunSpec:
     def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
         """Return the run with other values at dotted keys of its mechanism, checked as a file is.
 
+        Numbers that the case has as expressions of `[parameters]` are numbers here: a change of
+        `parameters.NAME` is one of laws alone. `Case.changed` and sweeps make all of them follow.
+
         Raises
         ------
         InputError

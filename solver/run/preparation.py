@@ -13,6 +13,8 @@ from ..checks.singularity import SingularityMonitor
 from ..checks.stability import BucklingMonitor, SpinMonitor
 from ..dynamics.analysis.recovery import scales
 from ..dynamics.elements.constraints.treatment import Treatment, treated
+from ..dynamics.elements.forces.bearing import COEFFICIENT, JAMMING
+from ..dynamics.evaluation.accelerations import derivative
 from ..dynamics.model.model import Model
 from ..errors import few
 from ..inputs.case.expressions import is_smooth
@@ -74,12 +76,15 @@ class Prepared:
         return Monitors(self.spin, self.passage, self.buckling, self.turns, self.sizes)
 
     def explained(self, solution: Solution) -> Solution:
-        """Return the solution, with an explanation if it failed at a singular position."""
+        """Return the solution, with an explanation if it failed at a singular position, or where
+        friction by reactions jams."""
         if solution.status != "failed":
             return solution
-        cause = self.passage.explain(float(solution.t[-1]), solution.y[-1])
+        t, y = float(solution.t[-1]), solution.y[-1]
+        cause = self.passage.explain(t, y)
         if not cause:
-            return solution
+            jam = jammed(self.mechanism, self.built.model, t, y)
+            return replace(solution, message=f"{jam}{solution.message}")
         message = f"{cause} ({solution.message})"
         return replace(solution, message=message, code=SINGULAR.name)
 
@@ -276,6 +281,23 @@ def integrated(
             prepared.notes[k] = replace(first, level="error", text=text)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
+
+
+def jammed(mechanism: "Mechanism", model: Model, t: float, y: Array) -> str:
+    """Say which friction leaves no accelerations at time t [s] in state y (n,); "" if none does."""
+    friction = []
+    for name, force in mechanism.forces.items():
+        keys = {key: getattr(force, key, None) for key in ("joint", *JAMMING)}
+        if keys[COEFFICIENT]:
+            given = ", ".join(f"{k} = {v}" for k, v in keys.items() if v is not None)
+            friction.append(f"forces.{name} ({given})")
+    if not friction or np.isfinite(derivative(model, t, y)).all():
+        return ""
+    return (
+        f"Friction would need more reaction than there is, so that a body jams: {few(friction)}. "
+        "Expected a longer guide (`length`), a smaller coefficient, or loads and centres of mass "
+        "nearer to the axis of the joint. "
+    )
 
 
 def _unsearched(count: int) -> Finding:

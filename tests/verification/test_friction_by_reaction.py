@@ -28,6 +28,26 @@ def rubbing(**keys) -> str:
     return force("f", "friction", joint="rail", rest_velocity=REST, **keys)
 
 
+@pytest.mark.parametrize(("length", "jams"), [(0.07, False), (0.05, True)])
+@pytest.mark.parametrize("solver", ["", DEFAULT, GEAR])
+def test_a_short_guide_jams_by_name(tmp_path, solver, length, jams):
+    """A mass 0.1 m beside its guide: friction F at the guide gives it the moment F a, by which it
+    needs 2 mu F a / length more. At mu = 0.3 there is no motion for guides below 0.06 m.
+    """
+    text = carriage(rubbing(coefficient=0.3, length=length), speed=1.0)
+    text = text.replace("position = [0.0, 0.0, 0.0]", "position = [0.0, 0.1, 0.0]", 1)
+    text = text.replace("a = { position = [0.0, 0.0, 0.0]", "a = { position = [0.0, 0.1, 0.0]", 1)
+    _, s, summary = run(tmp_path, f"gravity = [0.0, {-G}, 0.0]\n{text}", 0.01, 0.01, solver)
+    if jams:
+        assert summary["status"] == "failed"
+        assert summary["message"].startswith("Friction would need more reaction than there is")
+        assert "forces.f (joint = rail, coefficient = 0.3, length = 0.05)" in summary["message"]
+        assert "Expected a longer guide" in summary["message"]
+    else:  # F = mu (m g + 2 F a / length)
+        force = 0.3 * G / (1.0 - 0.6 * 0.1 / length)
+        assert s["v"][-1] == pytest.approx(1.0 - force * 0.01, rel=1e-4)
+
+
 @pytest.mark.parametrize("solver", ["", RADAU, DEFAULT, ALPHA, GEAR])
 def test_a_block_slides_down_a_slope(tmp_path, solver):
     """x'' = g (sin a - mu cos a), and the work of friction."""

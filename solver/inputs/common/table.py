@@ -166,8 +166,8 @@ def validated(model: type[Model], table: Any, where: object, **context: Any) -> 
         raise InputError("\n".join(lines(error, model, str(where)))) from error
 
 
-def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
-    """Return the same without a file: messages that begin with the key."""
+def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") -> list[str]:
+    """Return the same without a file: messages that begin with the key, `under` that of a table."""
     found: dict[str, list[str]] = {}  # key and value: what is expected, by member of a union
     unknown: dict[tuple[Any, ...], list[str]] = {}  # table: keys that it does not have
     items = error.errors()
@@ -196,7 +196,8 @@ def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
                 has = "has" if len(others) == 1 else "have"
                 hint = f" of {own}; {few(others)} {has} it"
             found[printable(f"{key}.{name}" if key else name)] = [f"unknown key{hint}"]
-    return sorted(f"{head}: {_joined(texts)}".removeprefix(": ") for head, texts in found.items())
+    keys = {head: ".".join(filter(None, (under, head))) for head in found}
+    return sorted(f"{keys[k]}: {_joined(texts)}".removeprefix(": ") for k, texts in found.items())
 
 
 # Common words, and what they are in a file; with a dot the key of another table. Words that a table

@@ -14,6 +14,7 @@ from .contract import BOTH, ROTATION, Number
 
 COEFFICIENT = "coefficient"
 _ARMS = ("radius", "collar_radius", "length")
+JAMMING = (COEFFICIENT, "static_coefficient", *_ARMS)  # keys that decide whether a joint jams
 BY_REACTION = (
     Number(
         COEFFICIENT,
@@ -73,7 +74,7 @@ def by_reaction(values: Mapping[str, Any]) -> bool:
     """
     if values[COEFFICIENT] is not None:
         return True
-    for key in ("static_coefficient", *_ARMS):
+    for key in JAMMING[1:]:
         if values[key] is not None:
             raise InputError(f".{key} = {values[key]:g}: expected with coefficient only")
     return False
