@@ -1,5 +1,6 @@
 """Scripts of gmsh, and gmsh in a process of its own: it may abort, hang, or use up the memory."""
 
+import faulthandler
 import json
 import multiprocessing
 import os
@@ -31,15 +32,15 @@ class GmshEndedError(Exception):
         self.code = code
 
 
-def apart(function: Callable[..., Any], *arguments: Any, fresh: bool = False) -> Any:
-    """Return the value of a function from a copy of this process, or from a new one (`fresh`).
+def apart(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Return the value of a function from a process of its own, a copy of this one on Linux.
 
     Raises
     ------
     GmshEndedError : a signal, or the end of Python, of that process
     others : as of the function
     """
-    copies = context(fresh=fresh)
+    copies = context()
     here, there = copies.Pipe(duplex=False)
     copy = copies.Process(target=_send, args=(there, function, arguments))
     copy.start()
@@ -58,6 +59,7 @@ def apart(function: Callable[..., Any], *arguments: Any, fresh: bool = False) ->
 
 
 def _send(there: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    faulthandler.disable()
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # OpenCASCADE's words, and MPI's of a signal
     try:
         found = function(*arguments)

@@ -7,14 +7,13 @@ import tempfile
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
 from ...solver.errors import few
-from ..mesh_input import SUFFIXES, is_refused, load_script
+from ..mesh_input import SUFFIXES, is_ours, is_refused, load_script
 from .gmsh_alone import GmshEndedError, Parameters, allow, apart, cell_count, generate
 from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
 from .stack import Array, MeshError, gmsh
@@ -347,36 +346,23 @@ def run_script(path: Path, parameters: Parameters, *, gdim: int = 2) -> PlainMes
     for key in parameters:
         if f'"Parameters/{key}"' not in text:
             raise MeshError(f"{path}: the script has no parameter {key}")
+    if is_ours(path):
+        return _meshed(path, parameters, gdim)
+    try:  # gmsh reads a Macro once per process, and keeps the remains of a faulty script
+        return cast(PlainMesh, apart(_meshed, path, parameters, gdim))
+    except GmshEndedError as error:
+        raise MeshError(f"{path}: {error} while it meshes the script") from None
+
+
+def _meshed(path: Path, parameters: Parameters, gdim: int) -> PlainMesh:
+    """See `run_script`."""
     with gmsh_session():
         gmsh.clear()
         try:
             generate(str(path), parameters)
         except Exception as error:  # gmsh raises bare Exception or ValueError
-            _flush_parser()
-            if "Redefinition of function" not in str(error):
-                raise MeshError(f"{path}: gmsh: {error}") from error
-        else:
-            plain = plain_from_model(str(path), gdim)
-            gmsh.clear()
-            return plain
-    # gmsh reads a script with a Macro only once per process, because it keeps the name
-    return cast(PlainMesh, apart(partial(run_script, gdim=gdim), path, parameters, fresh=True))
-
-
-def _flush_parser() -> None:
-    """Clear the remains of a faulty script from gmsh's parser; they would affect the next script.
-
-    Every attempt to read an empty script removes the remains up to the next error.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        empty = Path(folder) / "empty.geo"
-        empty.write_text("\n")
-        for _ in range(100):
-            try:
-                gmsh.merge(str(empty))
-            except Exception:  # gmsh raises bare Exception or ValueError
-                continue
-            return
+            raise MeshError(f"{path}: gmsh: {error}") from error
+        return plain_from_model(str(path), gdim)
 
 
 def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:

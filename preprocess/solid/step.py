@@ -15,10 +15,10 @@ _PARAMETER = (
     r"(?:#\d+|[$*]|''|\"[0-9A-Fa-f]*\"|\.\w+\.|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
     r"|(?:!?[A-Za-z]\w*\s*)?@)"
 )
-_LIST = re.compile(rf"\(\s*(?:{_PARAMETER}\s*(?:,\s*{_PARAMETER}\s*)*)?\)")
+_LIST = re.compile(rf"\(\s*(?:{_PARAMETER}\s*(?:,\s*{_PARAMETER}\s*)*)?\)")  # @: a list within
 _ENTITY = re.compile(r"#(\d+)\s*=\s*(?:!?[A-Za-z]\w*\s*@|\(\s*(?:!?[A-Za-z]\w*\s*@\s*)+\)|@)\s*")
 _REFERENCE = re.compile(r"#(\d+)")
-SHOWN = 60  # characters of a statement in a message
+BEGIN, END = "ISO-10303-21;", "END-ISO-10303-21;"
 
 
 def check_step(path: Path) -> None:
@@ -29,62 +29,60 @@ def check_step(path: Path) -> None:
     MeshError : no STEP file, a statement with wrong syntax, an entity that is missing or there
         twice, with its line; no unit of length.
     """
-    text = path.read_text(encoding="latin-1")
-    if not text.lstrip().startswith("ISO-10303-21;"):
-        raise MeshError(f"{path}: line 1: expected ISO-10303-21; as the first line of a STEP file")
-    if not text.rstrip().endswith("END-ISO-10303-21;"):
-        raise MeshError(
-            f"{path}: line {text.count(chr(10)) + 1}: expected END-ISO-10303-21; as the last line: "
-            "the file is not complete"
-        )
+    try:
+        _check(path.read_text(encoding="latin-1"))
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from None
+
+
+def _check(text: str) -> None:
+    if not text.lstrip().startswith(BEGIN):
+        raise MeshError(f"line 1: expected {BEGIN} as the first line of a STEP file")
+    if not text.rstrip().endswith(END):
+        last = text.count("\n") + 1
+        raise MeshError(f"line {last}: expected {END} as the last line: the file is not complete")
     known: dict[str, int] = {}
     wanted: dict[str, int] = {}
-    inside = False
-    for line, statement in _statements(path, text):
-        name = statement.partition("(")[0].strip()
-        if name in ("DATA", "ENDSEC"):
-            inside = name == "DATA"
-        elif inside:
-            short, count = statement, 1
-            while count:
-                short, count = _LIST.subn("@", short)
-            entity = _ENTITY.fullmatch(short)
-            if entity is None:
-                shown = " ".join(statement.split())[:SHOWN]
-                raise MeshError(
-                    f"{path}: line {line}: {shown}: expected #NUMBER = NAME(PARAMETERS); of "
-                    "ISO 10303-21"
-                )
-            number = entity[1]
-            if number in known:
-                raise MeshError(
-                    f"{path}: line {line}: #{number} is in line {known[number]}, too; expected one "
-                    "entity of each number"
-                )
-            known[number] = line
-            for other in _REFERENCE.findall(statement, entity.end(1)):
-                wanted.setdefault(other, line)
+    for line, statement in _statements(text):
+        short, count = statement, 1
+        while count:
+            short, count = _LIST.subn("@", short)
+        entity = _ENTITY.fullmatch(short)
+        if entity is None:
+            shown = " ".join(statement.split())[:60]
+            raise MeshError(f"line {line}: {shown}: expected #NUMBER = NAME(PARAMETERS);")
+        if (first := known.setdefault(entity[1], line)) != line:
+            raise MeshError(
+                f"line {line}: #{entity[1]} is in line {first}, too; expected one of it"
+            )
+        for other in _REFERENCE.findall(statement, entity.end(1)):
+            wanted.setdefault(other, line)
     for number, line in wanted.items():
         if number not in known:
             raise MeshError(
-                f"{path}: line {line}: refers to #{number}, which the file does not have; expected "
-                "a complete file"
+                f"line {line}: expected #{number} in the file, which has no such entity"
             )
     if "LENGTH_UNIT" not in text:
-        raise MeshError(f"{path}: has no LENGTH_UNIT; expected a STEP file with its unit of length")
+        raise MeshError("has no LENGTH_UNIT; expected a STEP file with its unit of length")
 
 
-def _statements(path: Path, text: str) -> Iterator[tuple[int, str]]:
-    """Line and text of what stands before each semicolon, strings as '', without comments."""
+def _statements(text: str) -> Iterator[tuple[int, str]]:
+    """Line and text of the entities, without comments, their texts as ''."""
 
     def blank(found: re.Match[str]) -> str:
         if found[0].startswith("'") and _SWALLOWED.search(found[0]):
             line = text.count("\n", 0, found.start()) + 1
-            raise MeshError(f"{path}: line {line}: the text that begins here has no closing '")
+            raise MeshError(
+                f"line {line}: the text that begins here has no end; expected another '"
+            )
         return ("''" if found[0].startswith("'") else " ") + "\n" * found[0].count("\n")
 
-    line = 1
+    line, inside = 1, False
     for statement in _TEXT.sub(blank, text).split(";"):
         start = statement.lstrip()
-        yield line + statement[: len(statement) - len(start)].count("\n"), start
+        name = start.partition("(")[0].rstrip()
+        if name in ("DATA", "ENDSEC"):
+            inside = name == "DATA"
+        elif inside:
+            yield line + statement[: len(statement) - len(start)].count("\n"), start
         line += statement.count("\n")
