@@ -1,12 +1,10 @@
 """What Numba compiles is kept: a process after `plymotion solver compile` compiles nothing."""
 
 import json
-import os
-import subprocess
-import sys
 from importlib.util import find_spec
 
 import pytest
+from harness.processes import this_python
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
@@ -75,12 +73,7 @@ def ahead():
 
 
 def _python(code: str, *arguments: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        env={**os.environ, "PLYMOTION_COMPILED": "1"},
-        capture_output=True,
-        text=True,
-    )
+    done = this_python("-c", code, *arguments, more={"PLYMOTION_COMPILED": "1"})
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -1,16 +1,14 @@
 """The paper's double pendulum from the shipped packages: no FEniCSx needed."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from harness.processes import this_python
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
@@ -208,14 +206,7 @@ def test_plain_numpy_gives_the_same_motion(build, repository):
     )
     found = {}
     for flag in ("0", "1"):
-        done = subprocess.run(
-            [sys.executable, "-c", code],
-            env={**os.environ, "PLYMOTION_COMPILED": flag},
-            cwd=build,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
+        done = this_python("-c", code, more={"PLYMOTION_COMPILED": flag}, cwd=build, check=True)
         compiled, q = json.loads(done.stdout)
         found[flag] = np.array(q)
         assert not (flag == "0" and compiled)

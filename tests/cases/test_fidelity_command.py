@@ -1,12 +1,10 @@
 """`plymotion plan` and `plymotion run` of a case with [fidelity], with packages built here."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from harness.processes import this_python
 from samples.fidelity_packages import CASE, build_bodies
 
 import plymotion as pm
@@ -83,11 +81,13 @@ def test_two_processes_make_the_same_plan(folder, tmp_path):
     for number in range(2):
         out = tmp_path / str(number)
         words = ["plan", str(folder / "case.toml"), "--out", str(out), "--json"]
-        done = subprocess.run(
-            [sys.executable, "-m", "plymotion", *words, "--packages", str(folder / "packages")],
-            env=os.environ | {"PYTHONHASHSEED": str(number), "PYTHONPATH": str(ROOT)},
-            capture_output=True,
-            text=True,
+        done = this_python(
+            "-m",
+            "plymotion",
+            *words,
+            "--packages",
+            folder / "packages",
+            more={"PYTHONHASHSEED": str(number), "PYTHONPATH": str(ROOT)},
             check=True,
         )
         answer = json.loads(done.stdout)

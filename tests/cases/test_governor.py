@@ -1,11 +1,7 @@
 """A flyball governor with springs at its sleeve, damped and not: few refusals, no false hints."""
 
 import pytest
-from samples.case_samples import HEAD, rigid
-
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.run.execution import execute, read_run
+from samples.case_samples import HEAD, computed_file, rigid
 
 SLEEVE, ARM, REST = 0.5, 0.8, 0.2836  # [m] below the hinge, of the arms, of the springs unloaded
 
@@ -46,10 +42,7 @@ t_end = 10.0
 output_step = 0.01
 [runs.base]
 """
-    file = folder / "case.toml"
-    file.write_text(HEAD + text)
-    write_case(load_case(file), folder / "build")
-    return execute(read_run(folder / "build/runs/base.json"), progress=False)[1]
+    return computed_file(folder / "case.toml", HEAD + text)[1]
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,10 @@ import json
 import numpy as np
 import pytest
 from samples.beam_samples import CLAMPED, reduced
-from samples.case_samples import HEAD, rigid
+from samples.case_samples import HEAD, computed_file, rigid
 from samples.stiffening_samples import rectangle
 
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import write_package
-from plymotion.solver.run.execution import execute, read_run
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH = 0.5
@@ -27,10 +24,7 @@ def found(tmp_path, text, packages=None, *, t_end, step, **solver):
         write_package(tmp_path / f"{name}.vtkhdf", package)
     keys = {"t_end": t_end, "output_step": step} | solver
     lines = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
-    file = tmp_path / "case.toml"
-    file.write_text(f"{HEAD}{text}\n[solver]\n{lines}[runs.base]\n")
-    write_case(load_case(file), tmp_path / "build", None)
-    return execute(read_run(tmp_path / "build/runs/base.json"), progress=False)[1]
+    return computed_file(tmp_path / "case.toml", f"{HEAD}{text}\n[solver]\n{lines}[runs.base]\n")[1]
 
 
 def codes(summary):

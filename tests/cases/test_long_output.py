@@ -1,8 +1,6 @@
 """Runs of many output times: the same results as in memory, in memory that does not grow."""
 
 import json
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -10,6 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from harness.processes import this_python
 from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.inputs.case.load import load_case
@@ -234,7 +233,7 @@ def test_memory_does_not_grow_with_output_times(tmp_path: Path) -> None:
             "print(next(x for x in open('/proc/self/status') if x.startswith('VmHWM')).split()[1])"
             "\nsys.exit(code)\n"
         )
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        done = this_python("-c", code)
         assert done.returncode == 0, done.stderr
         peaks.append(float(done.stdout.split()[-1]) * 1024)
         assert {path.name for path in out.iterdir()} == {"summary.json", "result.vtkhdf", RECORD}

@@ -7,16 +7,13 @@ import numpy as np
 import pytest
 from samples.beam_samples import dense
 from samples.body_specs import beam_body
-from samples.case_samples import HEAD
+from samples.case_samples import HEAD, computed_file
 from samples.recovery_samples import STEEL
 
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import SectionData, write_package
-from plymotion.solver.run.execution import execute, read_run
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05
 AREA, I2, I3 = WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12, HEIGHT * WIDTH**3 / 12
@@ -57,9 +54,7 @@ def swing(folder: Path, count: int) -> tuple[dict[str, np.ndarray], dict[str, An
     assert package.n_mode == 2 * count
     write_package(folder / "arm.vtkhdf", package)
     solver = "[solver]\nt_end = 0.1\noutput_step = 1e-3\n[runs.base]\n"
-    (folder / "case.toml").write_text(HEAD + PENDULUM + solver)
-    write_case(load_case(folder / "case.toml"), folder / "build")
-    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    result, summary = computed_file(folder / "case.toml", HEAD + PENDULUM + solver)
     return {s.name: s.values for s in result.signals}, summary
 
 

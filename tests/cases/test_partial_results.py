@@ -1,13 +1,10 @@
 """Runs that do not reach their end keep what they have, readable, and say why."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from harness.processes import interrupted
 from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.__main__ import main
@@ -47,19 +44,8 @@ def test_ctrl_c_keeps_the_part(repository, tmp_path):
         "r.PATIENCE_S = 60.0  # a busy machine may need longer to save\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", ready, "run", str(file), "--out", str(out), "--quiet"],
-        stdout=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PLYMOTION_COMPILED": "0"},
-    )
-    try:
-        assert process.stdout.readline() == "stepping\n"
-        process.send_signal(signal.SIGINT)
-        words, _ = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == 130
+    code, words, _ = interrupted(ready, "run", file, "--out", out, "--quiet")
+    assert code == 130
     assert "n-2: interrupted at t = " in words
     summary, result = _checked_result(out)
     assert summary["status"] == "interrupted"

@@ -1,13 +1,10 @@
 """Sweeps that are interrupted keep the members that are complete."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from harness.processes import interrupted
 from samples.sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
@@ -91,20 +88,8 @@ def test_ctrl_c_within_a_member(tmp_path):
         "Monitors.__call__ = told\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, "sweep", str(file), "--quiet"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PLYMOTION_COMPILED": "0"},
-    )
-    try:
-        assert process.stdout.readline() == "stepping\n"
-        process.send_signal(signal.SIGINT)
-        _, words = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == 130, words
+    returned, _, words = interrupted(code, "sweep", file, "--quiet")
+    assert returned == 130, words
     assert "1 of 2 members are in" in words
     assert [row.status for row in result(file).rows] == ["finished", "pending"]
 

@@ -11,6 +11,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from harness.processes import this_python
 from samples.case_samples import case_runs
 
 from plymotion.solver.inputs.case.record import seal
@@ -95,13 +96,7 @@ def copy_of_the_code(repository: Path, folder: Path) -> None:
 def lint(folder: Path) -> subprocess.CompletedProcess[str]:
     """import-linter on a checkout, its own modules first on the path."""
     program = "from importlinter.cli import lint_imports_command as c; c()"
-    return subprocess.run(
-        [sys.executable, "-c", program, "--no-cache"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        env={"PYTHONPATH": str(folder)},
-    )
+    return this_python("-c", program, "--no-cache", cwd=folder, env={"PYTHONPATH": str(folder)})
 
 
 PLANTED = [  # folder, forbidden import, contract that it breaks
@@ -237,7 +232,5 @@ def test_benchmarks_import_what_exists(file: Path) -> None:
 def test_a_run_loads_no_models(repository: Path) -> None:
     """Building the models of a case takes 0.2 s, several times as long as a run (adr/0013)."""
     program = "import sys; import plymotion.solver.run.execution; print('pydantic' in sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=repository, capture_output=True, text=True, check=True
-    )
+    done = this_python("-c", program, cwd=repository, check=True)
     assert done.stdout.strip() == "False"

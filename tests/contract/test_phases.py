@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from harness.processes import this_python
 
 MAKEFILE = """
 good: ; @echo one; sleep 0.2; echo two; echo '1.50s call     tests/test_a.py::test_long'
@@ -171,12 +172,7 @@ def test_a_failed_test_is_named_while_the_others_run(repository: Path, tmp_path:
     (tmp_path / "test_two.py").write_text("def test_a(): assert 0\ndef test_b(): pass\n")
     (tmp_path / "conftest.py").write_text((repository / "tests/conftest.py").read_text())
     words = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--tb=no", "-c", "/dev/null"]
-    done = subprocess.run(
-        [sys.executable, *words, "--rootdir", str(tmp_path), "test_two.py"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
+    done = this_python(*words, "--rootdir", tmp_path, "test_two.py", cwd=tmp_path)
     lines = done.stdout.splitlines()
     assert lines[:3] == ["F", "FAILED test_two.py::test_a", ". " + lines[2][2:]], done.stdout
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.processes import this_python
 from harness.struck_samples import narrow_pipe
 
 from plymotion.solver.__main__ import main
@@ -231,12 +232,12 @@ def test_installed_package_hides_nothing_of_the_other_python(
     # ... and not if the package is found as an installed one is.
     start = f"import sys; sys.path.insert(0, {str(site)!r}); sys.argv[0] = 'plymotion'; "
     start += "from plymotion.solver.__main__ import main; sys.exit(main())"
-    done = subprocess.run(
-        [sys.executable, "-c", start, *command("bar.toml", "--no-figures", "--no-estimate")[3:]],
-        capture_output=True,
-        text=True,
+    done = this_python(
+        "-c",
+        start,
+        *command("bar.toml", "--no-figures", "--no-estimate")[3:],
         cwd=folder,
-        env={**os.environ, "FENICSX_PYTHON": fenicsx},
+        more={"FENICSX_PYTHON": fenicsx},
     )
     assert done.returncode == 0, done.stderr
     assert (folder / "build" / "sections" / "bar" / "bar.vtkhdf").exists()

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from harness.processes import this_python
 
 from plymotion.solver.commands.case_arguments import STARTERS
 from plymotion.solver.commands.setup import HOME
@@ -25,7 +26,7 @@ def wheel(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     # An environment for each of both takes 4 s, and has what pyproject.toml asks for, as this one.
     alone = [] if find_spec("hatchling") is None else ["--no-isolation"]
     words = ["-m", "build", *alone, "--outdir", str(folder), str(repository)]
-    built = subprocess.run([sys.executable, *words], capture_output=True, text=True, cwd=folder)
+    built = this_python(*words, cwd=folder)
     if "No matching distribution found for hatchling" in built.stdout + built.stderr:
         pytest.skip("hatchling cannot be installed here")
     assert built.returncode == 0, built.stdout + built.stderr

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from samples.case_samples import computed_file
 from samples.exchange_decks import (
     ANGLES,
     E1,
@@ -23,12 +24,9 @@ from samples.exchange_routes import import_file, mystran, run_program
 from plymotion.preprocess.exchange.formats.nastran import bulk_cards, read_bulk_data, read_layups
 from plymotion.preprocess.exchange.free_body import Cells, Layups, centre_strains, recovered
 from plymotion.preprocess.exchange.import_file import imported, read_table
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, validate, write_package
 from plymotion.solver.package.body.schema import CellResultants
-from plymotion.solver.run.execution import execute, read_run
 
 COUNT = (40, 4)
 ENDS = {
@@ -148,9 +146,7 @@ def test_strength_of_an_imported_shell_in_a_mechanism(file: Path, tmp_path: Path
     arm = tmp_path / "arm.toml"
     package = imported(read_table(arm), tmp_path, str(arm))
     write_package(tmp_path / "arm.vtkhdf", package)
-    (tmp_path / "case.toml").write_text(CASE)
-    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build")
-    result, _ = execute(read_run(tmp_path / "build/runs/base.json"), progress=False)
+    result, _ = computed_file(tmp_path / "case.toml", CASE)
     q = np.linalg.solve(package.stiffness, 20.0 * package.interfaces[1].phi_B[2])
     R = cells_of(package).resultants_E @ q
     stress = np.einsum("plsr,cr->clps", package.laminates[0].stress_M, R)

@@ -42,8 +42,8 @@ def rigid_end(body: Brick, x: float) -> tuple[Array, Array, Array]:
     return (3 * rows[:, None] + np.arange(3)).ravel(), block.reshape(-1, 6), arms
 
 
-def test_frequencies_are_those_of_a_dense_solution(body: Brick, package: ModalPackage) -> None:
-    """Root held, tip face rigid: eigenvalues of the dense matrices, constrained here by hand."""
+def held(body: Brick) -> np.ndarray:
+    """Displacements by those of free nodes and the motion of the tip; the root is held."""
     n = 3 * len(body.nodes)
     root, _, _ = rigid_end(body, 0.0)
     tip, block, _ = rigid_end(body, SIZE[0])
@@ -51,6 +51,12 @@ def test_frequencies_are_those_of_a_dense_solution(body: Brick, package: ModalPa
     T = np.zeros((n, len(free) + 6))
     T[free, np.arange(len(free))] = 1.0
     T[tip, len(free) :] = block
+    return T
+
+
+def test_frequencies_are_those_of_a_dense_solution(body: Brick, package: ModalPackage) -> None:
+    """Root held, tip face rigid: eigenvalues of the dense matrices, constrained here by hand."""
+    T = held(body)
     K, M = (T.T @ A.toarray() @ T for A in (body.K, body.M))
     values = lowest(K, M, 6)
     np.testing.assert_allclose(package.frequencies[:6] ** 2, values, rtol=1e-9)
@@ -58,15 +64,9 @@ def test_frequencies_are_those_of_a_dense_solution(body: Brick, package: ModalPa
 
 def test_static_shapes_bend_as_the_dense_solution(body: Brick, package: ModalPackage) -> None:
     """A force at the tip: the modes together give the deflection of K u = f."""
-    n = 3 * len(body.nodes)
-    root, _, _ = rigid_end(body, 0.0)
-    tip, block, _ = rigid_end(body, SIZE[0])
-    free = np.setdiff1d(np.arange(n), np.concatenate([root, tip]))
-    T = np.zeros((n, len(free) + 6))
-    T[free, np.arange(len(free))] = 1.0
-    T[tip, len(free) :] = block
-    force = np.zeros(len(free) + 6)
-    force[len(free) + 2] = 1.0
+    T = held(body)
+    force = np.zeros(T.shape[1])
+    force[-4] = 1.0
     u = np.linalg.solve(T.T @ body.K.toarray() @ T, force)
     place = package.interfaces[1]
     q = place.phi_B[2] / np.diag(package.stiffness)

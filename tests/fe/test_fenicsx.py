@@ -1,8 +1,5 @@
 """preprocess/fenicsx: eigenpairs, factorisation, gmsh scripts, messages when parts are missing."""
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 import ufl
+from harness.processes import this_python
 from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
@@ -203,14 +201,7 @@ def test_missing_part_is_named(missing: str) -> None:
         "try:\n    import plymotion.preprocess.fenicsx\n"
         "except ImportError as error:\n    print(type(error).__name__, error)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        check=True,
-    )
+    done = this_python("-c", code, cwd=ROOT, more={"PYTHONPATH": str(ROOT)}, check=True)
     assert done.stdout.startswith("MissingFenicsx")
     assert missing in done.stdout
     assert "make fenicsx" in done.stdout

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from harness.processes import this_python
 from samples.section_cases import section
 from samples.section_specs import rectangle_spec
 from samples.shell_specs import METAL
@@ -69,11 +70,12 @@ def test_a_compiler_that_fails_is_told(tmp_path: Path) -> None:
     spec.write_text(json.dumps(rectangle_spec(2.0, 1.0, METAL)))
     cache = tmp_path / "cache"
     cache.mkdir()
-    done = subprocess.run(
-        [sys.executable, "-m", "plymotion.preprocess", "section", str(spec)],
-        env={**os.environ, "PLYMOTION_CACHE": str(cache), "CC": str(tmp_path / "no-cc")},
-        capture_output=True,
-        text=True,
+    done = this_python(
+        "-m",
+        "plymotion.preprocess",
+        "section",
+        spec,
+        more={"PLYMOTION_CACHE": str(cache), "CC": str(tmp_path / "no-cc")},
         timeout=120,
     )
     assert done.returncode == 2

@@ -1,13 +1,11 @@
 """The matrices of shells come from their text in UFL, through FFCx and DOLFINx."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.processes import this_python
 from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
@@ -117,13 +115,7 @@ def test_without_a_compiler_the_message_says_so(tmp_path) -> None:
     cache = tmp_path / "cache"
     cache.mkdir(mode=0o700)
     environment = {"PYTHONPATH": str(ROOT), "CC": "/nowhere/cc", "PLYMOTION_CACHE": str(cache)}
-    done = subprocess.run(
-        [sys.executable, "-c", program, "shell", str(spec)],
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        env={**os.environ, **environment},
-    )
+    done = this_python("-c", program, "shell", spec, cwd=ROOT, more=environment)
     assert done.returncode == 2
     assert "no C compiler '/nowhere/cc'" in done.stderr
     assert "Traceback" not in done.stderr

@@ -1,13 +1,11 @@
 """What the preprocessor loads: parts of FEniCSx that an analysis needs, none to find no work."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from harness.processes import this_python
 from samples.section_specs import rectangle_spec
 from samples.shell_specs import METAL, plate
 
@@ -31,12 +29,8 @@ pytestmark = pytest.mark.one_end
 
 def loaded(command: str, spec: Path) -> set[str]:
     """Modules of a process that makes the file of a specification."""
-    done = subprocess.run(
-        [sys.executable, "-c", BUILD_AND_LIST, command, str(spec)],
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    done = this_python(
+        "-c", BUILD_AND_LIST, command, spec, cwd=ROOT, more={"PYTHONPATH": str(ROOT)}
     )
     assert done.returncode == 0, done.stderr
     return set(done.stdout.split())

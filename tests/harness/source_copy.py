@@ -3,9 +3,9 @@
 import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
+
+from harness.processes import this_python
 
 HALVES = ("solver", "preprocess", "meshes")
 BLOCK = re.compile(r"```python\n# (\S+)\n(.*?)```", re.S)
@@ -44,12 +44,6 @@ def copy_with_recipes(repository: Path, folder: Path) -> Path:
 def run_python(copy: Path, repository: Path, *arguments: str) -> str:
     """Run Python on the copy, with the helpers of tests/; return what it prints."""
     path = os.pathsep.join([str(copy), str(repository / "tests")])
-    done = subprocess.run(
-        [sys.executable, *arguments],
-        cwd=copy,
-        env={**os.environ, "PYTHONPATH": path, "PLYMOTION_COMPILED": "0"},
-        capture_output=True,
-        text=True,
-    )
+    done = this_python(*arguments, cwd=copy, more={"PYTHONPATH": path, "PLYMOTION_COMPILED": "0"})
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

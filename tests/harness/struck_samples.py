@@ -8,11 +8,11 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 from harness.forks import forks
 from harness.hostile_profile import WAIT_S
+from harness.processes import this_python
 from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
@@ -64,13 +64,7 @@ def struck(
     """Run a command and strike it: "before SIGKILL" a file is renamed, for example."""
     if more.get("PLYMOTION_COMPILED", "0") == "0":
         return forks.run(STRUCK, kind, str(place), *words, timeout=WAIT_S, **more)
-    return subprocess.run(
-        [sys.executable, "-c", STRUCK, kind, str(place), *words],
-        env=os.environ | more,
-        capture_output=True,
-        text=True,
-        timeout=WAIT_S,
-    )
+    return this_python("-c", STRUCK, kind, place, *words, more=more, timeout=WAIT_S)
 
 
 def times_passed(kind: str, words: list[str], **more: str) -> int:

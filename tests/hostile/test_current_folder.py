@@ -4,8 +4,6 @@ import hashlib
 import os
 import pickle
 import random
-import subprocess
-import sys
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from harness.hostile_profile import count, tries
+from harness.processes import this_python
 from samples.package_samples import cantilever
 
 from plymotion.solver.math.disk_cache import DiskCache
@@ -102,11 +101,8 @@ def test_compiled_code_of_others_is_not_loaded(tmp_path, way):
         pytest.skip("needs another owner")
 
     def found():
-        done = subprocess.run(
-            [sys.executable, "-P", "-c", COMPILES],
-            capture_output=True,
-            text=True,
-            env=os.environ | {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(root)},
+        done = this_python(
+            "-P", "-c", COMPILES, more={"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(root)}
         )
         assert done.returncode == 0, done.stderr
         return done.stdout.strip()
@@ -142,12 +138,7 @@ def test_one_warning_of_a_process(tmp_path):
     (tmp_path / "cache").chmod(0o777)
     code = "from plymotion.solver.math.disk_cache import DiskCache\n"
     code += "for name in 'abc':\n    DiskCache(name, 1).write('k', b'c')\n"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PLYMOTION_CACHE": str(tmp_path / "cache")},
-    )
+    done = this_python("-c", code, more={"PLYMOTION_CACHE": str(tmp_path / "cache")})
     assert done.stderr.count("not used as a cache") == 1
     assert "chmod -R go-w" in done.stderr
     assert not any((tmp_path / "cache").iterdir())
@@ -230,12 +221,14 @@ def test_numba_does_not_read_the_current_folder(tmp_path, choice):
     code += "A = np.empty((3, 3))\nrotation_into(np.array([0.0, 1.0, 0.0, 0.0]), A)\n"
     code += "import yaml\nfrom numba import config\n"
     code += "print(config.CACHE_DIR or None, config.SHOW_HELP, A[0])"
-    done = subprocess.run(
-        [sys.executable, "-P", "-W", "ignore:::plymotion", "-c", code],
-        capture_output=True,
-        text=True,
+    done = this_python(
+        "-P",
+        "-W",
+        "ignore:::plymotion",
+        "-c",
+        code,
         cwd=tmp_path,
-        env=os.environ | {"PLYMOTION_COMPILED": choice, "PLYMOTION_CACHE": os.devnull},
+        more={"PLYMOTION_COMPILED": choice, "PLYMOTION_CACHE": os.devnull},
     )
     assert done.stdout == "None 0 [1. 0. 0.]\n", done.stderr
     assert ".numba_config" not in done.stderr
@@ -248,7 +241,5 @@ def test_figures_do_not_read_the_current_folder(tmp_path, monkeypatch):
     (tmp_path / "matplotlibrc").write_text("text.usetex: True\nlines.linewidth: 99\n")
     code = "from plymotion.solver.report.style import house_style\nimport matplotlib\n"
     code += "with house_style():\n    print(matplotlib.rcParams['text.usetex'])"
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", code], capture_output=True, text=True, cwd=tmp_path
-    )
+    done = this_python("-P", "-c", code, cwd=tmp_path)
     assert done.stdout.strip() == "False", done.stderr

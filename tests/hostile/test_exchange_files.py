@@ -3,7 +3,6 @@
 In processes of their own: a library may end by a segmentation fault.
 """
 
-import os
 import random
 import re
 import shutil
@@ -14,6 +13,7 @@ import tomllib
 import pytest
 from harness.hostile_changes import changed, places, toml_file
 from harness.hostile_profile import count, tries
+from harness.processes import this_python
 from samples.brick_model import brick
 from samples.exchange_samples import exported, write_matrices
 
@@ -189,12 +189,7 @@ def test_a_process_that_a_signal_ends_is_told(sources, tmp_path):
     (tmp_path / "sitecustomize.py").write_text(ENDED)
     folder = next(iter(sources))
     words = ["import", str(folder / "arm.toml"), "-o", str(tmp_path / "o.vtkhdf")]
-    done = subprocess.run(
-        [sys.executable, "-m", "plymotion", *words],
-        env=os.environ | {"PYTHONPATH": str(tmp_path)},
-        capture_output=True,
-        text=True,
-    )
+    done = this_python("-m", "plymotion", *words, more={"PYTHONPATH": str(tmp_path)})
     assert done.returncode == 70
     assert "arm.toml: the process was ended: Segmentation fault" in done.stderr
     assert not (tmp_path / "o.vtkhdf").exists()

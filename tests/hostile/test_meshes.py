@@ -2,11 +2,10 @@
 
 import os
 import random
-import subprocess
-import sys
 from pathlib import Path
 
 from harness.hostile_profile import count, tries
+from harness.processes import this_python
 from samples.case_samples import HEAD, SOLVER
 
 NAMES = ["a.msh", "a.MSH", "a.txt", "a.step", "a.stl", "a.unv", "a.med", "a.msh2", "a", "a.geo.msh"]
@@ -85,13 +84,7 @@ def test_meshes_and_what_lies_beside_them(tmp_path, fenicsx):
             ]
             out = tmp_path / f"out-{tag}"
             words = [command, *map(str, files), "--out", str(out), "--no-figures", "--quiet"]
-            done = subprocess.run(
-                [sys.executable, "-m", "plymotion", *words, *more],
-                env=environment,
-                cwd=here,
-                capture_output=True,
-                text=True,
-            )
+            done = this_python("-m", "plymotion", *words, *more, env=environment, cwd=here)
             shown = done.stdout + done.stderr
             assert done.returncode in (0, 2), shown
             assert "Traceback" not in shown
@@ -133,12 +126,8 @@ def test_meshes_of_a_case(tmp_path, fenicsx):
         (folder / "case.toml").write_text(CASE.format(folder=folder.name))
         out = tmp_path / f"out{k:02d}"
         words = [str(folder / "case.toml"), "--out", str(out), "--quiet"]
-        done = subprocess.run(
-            [sys.executable, "-m", "plymotion", *words, *["--no-scripts"] * (k % 2)],
-            env=environment,
-            cwd=here,
-            capture_output=True,
-            text=True,
+        done = this_python(
+            "-m", "plymotion", *words, *["--no-scripts"] * (k % 2), env=environment, cwd=here
         )
         shown = done.stdout + done.stderr
         end = {0: "done", 2: "refused"}.get(done.returncode, "other")

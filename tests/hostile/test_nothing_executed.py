@@ -1,11 +1,9 @@
 """Files that hold numbers and text start no process and load no code."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
+from harness.processes import this_python
 from samples.package_samples import cantilever
 from samples.section_samples import rectangle
 from samples.shell_file_samples import plate
@@ -43,12 +41,15 @@ BAIT = ("numpy.py", "h5py.py", "conftest.py", "sitecustomize.py", "controller.py
 
 
 def _watched(folder, commands, *more):
-    return subprocess.run(
-        [sys.executable, "-P", "-c", WATCHED, str(folder), json.dumps(commands), *more],
-        capture_output=True,
-        text=True,
+    return this_python(
+        "-P",
+        "-c",
+        WATCHED,
+        folder,
+        json.dumps(commands),
+        *more,
         cwd=folder,
-        env=os.environ | {"PLYMOTION_COMPILED": "0", "PLYMOTION_CACHE": str(folder / "cache")},
+        more={"PLYMOTION_COMPILED": "0", "PLYMOTION_CACHE": str(folder / "cache")},
     )
 
 

@@ -12,6 +12,7 @@ from harness.dask_cluster import until
 from harness.forks import forks
 from harness.hostile_profile import LONG as PROFILE
 from harness.hostile_profile import WAIT_S, count
+from harness.processes import this_python
 from samples.case_samples import HEAD, SOLVER, rigid
 from samples.sweep_samples import FORCE, ball
 
@@ -54,6 +55,8 @@ def writing(path, result, **more):
     write(path, result, **more)
 Monitors.__call__, r.write_result = told, writing
 work.SAVE_S = 0.0  # each row at once
+if "--slow-disk" not in sys.argv:
+    r.PATIENCE_S = 60.0  # a busy machine may need longer to save
 sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
 """
 
@@ -193,12 +196,7 @@ def test_an_end_before_the_beginning(tmp_path, number):
     for k, name in enumerate(MODULES):
         module = ("plymotion", "plymotion.solver")[(k + SIGNALS.index(number)) % 2]
         words = [str(build / "runs/base.json"), module, name, str(int(number))]
-        done = subprocess.run(
-            [sys.executable, "-c", IMPORTING, *words],
-            capture_output=True,
-            text=True,
-            env=os.environ | {"PLYMOTION_COMPILED": "0"},
-        )
+        done = this_python("-c", IMPORTING, *words, more={"PLYMOTION_COMPILED": "0"})
         assert done.stderr == "interrupted: nothing written\n", (module, name)
         assert done.returncode == 128 + number
         assert not (build / "base").exists()
@@ -242,11 +240,8 @@ with interrupts.handled_signals():
 def test_the_exit_code_is_that_of_the_command_wherever_the_signal_comes(tmp_path):
     """CPython would end a module (`python -m`) by the signal itself, with -2."""
     (tmp_path / "within_text.py").write_text(WITHIN_TEXT)
-    done = subprocess.run(
-        [sys.executable, "-m", "within_text"],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+    done = this_python(
+        "-m", "within_text", more={"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
     )
     assert (done.returncode, done.stderr) == (130, "")
 
@@ -271,12 +266,7 @@ sys.exit(main(sys.argv[2:]))
 def test_a_signal_while_figures_are_imported_is_no_missing_library(tmp_path, number):
     sweep = ball(tmp_path, f"{FORCE} = [0.0, 1.0]", 'signals = ["x"]')
     words = [str(int(number)), "sweep", str(sweep), "--quiet"]
-    done = subprocess.run(
-        [sys.executable, "-c", WITHIN_FIGURES, *words],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PLYMOTION_COMPILED": "0"},
-    )
+    done = this_python("-c", WITHIN_FIGURES, *words, more={"PLYMOTION_COMPILED": "0"})
     assert done.returncode == 128 + number, done.stderr
     assert done.stderr.startswith("s: interrupted; 2 of 2 members are in ")
 
@@ -297,7 +287,7 @@ sys.exit(program.main(["validate", "nothing.vtkhdf"]))
 
 
 def test_a_signal_while_a_class_is_made_is_no_defect():
-    done = subprocess.run([sys.executable, "-c", WITHIN_A_CLASS], capture_output=True, text=True)
+    done = this_python("-c", WITHIN_A_CLASS)
     assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")
 
 

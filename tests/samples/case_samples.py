@@ -37,12 +37,19 @@ def rigid(name: str, mass: float, inertia, interfaces: dict, **keys) -> str:
     )
 
 
+def computed_file(file: Path, text: str = "", run: str = "base", packages=None):
+    """Result and summary of a run of a case file, which is written first if there is a text."""
+    if text:
+        file.write_text(text)
+    build = file.parent / "build"
+    write_case(load_case(file), build, packages)
+    return execute(read_run(build / f"runs/{run}.json"), progress=False)
+
+
 def run_text(folder: Path, text: str, *, t_end: float, step: float, more: str = "", packages=None):
     """Times, signals by name and summary of the only run of a case, written as text."""
-    file = folder / "case.toml"
-    file.write_text(HEAD + text + SOLVER.format(t_end=t_end, step=step, more=more))
-    write_case(load_case(file), folder / "build", packages)
-    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    text = HEAD + text + SOLVER.format(t_end=t_end, step=step, more=more)
+    result, summary = computed_file(folder / "case.toml", text, packages=packages)
     return result.t, {s.name: s.values for s in result.signals}, summary
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from samples.beam_samples import MEAN_AXIS, reduced
 from samples.blade_samples import along, blade_table, write_blade
+from samples.case_samples import computed_file
 from samples.rotor_samples import ANGLES, polar
 from scipy.integrate import solve_ivp
 
@@ -148,10 +149,7 @@ def test_the_speed_follows_its_loop(rigid_case, tmp_path):
     case["runs"] = {"all": {}}
     for key in ("figures", "sweeps", "coarse", "variants"):
         del case[key]
-    file = folder / "case.toml"
-    file.write_text(toml_text(case))
-    write_case(load_case(file), tmp_path / "build")
-    result, summary = execute(read_run(tmp_path / "build/runs/all.json"), progress=False)
+    result, summary = computed_file(folder / "case.toml", toml_text(case), run="all")
     found = {s.name: s.values for s in result.signals}
     assert summary["completed"]
 

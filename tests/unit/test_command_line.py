@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from harness.processes import this_python
 
 import plymotion
 from plymotion.solver.__main__ import main, parser
@@ -16,9 +17,7 @@ from plymotion.solver.commands.setup import completion
 
 @pytest.mark.parametrize("module", ["plymotion", "plymotion.solver"])
 def test_the_version(module: str) -> None:
-    run = subprocess.run(
-        [sys.executable, "-m", module, "--version"], capture_output=True, text=True
-    )
+    run = this_python("-m", module, "--version")
     assert (run.returncode, run.stdout) == (0, f"plymotion {plymotion.__version__}\n")
 
 
@@ -39,7 +38,7 @@ def test_a_command_has_one_thread_unless_the_user_says_more(
     if module:
         lines += f"sys.argv[1:] = ['--version']\nrunpy.run_module({module!r}, run_name='__main__')"
     env = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")} | own
-    run = subprocess.run([sys.executable, "-c", lines], env=env, capture_output=True, text=True)
+    run = this_python("-c", lines, env=env)
     assert run.returncode == 0, run.stderr
     assert run.stdout.split()[-1] == kept
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.processes import this_python
 from samples.constraint_runs import prepared
 from samples.mechanism_samples import chain
 
@@ -295,9 +296,7 @@ def test_no_numba_at_all(tmp_path):
     path = os.pathsep.join(filter(None, [str(tmp_path), os.environ.get("PYTHONPATH")]))
     changes = {"SETUP": "import sys; sys.modules['numba'] = None", "PYTHONPATH": path}
     changes |= {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(tmp_path / "cache")}
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], env=os.environ | changes, capture_output=True, text=True
-    )
+    done = this_python("-c", SCRIPT, more=changes)
     assert done.returncode == 0, done.stderr
     assert _found(done.stdout) == (16.0, False, 0, 0, [])
 

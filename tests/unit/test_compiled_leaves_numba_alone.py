@@ -1,11 +1,10 @@
 """Compiling our functions changes nothing of what Numba makes of a user's own functions."""
 
 import os
-import subprocess
-import sys
 from importlib.util import find_spec
 
 import pytest
+from harness.processes import this_python
 
 # Not `importorskip`: Numba takes long to load, and each worker of pytest reads this file.
 pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")
@@ -62,7 +61,5 @@ def test_functions_of_a_user_are_compiled_as_before(tmp_path):
     path = os.pathsep.join(filter(None, [str(tmp_path), os.environ.get("PYTHONPATH")]))
     changes = {"PYTHONPATH": path, "PLYMOTION_CACHE": str(tmp_path / "cache")}
     changes |= {"PLYMOTION_COMPILED": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], env=os.environ | changes, capture_output=True, text=True
-    )
+    done = this_python("-c", SCRIPT, more=changes)
     assert done.returncode == 0, done.stderr

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.processes import this_python
 from samples.case_samples import HEAD, SOLVER, rigid
 
 import plymotion as pm
@@ -275,9 +276,7 @@ def test_a_sweep_by_processes_needs_no_guard_in_the_script(swing, tmp_path, repo
         "print(found.status)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(repository)}
-    done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, env=environment
-    )
+    done = this_python(script, env=environment)
     assert done.returncode == 0, done.stderr
     assert "['finished', 'finished', 'finished']" in done.stdout
 

@@ -1,9 +1,7 @@
 """The section file: an error for every damaged or wrong file; files of other versions."""
 
 import dataclasses
-import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import h5py
@@ -17,7 +15,7 @@ from harness.damaged_files import (
     replaced,
     wrong_byte_is_refused_or_harmless,
 )
-from harness.second_python import needs_other_python
+from harness.second_python import copied_by_other_python
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from samples.package_samples import cantilever, same
@@ -192,21 +190,8 @@ def test_a_view_that_shows_another_mesh_is_an_error(file: Path) -> None:
     assert (finding.level, finding.dataset) == ("error", "/VTKHDF/Points")
 
 
-def test_two_hdf5_versions_read_each_other(file: Path, tmp_path: Path) -> None:
-    script = (
-        "import sys; sys.path.insert(0, sys.argv[3])\n"
-        "from samples.package_samples import same\n"
-        "from plymotion.solver.package.section.io import read_section, write_section\n"
-        "section = read_section(sys.argv[1])\n"
-        "write_section(sys.argv[2], section)\n"
-        "assert same(section, read_section(sys.argv[2]))\n"
-    )
-    copy = tmp_path / "copy.vtkhdf"
-    subprocess.run(
-        [needs_other_python(), "-c", script, str(file), str(copy), str(ROOT / "tests")],
-        check=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
-    )
+def test_two_hdf5_versions_read_each_other(file: Path) -> None:
+    copy = copied_by_other_python(file, "plymotion.solver.package.section.io", "section")
     assert same(rectangle(), read_section(copy))
     assert grid_of(copy).n_cells == 24
 

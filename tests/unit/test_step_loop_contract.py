@@ -1,12 +1,10 @@
 """The compiled loops keep the contract of the integrators: status, outputs, limits, counters."""
 
 import json
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from harness.processes import this_python
 from samples.constraint_runs import new_run, prepared
 from samples.mechanism_samples import chain, pendulum
 from samples.two_body_samples import torn, two_bodies
@@ -268,11 +266,12 @@ def test_compiled_loops_give_the_same_motion(repository):
     pytest.importorskip("numba")
     found = []
     for flag in ("0", "1"):
-        done = subprocess.run(
-            [sys.executable, "-c", CODE, str(repository / "tests"), str(repository / "benchmarks")],
-            env={**os.environ, "PLYMOTION_COMPILED": flag},
-            capture_output=True,
-            text=True,
+        done = this_python(
+            "-c",
+            CODE,
+            repository / "tests",
+            repository / "benchmarks",
+            more={"PLYMOTION_COMPILED": flag},
         )
         assert done.returncode == 0, done.stderr
         compiled, rows = json.loads(done.stdout)

@@ -2,10 +2,9 @@
 
 import json
 import os
-import subprocess
-import sys
 
 import pytest
+from harness.processes import this_python
 
 
 @pytest.mark.parametrize(
@@ -23,13 +22,8 @@ def test_differences_agree_with_complex_steps(repository, case, run, at):
         "PLYMOTION_COMPILED": "0",
         "PYTHONPATH": os.pathsep.join([str(repository), str(repository / "tests")]),
     }
-    done = subprocess.run(
-        [sys.executable, "tests/peers/complex_steps.py", *files, run, at],
-        cwd=repository,
-        env=variables,
-        capture_output=True,
-        text=True,
-        check=True,
+    done = this_python(
+        "tests/peers/complex_steps.py", *files, run, at, cwd=repository, env=variables, check=True
     )
     off = json.loads(done.stdout)
     assert off["accelerations"] < 1e-8

@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from samples.case_samples import HEAD, SOLVER, rigid, run_text
+from samples.case_samples import HEAD, SOLVER, computed_file, rigid, run_text
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.run.execution import execute, read_run
 
 SPEED, MASS, ARM = 3.0, 2.0, 0.5
 WHEEL = (
@@ -62,10 +59,7 @@ def test_a_drive_turns_up_to_the_last_instant(tmp_path, integrator, law, t_end):
 
 def _run(folder, text, t_end, more):
     solver = f"\n[solver]\nt_end = {t_end!r}\noutput_step = {t_end / 2!r}\n{more}\n[runs.base]\n"
-    file = folder / "case.toml"
-    file.write_text(HEAD + text + solver)
-    write_case(load_case(file), folder / "build", None)
-    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    result, summary = computed_file(folder / "case.toml", HEAD + text + solver)
     return result.t, {s.name: s.values for s in result.signals}, summary
 
 

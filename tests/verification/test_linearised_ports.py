@@ -4,14 +4,11 @@ import csv
 
 import numpy as np
 import pytest
-from samples.case_samples import HEAD, SOLVER, rigid
+from samples.case_samples import HEAD, SOLVER, computed_file, rigid
 from samples.modes_samples import write_case_text
 from scipy.io import loadmat
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.run.execution import execute, read_run
 
 PENDULUM = (
     "gravity = [0.0, -9.81, 0.0]\n[ground.pin]\nposition = [0.0, 0.0, 0.0]\n"
@@ -232,9 +229,7 @@ def test_linear_answer_of_a_spinning_arm_is_that_of_the_run(tmp_path):
     file = tmp_path / "run" / "case.toml"
     file.parent.mkdir()
     steady = 'start = "equilibrium"\nspin = { axis = [0.0, 0.0, 1.0], speed = 20.0 }\n'
-    file.write_text(HEAD + ARM + SOLVER.format(t_end=1.0, step=0.005, more=steady))
-    write_case(load_case(file), tmp_path / "build")
-    result, _ = execute(read_run(tmp_path / "build/runs/base.json"), progress=False)
+    result, _ = computed_file(file, HEAD + ARM + SOLVER.format(t_end=1.0, step=0.005, more=steady))
     lag = next(s.values for s in result.signals if s.name == "lag")
     size = np.interp(result.t, [0.0, 0.1, 0.2, 5.0], [0.0, 1e-3, 0.0, 0.0])
     system = StateSpace(found["A"], found["B"][:, [push]], found["C"], found["D"][:, [push]])

@@ -5,15 +5,12 @@ import json
 import numpy as np
 import pytest
 from samples.beam_samples import CLAMPED, MEAN_AXIS, clamped_file, reduced
-from samples.case_samples import HEAD, run_text
+from samples.case_samples import HEAD, computed_file, run_text
 from samples.stiffening_samples import rectangle
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
-from plymotion.solver.run.execution import execute, read_run
 
 ARM = """
 gravity = [0.0, -9.81, 0.0]
@@ -152,9 +149,7 @@ def twisting_loop(folder, modes, drive, **solver):
     text += '[signals]\nmoment = { kind = "reaction", joint = "j0", quantity = "moment", '
     text += 'component = "z" }\n[solver]\nt_end = 0.02\noutput_step = 0.0005\n'
     text += "".join(f"{key} = {json.dumps(value)}\n" for key, value in solver.items())
-    (folder / "case.toml").write_text(f"{text}[runs.base]\n")
-    write_case(load_case(folder / "case.toml"), folder / "build", None)
-    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    result, summary = computed_file(folder / "case.toml", f"{text}[runs.base]\n")
     return summary, {s.name: s.values for s in result.signals}
 
 

@@ -5,6 +5,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from samples.case_samples import computed_file
 from samples.rotor_samples import RPM, TIP, ccblade, stations, write_rotor
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
@@ -18,11 +19,9 @@ from plymotion.solver.dynamics.model.model import N_SECTION_STATE, QUASI, spare_
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.rotor import Polar
-from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.rotor import polar_rows
-from plymotion.solver.run.execution import execute, read_run
 
 
 class Steady:
@@ -206,9 +205,7 @@ def test_a_blade_that_turns_about_its_axis_is_damped(tmp_path, monkeypatch):
     text = text.replace("inertia = [[10.0,", "inertia = [[1e-4,")
     text += '[forces.spring]\nkind = "coordinate_force"\njoint = "f0"\nexpression = "0.01 - x"\n'
     text += '[signals.angle]\nkind = "joint"\njoint = "f0"\n'
-    file.write_text(text)
-    write_case(load_case(file), tmp_path / "build")
-    result, _ = execute(read_run(tmp_path / "build/runs/all.json"), progress=False)
+    result, _ = computed_file(file, text, run="all")
     angle = next(s.values for s in result.signals if s.name == "angle")
     c = np.pi / 8.0 * 1.225 * 10.0 * (stations()["width"] * chord**3).sum()
 
@@ -223,8 +220,7 @@ def test_a_start_is_steady_and_energy_balances(tmp_path):
     """Nothing changes in a steady wind; work of the air is what the drive takes."""
     solver = 't_end = 1.0\noutput_step = 0.1\nintegrator = "rk5"'
     file = write_rotor(tmp_path, solver=solver)
-    write_case(load_case(file), tmp_path / "build")
-    result, summary = execute(read_run(tmp_path / "build/runs/all.json"), progress=False)
+    result, summary = computed_file(file, run="all")
     thrust = next(s.values for s in result.signals if s.name == "thrust")
     np.testing.assert_allclose(thrust, thrust[0], rtol=1e-6)
     assert not summary["warnings"]
@@ -234,8 +230,7 @@ def test_the_hub_takes_the_torque(tmp_path):
     """A free rotor: inertia times acceleration is the aerodynamic torque; power is its product."""
     solver = 't_end = 0.2\noutput_step = 0.01\nintegrator = "rk8"\nrtol = 1e-8'
     file = write_rotor(tmp_path, free=True, solver=solver)
-    write_case(load_case(file), tmp_path / "build")
-    result, _ = execute(read_run(tmp_path / "build/runs/all.json"), progress=False)
+    result, _ = computed_file(file, run="all")
     found = {s.name: s.values for s in result.signals}
     assert found["speed"][0] == pytest.approx(RPM * np.pi / 30.0)
     inertia = 2e5 + 3 * 9000.0
@@ -304,9 +299,7 @@ def test_a_rotor_in_other_units_is_doubted(tmp_path, change, words):
     for old, new in change.items():
         assert old in text
         text = text.replace(old, new, 1)
-    file.write_text(text)
-    write_case(load_case(file), tmp_path / "build", None)
-    _, summary = execute(read_run(tmp_path / "build/runs/all.json"))
+    _, summary = computed_file(file, text, run="all")
     found = [w["message"] for w in summary["warnings"] if w["code"] == "size-units"]
     assert len(found) == bool(words)
     assert all(message.startswith("rotor: ") and words in message for message in found)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from samples.beam_samples import CHORD, reduced
-from samples.case_samples import HEAD
+from samples.case_samples import HEAD, computed_file
 from samples.modes_samples import modes_at, rates
 from scipy.integrate import solve_ivp
 
@@ -16,7 +16,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.generic.drive import Steps
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.package import write_package
-from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.run.execution import read_run
 
 LENGTH, DIAMETER, E, RHO = 1.0, 0.02, 2.1e11, 7800.0
 AXIS = ("--axis", "1,0,0")
@@ -232,9 +232,7 @@ def computed(folder, package, text, t_end, more=""):
     write_package(folder / "shaft.vtkhdf", package)
     file = folder / "case.toml"
     keys = f"t_end = {t_end}\noutput_step = {t_end / 1000}\nrtol = 1e-7\n{more}"
-    file.write_text(f"{HEAD}{text}[solver]\n{keys}[runs.base]\n")
-    write_case(load_case(file), folder / "build")
-    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    result, summary = computed_file(file, f"{HEAD}{text}[solver]\n{keys}[runs.base]\n")
     return result.t, {s.name: s.values for s in result.signals}, summary
 
 

@@ -2,12 +2,8 @@
 
 import numpy as np
 import pytest
-from samples.case_samples import HEAD
+from samples.case_samples import HEAD, computed_file
 from scipy.integrate import solve_ivp
-
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.run.execution import execute, read_run
 
 J, W, T_END = np.array([1.0, 2.0, 3.0]), np.array([0.01, 5.0, 0.01]), 20.0
 BODY = f"""
@@ -43,8 +39,6 @@ def test_rk8_is_within_a_small_factor_of_what_is_asked(tmp_path, rtol):
         f'[solver]\nt_end = {T_END}\noutput_step = 0.1\nintegrator = "rk8"\nrtol = {rtol}\n'
         "[runs.base]\n"
     )
-    (tmp_path / "case.toml").write_text(HEAD + BODY + solver)
-    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build", None)
-    result, _ = execute(read_run(tmp_path / "build/runs/base.json"), progress=False)
+    result, _ = computed_file(tmp_path / "case.toml", HEAD + BODY + solver)
     found = np.array([signal.values for signal in result.signals])
     assert np.abs(found - exact(result.t)).max() < 4.0 * rtol

@@ -2,11 +2,7 @@
 
 import numpy as np
 import pytest
-from samples.case_samples import HEAD, rigid
-
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.run.execution import execute, read_run
+from samples.case_samples import HEAD, computed_file, rigid
 
 SPEED, DAMPING, INERTIA, T_END = 20.0, 0.3, 0.5, 10.0
 WHEEL = (
@@ -42,9 +38,7 @@ def test_angles_do_not_depend_on_the_outputs(tmp_path, step, integrator):
         f"[solver]\nt_end = {T_END}\noutput_step = {step}\n"
         f'integrator = "{integrator}"\n{more}\n[runs.base]\n'
     )
-    (tmp_path / "case.toml").write_text(HEAD + WHEEL + solver)
-    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build", None)
-    result, _ = execute(read_run(tmp_path / "build/runs/base.json"), progress=False)
+    result, _ = computed_file(tmp_path / "case.toml", HEAD + WHEEL + solver)
     rate = DAMPING / INERTIA
     exact = SPEED / rate * (1.0 - np.exp(-rate * result.t))
     for signal in result.signals:
