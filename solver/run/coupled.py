@@ -361,11 +361,6 @@ class Stepper:
         for course in self._courses:
             course.jump()
 
-    def advance(self, t: float, values: Array, rates: Array | None = None) -> Array:
-        """Move on to t [s] and return the outputs there, (n,); see `move`."""
-        self.move(t, values, rates)
-        return self.measured()
-
     def move(
         self, t: float, values: Array, rates: Array | None = None, *, to_event: bool = False
     ) -> bool:

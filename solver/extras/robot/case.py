@@ -32,14 +32,12 @@ TRIANGLE = 1e-5  # relative, of principal moments: that of the check of a case
 SLIM, WIDE, LONG = 0.05, 30.0, 100.0  # [m] of the last
 CLEAR = 0.02  # distance from which on a large ratio says something [m]
 STOP_DEPTH = 0.01  # at which a stop balances the effort of the drive [rad, m]
-# Axes along which and about which a joint moves: 0 is its own.
-MOTIONS: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
-    Type.REVOLUTE: ((), (0,)),
-    Type.CONTINUOUS: ((), (0,)),
-    Type.PRISMATIC: ((0,), ()),
-    Type.PLANAR: ((1, 2), (0,)),
-    Type.FLOATING: ((0, 1, 2), (0, 1, 2)),
-    Type.FIXED: ((), ()),
+# Axes along which and about which joints move that are no hinges: 0 is that of the joint.
+MOTIONS: dict[str, tuple[list[int], list[int]]] = {
+    Type.PRISMATIC: ([0], []),
+    Type.PLANAR: ([1, 2], [0]),
+    Type.FLOATING: ([0, 1, 2], [0, 1, 2]),
+    Type.FIXED: ([], []),
 }
 MANY_TURNS, DEGREES = 20.0, 720.0  # limits: of 69 robots up to 10 rad, or 1e16 for none
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix with a diagonal of 1
@@ -205,12 +203,11 @@ def _without_inertia(
     moving = {head: body for head, body in bodies.items() if head}
     for head, body in moving.items():
         joint = above.get(head)  # none: a free root
-        slides, turns = MOTIONS[joint.kind if joint else Type.FLOATING]
-        axis = joint.axis if joint else np.array([1.0, 0.0, 0.0])
-        axes = np.linalg.svd((body.pose.A @ axis)[None])[2]
+        slides, turns = MOTIONS.get(joint.kind if joint else Type.FLOATING, ([], [0]))
+        axes = np.linalg.svd((body.pose.A @ (joint.axis if joint else np.ones(3)))[None])[2]
         columns += [np.append(axes[k], np.zeros(3)) for k in slides]
         columns += [np.append(np.cross(body.pose.p, axes[k]), axes[k]) for k in turns]
-        owners += [head] * (len(slides) + len(turns))
+        owners += [head] * len(slides + turns)
     n, whole = len(owners), np.array(columns).reshape(-1, 6)
     M, carried = np.zeros((n, n)), {"": np.zeros(n)}
     for head, body in moving.items():
