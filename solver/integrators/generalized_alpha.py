@@ -16,7 +16,7 @@ from .compiled.alpha_stages import (
     scheme,
 )
 from .compiled.step_control import Ends
-from .generic.advice import SHORTER, of_choice
+from .generic.advice import IMPLICIT, SHORTER, of_choice
 from .generic.base import Dense
 from .step_loop import StepLoop
 
@@ -71,6 +71,7 @@ class GeneralizedAlpha(StepLoop):
     treatments = FORMULATIONS
     auxiliary = False
     order = 2
+    on_failure = IMPLICIT
     # What it does not damp shows in its multipliers, not in the state.
     on_growth = (
         "With too little damping (spectral_radius near 1) what the step does not resolve can grow "

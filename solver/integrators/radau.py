@@ -25,7 +25,7 @@ from .compiled.radau_stages import (
     restart_radau,
 )
 from .compiled.step_control import Ends
-from .generic.advice import OWN, SHORTER, WANTED, Pace, Refusals
+from .generic.advice import IMPLICIT, OWN, SHORTER, WANTED, Pace, Refusals
 from .generic.base import Dense
 from .step_loop import ClosingLoop
 
@@ -134,10 +134,7 @@ class Radau(ClosingLoop):
         "Newton's iteration finds no answer for a step this long, or constraints contradict each "
         f"other: take a shorter step ({SHORTER})"
     )
-    on_failure = (
-        "Look for a jump or a singularity in the forces just after it, or for constraints that "
-        "contradict each other, or increase rtol"
-    )
+    on_failure = IMPLICIT
 
     on_stall = (
         "cutoff_frequency, above which vibrations are damped; damping of the body or element; "

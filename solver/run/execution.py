@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # To complete the files of a run after a signal: CPU time, of the second within which a program
 # answers at once (Nielsen, Usability Engineering, 1993, 5.5), less the end of a large process; or
 # part of that of its integration. Wall time would lose what a busy machine has computed.
-PATIENCE_S, PATIENCE = 0.4, 0.05
+PATIENCE_S, PATIENCE = 0.3, 0.05
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:

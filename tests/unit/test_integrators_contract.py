@@ -8,7 +8,7 @@ from scipy_integrators import SCIPY
 from plymotion.solver.integrators.explicit import RungeKutta8
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.integrators.generic.gear import Gear
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import FOR_EQUATIONS, INTEGRATORS
 
 ALL = pytest.mark.parametrize("name", sorted(FOR_EQUATIONS | SCIPY))
 WITH_JACOBIAN = ("gear", "scipy-bdf", "scipy-radau")  # LSODA needs none where nothing is stiff
@@ -308,3 +308,9 @@ def test_blocks_protect_a_small_group_from_being_averaged_away():
         integrate(integrator, [5.0])
     assert two.counters == alone.counters
     assert one.counters.steps < two.counters.steps
+
+
+@pytest.mark.parametrize("name", ["radau", "gear", "generalized-alpha"])
+def test_an_implicit_method_does_not_advise_one(name):
+    """A run of generalized-alpha that ended: "use an implicit method if the problem is stiff"."""
+    assert "implicit" not in INTEGRATORS[name].on_failure

@@ -87,6 +87,10 @@ OTHERWISE = (
     "Look for a jump or a singularity in the forces just after it, loosen rtol "
     "and atol, or use an implicit method if the problem is stiff"
 )
+IMPLICIT = (
+    "Look for a jump or a singularity in the forces just after it, or for constraints that "
+    "contradict each other, or increase rtol"
+)
 
 
 def of_choice(formulation: str, rho: float) -> list[str]:

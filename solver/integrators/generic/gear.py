@@ -9,6 +9,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.catalogue import Number
+from .advice import IMPLICIT
 from .base import Counters, Dense, Derivative, Integrator
 from .norm import ErrorNorm
 
@@ -248,6 +249,7 @@ class Gear(Integrator):
         ),
     )
     order = 1
+    on_failure = IMPLICIT
     on_growth = (
         "BDF of order 3 and above amplifies undamped oscillations that the step does not resolve: "
         "take max_order = 2 or radau, which damp all of them, or leave the step to the error "
