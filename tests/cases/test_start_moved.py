@@ -105,3 +105,12 @@ def test_places_to_give_beside_a_drive_do_not_change_the_motion(tmp_path, law):
     assert "start-moved" not in {w["code"] for w in summary["warnings"]}
     for c in "xy":
         np.testing.assert_allclose(second[c], first[c], atol=1e-7)
+
+
+def test_no_places_are_given_where_the_drive_cannot_start(tmp_path):
+    """The loop does not close with the crank where it is given, only where its law begins."""
+    text = four_bar(1.5, "drive = { polynomial = [-1.2, 0.1] }")
+    _, _, summary = run_text(tmp_path, text, t_end=0.01, step=0.01)
+    (moved,) = [w["message"] for w in summary["warnings"] if w["code"] == "start-moved"]
+    assert "rocker by " in moved
+    assert not places_to_give(moved)
