@@ -89,22 +89,20 @@ class Linearisation:
         partial = self._partials(t, y, a, multipliers, base, len(self.columns))
         # The rows that parameters move: their dependent motions X, at positions and velocities.
         phi, phi_d = (partial[:, :, n + which * n_c + rows].transpose(0, 2, 1) for which in (1, 2))
-        own = np.flatnonzero(phi.any(axis=(0, 2)) | phi_d.any(axis=(0, 2)))
-        phi, phi_d = phi[:, own], phi_d[:, own]
-        X = np.zeros((t.size, n, own.size))
-        X[:, dep] = inverse[:, :, own]
+        moved = np.flatnonzero(phi.any(axis=(0, 2)) | phi_d.any(axis=(0, 2)))
+        phi, phi_d = phi[:, moved], phi_d[:, moved]
+        X = np.zeros((t.size, n, moved.size))
+        X[:, dep] = inverse[:, :, moved]
         of_phi, of_phi_d = X, X
-        if own.size > len(self.columns):
+        if moved.size > len(self.columns):
             of_phi, of_phi_d = X @ phi, X @ phi_d
             phi = phi_d = np.broadcast_to(np.eye(len(self.columns)), (t.size, *[phi.shape[2]] * 2))
         G = np.concatenate([Z, of_phi], axis=2)
         # Body axes turn: -w x rotations is part of the rate of a displacement.
         rates, turning = y[:, model.n_pos : model.n_pos + n], np.zeros_like(G)
         for j in model.vel_start:
-            w, turn = rates[:, j + 3 : j + 6, None], G[:, j + 3 : j + 6]
-            for c in range(3):
-                one, two = (c + 1) % 3, (c + 2) % 3
-                turning[:, j + 3 + c] = w[:, one] * turn[:, two] - w[:, two] * turn[:, one]
+            own = slice(j + 3, j + 6)
+            turning[:, own] = np.cross(rates[:, own, None], G[:, own], axis=1)
         # D Phidot along displacements: d(Phi_q x)/dt at constant x, less Phi_q of the turning.
         V = np.zeros_like(G)
         V[:, dep] = inverse @ (Phi_q @ turning - self._jacobian_rates(t, y, rows, Phi_q) @ G)
