@@ -111,7 +111,7 @@ def test_the_square_of_narita() -> None:
     angles = np.array(fine["found_angles_deg"])
     assert np.abs(angles * np.sign(angles[0])) == pytest.approx(45.0, abs=1.0)
     assert (np.sign(angles[1:7]) == -np.sign(angles[0])).all()
-    # The frequency of this lay-up by Ritz's method, which falls to 56.32, and by the limit of meshes.
+    # Its frequency by Ritz's method, which falls to 56.32, and by the limit of meshes.
     ritz, unit = ritz_square([45.0, -45.0, -45.0, -45.0]), np.sqrt(1500.0 * H / D0)
     limit = (4.0 * fine["found"] - coarse["found"]) / 3.0
     assert ritz == pytest.approx(56.32, rel=5e-4)

@@ -6,6 +6,7 @@ from typing import Any
 
 from ...errors import counted
 from ...inputs.case.tables.schema import split_key
+from ...report.table import aligned
 from .problem import FEASIBLE
 
 
@@ -37,11 +38,7 @@ def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
     rows.append([""] * 5)
     for k, (name, value) in enumerate(best["values"].items()):
         rows.append([name, f"{found['start']['p'][k]:.6g}", f"{value:.6g}", "", ""])
-    widths = [max(len(row[i]) for row in rows) for i in range(5)]
-    lines += [
-        "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
+    lines.append(aligned(rows, left=range(5), head=1, rule=False))
     if best["violation"] > FEASIBLE:
         lines.append(
             f"no design satisfies all limits: this one breaks one by {best['violation']:.3g} of it"

@@ -93,11 +93,7 @@ class Linearisation:
         phi, phi_d = phi[:, moved], phi_d[:, moved]
         X = np.zeros((t.size, n, moved.size))
         X[:, dep] = inverse[:, :, moved]
-        of_phi, of_phi_d = X, X
-        if moved.size > len(self.columns):
-            of_phi, of_phi_d = X @ phi, X @ phi_d
-            phi = phi_d = np.broadcast_to(np.eye(len(self.columns)), (t.size, *[phi.shape[2]] * 2))
-        G = np.concatenate([Z, of_phi], axis=2)
+        G = np.concatenate([Z, X], axis=2)
         # Body axes turn: -w x rotations is part of the rate of a displacement.
         rates, turning = y[:, model.n_pos : model.n_pos + n], np.zeros_like(G)
         for j in model.vel_start:
@@ -106,13 +102,10 @@ class Linearisation:
         # D Phidot along displacements: d(Phi_q x)/dt at constant x, less Phi_q of the turning.
         V = np.zeros_like(G)
         V[:, dep] = inverse @ (Phi_q @ turning - self._jacobian_rates(t, y, rows, Phi_q) @ G)
-        d, none = G.shape[2], np.zeros((t.size, n, n_a))
+        d, none, G_t = G.shape[2], np.zeros((t.size, n, n_a)), G.transpose(0, 2, 1)
         directions = np.zeros((t.size, 2 * d + n_a, 2 * n + n_a))
-        directions[:, :d, :n], directions[:, :d, n : 2 * n] = (
-            part.transpose(0, 2, 1) for part in (G, V)
-        )
-        directions[:, d : d + f, n : 2 * n] = Z.transpose(0, 2, 1)
-        directions[:, d + f : 2 * d, n : 2 * n] = of_phi_d.transpose(0, 2, 1)
+        directions[:, :d, :n] = directions[:, d : 2 * d, n : 2 * n] = G_t
+        directions[:, :d, n : 2 * n] = V.transpose(0, 2, 1)
         directions[:, 2 * d :, 2 * n :] = np.eye(n_a)
         along = along_directions(
             model, t, y, a, multipliers, directions, self._steps(rates, directions)
@@ -126,7 +119,7 @@ class Linearisation:
         # What the rows ask of dependent accelerations is taken from the loads.
         left = Z.transpose(0, 2, 1) @ every[:, :n] - (Z_M[:, :, dep] @ inverse) @ every[:, n + rows]
         free = np.linalg.solve(Z_M @ Z, left)
-        x_p, v_p = -of_phi @ phi, -V[:, :, f:] @ phi - of_phi_d @ phi_d
+        x_p, v_p = -X @ phi, -V[:, :, f:] @ phi - X @ phi_d
         x = np.concatenate([Z, np.zeros_like(Z), none], axis=2)
         v = np.concatenate([V[:, :, :f], Z, none], axis=2)
         u_d = np.concatenate([(V - turning)[:, ind, :f], v[:, ind, f:]], axis=2)
