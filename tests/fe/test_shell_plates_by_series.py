@@ -131,3 +131,62 @@ def test_spinning_isotropic_square() -> None:
         K = package.stiffness - (spin * unit) ** 2 * stiffening
         found = np.sqrt(np.linalg.eigvalsh(K)[:2]) / unit
         assert found == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize(("angles", "cross"), [([0.0, 90.0], True), ([45.0, -45.0], False)])
+def test_unsymmetric_laminates_by_navier(angles: list[float], cross: bool) -> None:
+    """Antisymmetric cross-ply on SS-1, angle-ply on SS-2 supports: bending stretches (B).
+
+    Navier's solutions of first-order theory, with A, B and D by hand. Reddy, Mechanics of Laminated
+    Composite Plates and Shells, 2004, sections 6.4 and 6.5.
+    """
+    spec, pressure = shell(angles, (16, 16), 1.0, 1.0), 100.0
+    sides = {"left": ("uy", "rx"), "right": ("uy", "rx"), "bottom": ("ux", "ry")}
+    sides["top"] = sides["bottom"]
+    if not cross:  # in the plane the other component is free
+        other = {"ux": "uy", "uy": "ux"}
+        sides = {name: (other[u], turn) for name, (u, turn) in sides.items()}
+    spec["supports"] = {n: {"at": n, "fixed": ["uz", *fixed]} for n, fixed in sides.items()}
+    spec["loads"] = {"p": {"all": {"pressure": pressure}}}
+    spec["frequencies"] = {"count": 2, "error": False}
+    found = analyse(spec)
+
+    C = _by_hand(angles)
+    inertia = CFRP["rho"] * np.array([H, H, H, H**3 / 12.0, H**3 / 12.0])
+    hertz, middle = [], 0.0
+    for m in range(1, 40):
+        for n in range(1, 40):
+            a, b, s = m * np.pi, n * np.pi, -1.0 if cross else 1.0
+            L = np.zeros((8, 5))  # amplitudes of strains from those of u, v, w, X and Y
+            L[0, 0], L[1, 1], L[2, :2] = s * a, s * b, (-s * b, -s * a)
+            L[3, 3], L[4, 4], L[5, 3:], L[6, 2:4] = -a, -b, (b, a), (a, 1.0)
+            L[7, [2, 4]] = b, 1.0
+            K = L.T @ C @ L
+            hertz.append(
+                np.sqrt(np.linalg.eigvals(K / inertia[:, None]).real.min()) / (2.0 * np.pi)
+            )
+            load = 16.0 * pressure / (np.pi**2 * m * n) * (m % 2) * (n % 2)
+            w = np.linalg.solve(K, [0.0, 0.0, load, 0.0, 0.0])[2]
+            middle += w * np.sin(a / 2.0) * np.sin(b / 2.0)
+    np.testing.assert_allclose(found.modes.frequencies_hz, np.sort(hertz)[:2], rtol=1.5e-2)
+    assert found.modes.frequencies_hz[0] == pytest.approx(min(hertz), rel=5e-3)
+    deflection = np.abs(found.cases.displacements_G[0, :, 2]).max()
+    assert deflection == pytest.approx(abs(middle), rel=3e-3)
+
+
+def _by_hand(angles: list[float]) -> Any:
+    """A, B, D and shear stiffness (5/6) of plies of equal thickness, (8, 8)."""
+    C, z = np.zeros((8, 8)), np.linspace(-H / 2.0, H / 2.0, len(angles) + 1)
+    E1, E2, nu = (CFRP[key] for key in ("E1", "E2", "nu12"))
+    q = 1.0 - nu**2 * E2 / E1
+    Q = np.array([[E1 / q, nu * E2 / q, 0.0], [nu * E2 / q, E2 / q, 0.0], [0.0, 0.0, CFRP["G12"]]])
+    for angle, low, high in zip(np.radians(angles), z[:-1], z[1:], strict=True):
+        c, s = np.cos(angle), np.sin(angle)
+        T = np.array(
+            [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+        )
+        for i, j, k in ((0, 0, 1), (0, 3, 2), (3, 0, 2), (3, 3, 3)):
+            C[i : i + 3, j : j + 3] += T.T @ Q @ T * (high**k - low**k) / k
+        turn = np.array([[c, s], [-s, c]])
+        C[6:, 6:] += 5.0 / 6.0 * (high - low) * turn.T @ np.diag([CFRP["G13"], CFRP["G23"]]) @ turn
+    return C
