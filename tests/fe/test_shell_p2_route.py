@@ -135,7 +135,7 @@ def test_two_routes_agree(cells: dict[str, str]) -> None:
 @pytest.mark.provokes("verification-differs")
 @pytest.mark.parametrize("matrix", ["K", "M"])
 def test_a_wrong_matrix_is_found(matrix: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    spec = plate(16, 0.01, supports=HARD, frequencies={"count": 2})
+    spec = plate(10, 0.01, supports=HARD, frequencies={"count": 2})
     assert "verification-differs" not in analysed(spec)[1]
     made = getattr(ShellProblem, matrix).func
     monkeypatch.setattr(ShellProblem, matrix, property(lambda self: 1.1 * made(self)))
