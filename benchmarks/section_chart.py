@@ -39,7 +39,7 @@ def main(numbers: Path, picture: Path) -> None:
             "Largest error / sqrt(Kii Kjj) by degree of the field; ring: the default mesh "
             f"(DOLFINx {found['versions']['dolfinx']}, one core)"
         )
-        canvas.save(picture)
+        canvas.save(picture, own=True)
 
 
 def lowest(found: dict[str, Any]) -> float:

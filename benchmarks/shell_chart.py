@@ -48,7 +48,7 @@ def course(found: dict[str, Any], picture: Path) -> None:
     handles, labels = panels[0].get_legend_handles_labels()
     canvas.figure.legend(handles, labels, loc="outside lower center", ncols=4)
     canvas.figure.suptitle("Isotropic obstacle course (band: 2 % about the reference)")
-    canvas.save(picture)
+    canvas.save(picture, own=True)
 
 
 def curve_cells(found: dict[str, Any], problem: str) -> list[int]:
@@ -86,7 +86,7 @@ def against_time(found: dict[str, Any], picture: Path) -> None:
     canvas.figure.suptitle(
         f"Box beam of the paper (DOLFINx {found['versions']['dolfinx']}, one core)"
     )
-    canvas.save(picture)
+    canvas.save(picture, own=True)
 
 
 def main(kind: str, numbers: Path, picture: Path) -> None:

@@ -55,7 +55,7 @@ def error_time(rows: list[Row], picture: Path, subject: str) -> None:
         [handles[label] for label in ordered], ordered, loc="outside lower center", ncols=columns
     )
     canvas.figure.suptitle(f"Error against processor time, {subject}")
-    canvas.save(picture)
+    canvas.save(picture, own=True)
 
 
 def _curve(axis: Any, done: list[tuple[float, float]], label: str, k: int) -> None:
@@ -113,7 +113,7 @@ def models(rows: list[Row], picture: Path) -> None:
                 axis.legend(loc="best")
         axes[0].set_ylabel("largest error of the tip [m]")
     canvas.figure.suptitle("Model error: distance from the finest model of each panel")
-    canvas.save(picture)
+    canvas.save(picture, own=True)
 
 
 def _at_least_a_decade(axis: Any) -> None:

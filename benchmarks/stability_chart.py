@@ -331,7 +331,7 @@ def draw(rows: list[Row], picture: Path) -> None:
     names = [f"{label}, last second" for label in labels]
     index_3.legend(handles, [*names, "first second", "the run fails"], loc="center left")
     picture.parent.mkdir(parents=True, exist_ok=True)
-    canvas.save(picture)
+    canvas.save(picture, own=True)
 
 
 def main() -> None:

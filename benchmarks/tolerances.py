@@ -130,7 +130,7 @@ def draw(rows: list[dict[str, Any]], picture: Path) -> None:
         axis.set_ylabel("largest error of a position / size")
         axis.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5))
         canvas.figure.suptitle("Accuracy asked for and obtained, radau with default tolerances")
-        canvas.save(picture)
+        canvas.save(picture, own=True)
 
 
 if __name__ == "__main__":

@@ -115,7 +115,8 @@ def reference_condition(
     line : the beam
     mass_form : "consistent" or "lumped": of the eigenproblem and of the mean axis
     kind : one of REFERENCE_CONDITIONS
-    nodes : nodes that carry the frame: one if clamped, two for a chord, none for a mean axis
+    nodes : nodes that carry the frame: one if clamped, two for a chord; for a mean axis none, or
+        two that carry the loads of static shapes as a chord does
 
     Raises
     ------
@@ -124,7 +125,9 @@ def reference_condition(
     K, M = line.stiffness(), line.mass_matrix(mass_form)
     held = held_dofs(kind, nodes)
     if held is None:
-        return MeanAxis(K, M, rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
+        rigid = rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6)
+        still = held_dofs("chord", nodes) if nodes else None
+        return MeanAxis(K, M, rigid, still=still, reactions=bool(nodes))
     return HeldDofs(K, M, held)
 
 

@@ -133,6 +133,7 @@ class HeldDofs:
 class MeanAxis:
     """Frame at the mean position of a free body: no shape has linear or angular momentum.
 
+    Static loads are balanced by the inertia of the rigid body, or by reactions at six dofs.
     Raises ModeError for a body without inertia about some axis, which has no mean orientation.
     """
 
@@ -143,10 +144,13 @@ class MeanAxis:
         rigid: Array,
         algebra: "Algebra | None" = None,
         still: "IntArray | None" = None,
+        *,
+        reactions: bool = False,
     ) -> None:
         """`rigid` (n_dof, 6): rigid motions R of the nodes.
 
-        `still`: six dofs that prevent rigid motions; absent: those of the first node.
+        `still`: six dofs that prevent rigid motions; absent: those of the first node. `reactions`:
+        they carry the loads of static shapes.
         """
         self.algebra = algebra or SCIPY
         self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
@@ -162,8 +166,9 @@ class MeanAxis:
         self._inertia = scipy.linalg.cho_factor(inertia)
         # For loads in equilibrium, any six dofs that prevent rigid motions can be held: no
         # reactions.
-        held = np.arange(6) if still is None else still
-        self._still = HeldDofs(K, M, held, algebra)
+        self._held = np.arange(6) if still is None else still
+        self._still = HeldDofs(K, M, self._held, algebra)
+        self._reactions = reactions
         self.n_finite = _massive(self.M) - 6
         self.n_free = self.K.shape[0]
         self.free = np.arange(self.n_free)
@@ -190,27 +195,32 @@ class MeanAxis:
         return self.algebra.negative_pivots(self.K - value * self.M) - 6
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
-        """See `Condition`. The body is free: the inertia of the rigid acceleration balances the
-        load."""
-        loads = forces + self.M @ accelerations
-        relief = scipy.linalg.cho_solve(self._inertia, self.rigid.T @ loads)
-        loads = loads - self._MR @ relief
+        """See `Condition`."""
+        accelerations, loads = self._balanced(accelerations, forces + self.M @ accelerations)
         shapes = self._still.static(loads, np.zeros_like(loads))
-        columns = self._without_momentum(shapes.columns)
-        return StaticShapes(columns, accelerations - self.rigid @ relief, loads)
+        return StaticShapes(self._without_momentum(shapes.columns), accelerations, loads)
 
     def load_rates(
         self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
-        """See `Condition`. The rigid acceleration that balances the load changes, too."""
+        """See `Condition`. What balances the load changes, too."""
         loads = forces + mass @ found.accelerations + self.M @ accelerations
-        relief = scipy.linalg.cho_solve(self._inertia, self.rigid.T @ loads)
-        return accelerations - self.rigid @ relief, loads - self._MR @ relief
+        return self._balanced(accelerations, loads)
 
     def momentum_rate(self, mass: Any, columns: Array) -> Array:
         """See `Condition`."""
         momentum = self.rigid.T @ (mass @ columns)
         return np.asarray(-self.rigid @ scipy.linalg.cho_solve(self._inertia, momentum))
+
+    def _balanced(self, accelerations: Array, loads: Array) -> tuple[Array, Array]:
+        """Return accelerations and loads (n_dof, k) in equilibrium: with reactions, or inertia."""
+        resultant = self.rigid.T @ loads
+        if self._reactions:
+            loads = loads.copy()
+            loads[self._held] -= np.linalg.solve(self.rigid[self._held].T, resultant)
+            return accelerations, loads
+        relief = scipy.linalg.cho_solve(self._inertia, resultant)
+        return accelerations - self.rigid @ relief, loads - self._MR @ relief
 
     def _without_momentum(self, X: Array) -> Array:
         return X - self.rigid @ scipy.linalg.cho_solve(self._inertia, self._MR.T @ X)

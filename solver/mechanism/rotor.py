@@ -9,12 +9,14 @@ from ..errors import InputError
 from ..math.arrays import Array
 from ..math.expressions.program import constant
 from ..math.laws import Law
+from ..math.rotations import vector_to_matrix
 from .places import Places, axes
 from .tables import ForceTable, Measured, RotorTable, StateTable
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.rotor import Polar
     from ..inputs.case.tables.rotor import Rotor as RotorKeys
+    from ..inputs.case.tables.rotor import RotorSection
 
 # Sizes of the states, for the tolerance of their error: induced velocities [m/s], separation, wake.
 SIZES = (1.0, 1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
@@ -44,9 +46,9 @@ def rotor_table(
         root, tip = r[0] - half[0] * slope[0], r[-1] + half[1] * slope[-1]
         _check_sizes(keys, blade, points, r)
         for k, section in enumerate(keys.sections):
-            place = f"{blade}.{section.place}"
+            place = _place(keys, blade, section)
             marker = places.marker("rotor.sections.place", place, frames[k])
-            name = f"rotor.{place}"
+            name = f"rotor.{blade}.{section.place}"
             forces.append(ForceTable(name, "force", hub, marker))
             gaps = (tip - r[k]) / r[k], (r[k] - root) / max(root, 1e-3 * tip)
             shape.append([section.chord, section.width, section.offset, *gaps])
@@ -88,14 +90,24 @@ def _centre(keys: "RotorKeys", places: Places) -> tuple[Array, Array]:
     return x, A[:, 2]
 
 
+def _place(keys: "RotorKeys", blade: str, section: "RotorSection") -> str:
+    """Return "BODY.INTERFACE" of a strip, of the segment if the blade has some."""
+    whole = f"{blade}.{section.place}"
+    return keys.divided[blade].places[section.place] if blade in keys.divided else whole
+
+
 def _frames(keys: "RotorKeys", blade: str, places: Places) -> tuple[Array, Array]:
     """Return axes (n, 3, 3) and places (n, 3) of the sections of a blade at the start, global."""
     markers = [
-        places.marker(f'rotor.blades: "{blade}"', f"{blade}.{section.place}", np.eye(3))
+        places.marker(f'rotor.blades: "{blade}"', _place(keys, blade, section), np.eye(3))
         for section in keys.sections
     ]
     points = np.array([places.frame(marker)[0] for marker in markers])
-    y = places.A_start[places.known[f"{blade}.{keys.sections[0].place}"][0]][:, 1]
+    if blade in keys.divided:
+        A = vector_to_matrix(np.radians(np.array(keys.divided[blade].rotation_deg)))
+    else:
+        A = places.A_start[places.known[f"{blade}.{keys.sections[0].place}"][0]]
+    y = A[:, 1]
     along = np.gradient(points, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
     flat = y - (along @ y)[:, None] * along

@@ -85,14 +85,17 @@ class Canvas:
         """Return axes, row by row."""
         return list(self.figure.subplots(rows, columns, squeeze=False, **options).ravel())
 
-    def save(self, path: Path) -> Path:
-        """Write a PNG, SVG or PDF, by the suffix, under a temporary name, then rename it."""
+    def save(self, path: Path, *, own: bool = False) -> Path:
+        """Write a PNG, SVG or PDF, by the suffix, under a temporary name, then rename it.
+
+        `own` says that a file of this name may be replaced, whoever wrote it.
+        """
         # Saved with a layout engine, a figure is laid out twice and drawn twice.
         engine = self.figure.get_layout_engine()
         if engine is not None:
             engine.execute(self.figure)
             self.figure.set_layout_engine(None)
-        with temporary_sibling(path) as temporary:
+        with temporary_sibling(path, own=own) as temporary:
             # Without creation tool and date, the same run gives the same bytes.
             form = path.suffix[1:]
             self.figure.savefig(temporary, format=form, metadata=dict.fromkeys(_UNSAID[form]))

@@ -128,7 +128,7 @@ def test_equal_segments_share_a_package(tmp_path: Path) -> None:
     packages = json.loads((out / "runs/base.json").read_text())["packages"]
     assert packages["arm-4"]["file"] == packages["arm-1"]["file"]
     spec = json.loads((out / "bodies/arm-1.base.json").read_text())
-    assert (spec["length"], spec["elements"], spec["reference"]["kind"]) == (0.25, 3, "chord")
+    assert (spec["length"], spec["elements"], spec["reference"]["kind"]) == (0.25, 3, "mean-axis")
 
 
 def test_equal_arcs_share_a_package() -> None:

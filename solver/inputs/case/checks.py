@@ -392,14 +392,10 @@ def _rotor(mechanism: Mechanism) -> list[str]:
     if rotor is None:
         return []
     found = check_place("rotor.hub", rotor.hub, mechanism, ground=False)
-    for blade in rotor.blades:
+    for blade in [name for name in rotor.blades if name not in rotor.divided]:
         missing = unknown("rotor.blades", blade, "body", mechanism.bodies)
         known = None if missing else interfaces(mechanism.bodies[blade])
         found += missing
-        body = mechanism.bodies.get(blade)
-        if isinstance(body, BeamBody) and body.segments > 1:
-            words = "expected one segment of a blade in the wind"
-            found.append(f"bodies.{blade}.segments = {body.segments}: {words}")
         for section in rotor.sections if known is not None else ():
             found += unknown(f"rotor.blades: {blade}", section.place, "interface", known or [])
     for k, section in enumerate(rotor.sections):

@@ -48,6 +48,10 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
         bodies |= divided[name].bodies(body)
         joints |= divided[name].joints()
     new = {f"{d.name}.{place}": to for d in divided.values() for place, to in d.places.items()}
+    blades = {
+        d.name: {"places": d.places, "rotation_deg": d.body.rotation_deg}
+        for d in divided.values()
+    }
     signals = {name: _signal(signal, divided, new) for name, signal in table["signals"].items()}
     return resolved(
         table
@@ -57,6 +61,7 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
             "forces": _renamed(table["forces"], new),
             "masses": _renamed(table["masses"], new),
             "signals": signals,
+            "rotor": table["rotor"] and {**table["rotor"], "divided": blades},
         },
         "mechanism in segments",
     )
@@ -138,7 +143,7 @@ class _Divided:
                 "stations": self._stations(k),
                 "segments": 1,
                 "part_of": self.name,
-                "reference": {"kind": "chord", "at": ["start", "end"]},
+                "reference": {"kind": "mean-axis", "at": ["start", "end"]},
                 "modes": [*SHAPES, *(mode for mode in modes if mode is not None)],
                 "interfaces": interfaces,
                 "position": (start + A_GB @ origin).tolist(),

@@ -36,7 +36,8 @@ class Reference(Table):
     )
     at: Name | list[Name] | None = optional(
         'interface that carries a clamped frame, absent: "root", or the only one at the start of a '
-        "beam; two for a chord, origin and twist at the first; none for a mean axis"
+        "beam; two for a chord, origin and twist at the first; none for a mean axis, or two of a "
+        "beam, which carry the loads of static shapes as those of a chord do"
     )
 
     @model_validator(mode="before")
@@ -52,8 +53,8 @@ class Reference(Table):
             raise ValueError("expected `at` with one interface")
         if self.kind == "chord" and not (isinstance(self.at, list) and len(self.at) == 2):
             raise ValueError('expected `at` with two interfaces, such as ["root", "tip"]')
-        if self.kind == "mean-axis" and self.at is not None:
-            raise ValueError("expected no `at`: a mean axis has no interface")
+        if self.kind == "mean-axis" and len(self.places) not in (0, 2):
+            raise ValueError("expected no `at` of a mean axis, or two interfaces of a beam")
         return self
 
     @property
@@ -145,7 +146,9 @@ def check_modes(
         f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
         "it: a mean axis carries its first load"
         for i, mode in enumerate(modes)
-        if isinstance(mode, SpinningChoice | StaticInertiaChoice) and reference.kind == "mean-axis"
+        if isinstance(mode, SpinningChoice | StaticInertiaChoice)
+        and reference.kind == "mean-axis"
+        and not reference.places
     ]
     places = [fractions[place] for place in reference.places if place in fractions]
     if len(places) == 2 and places[0] == places[1]:

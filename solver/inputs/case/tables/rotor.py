@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from ...common.table import Axis, FilePath, Name, Table, entry, optional, usable_path
+from ...common.table import Axis, FilePath, Name, Table, Vector, entry, optional, usable_path
 from ...common.text_file import numbered_lines
 from ...common.units import LENGTHS, unit_of
 from .laws import FOLDER, RESOLVED, WindLaw
@@ -102,6 +102,13 @@ class Wind(Table):
         return self
 
 
+class DividedBlade(Table):
+    """A blade in segments, written by `check`."""
+
+    places: dict[Name, str] = entry('interface of the blade -> "SEGMENT.INTERFACE"')
+    rotation_deg: Vector = entry("rotation vector from global to blade axes at the start", "deg")
+
+
 class Rotor(Table):
     """`[rotor]`: a rotor in the wind, by blade element momentum theory.
 
@@ -127,6 +134,9 @@ class Rotor(Table):
     polars: dict[Name, Polar] = entry("by name; or `polar_table`", default={})
     air_density: float = entry("of the air", "kg/m3", 1.225, gt=0)
     wind: Wind = entry("the wind")
+    divided: dict[Name, DividedBlade] = entry(
+        "blades in segments, written by `check`; not for users", default={}
+    )
 
     @model_validator(mode="before")
     @classmethod
