@@ -11,7 +11,7 @@ def write(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
     """Write rows of equal keys; numbers to four digits, which is more than a timing is worth."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with (
-        temporary_sibling(path) as temporary,
+        temporary_sibling(path, own=True) as temporary,
         temporary.open("w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.DictWriter(file, list(rows[0]))

@@ -113,10 +113,10 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
 
     design = derivatives(
         [p.linear() if sections.is_analysed(p) else p for p in parameters],
-        beam_input(model)[0],
+        beam_input(model, eigenpairs)[0],
         modes,
         at,
-        lambda p, moved: change_of_inputs(p, [beam_input(one) for one, _ in moved]),
+        lambda p, moved: change_of_inputs(p, [beam_input(one, eigenpairs) for one, _ in moved]),
         lambda moved, modes: beam_package(moved[0], modes, moved[1], {}),
         beam.damping_ratio,
     )

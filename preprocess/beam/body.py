@@ -11,6 +11,7 @@ from ...solver.package.body.invariants import MOST_MODES, second_order_from_stat
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.common.cells import node_positions
 from ...solver.package.common.plain_data import SpecError
+from ..modes.eigenmodes import Participation, eigenmodes
 from ..modes.reduced import Modes, StaticLoad, reduced_modes
 from ..modes.reference import Condition, EigenSolver
 from .line import BeamLine, LineSection, on_x_axis
@@ -40,6 +41,11 @@ class BeamModel:
     profile: Profile
     node_of: dict[str, int]  # interface name -> row of nodes_B
     reference_nodes: tuple[int, ...]  # nodes that carry the frame
+
+    @property
+    def carried(self) -> bool:
+        """Whether nodes carry the loads of static shapes in a mean axis."""
+        return self.spec.reference.kind == "mean-axis" and bool(self.reference_nodes)
 
     @property
     def loaded_nodes(self) -> tuple[int, ...]:
@@ -83,29 +89,39 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
 
     Raises ModeError for modes or a mean axis that the beam does not have.
     """
-    line, spec = model.line, model.spec
-    first = model.reference_nodes[0] if model.reference_nodes else 0
-    condition, loads, unit = beam_input(model)
-    return reduced_modes(
-        condition,
-        spec.modes.eigenmodes,
-        loads,
-        lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
-        np.argsort(-np.abs(line.along - line.along[first]), kind="stable"),
-        solver,
-        unit_loads=unit,
-    )
+    condition, loads, unit = beam_input(model, solver)
+    requests = () if model.carried else model.spec.modes.eigenmodes
+    return reduced_modes(condition, requests, loads, *_kinds(model), solver, unit_loads=unit)
 
 
-def beam_input(model: BeamModel) -> tuple[Condition, list[StaticLoad], Array]:
-    """Reference condition, loads of static modes, and unit loads of the compliance."""
-    line, spec = model.line, model.spec
+def _kinds(model: BeamModel) -> tuple[Participation, IntArray]:
+    """What sorts eigenmodes: their share in each kind of motion, and the nodes from far to near."""
+    line, form = model.line, model.spec.mass_form
     first = model.reference_nodes[0] if model.reference_nodes else 0
-    condition = reference_condition(
-        line, spec.mass_form, spec.reference.kind, model.reference_nodes
-    )
+    far_to_near = np.argsort(-np.abs(line.along - line.along[first]), kind="stable")
+    return lambda columns_B: mass_stations(line, columns_B, form).participation(), far_to_near
+
+
+def beam_input(
+    model: BeamModel, solver: EigenSolver
+) -> tuple[Condition, list[StaticLoad], Array]:
+    """Reference condition, loads of static modes, and unit loads of the compliance.
+
+    Vibrations of a body in a mean axis whose loads a chord carries are those of the chord: static
+    shapes of their inertia.
+    """
+    line, spec, nodes = model.line, model.spec, model.reference_nodes
+    first = nodes[0] if nodes else 0
+    condition = reference_condition(line, spec.mass_form, spec.reference.kind, nodes)
     loads = static_loads(line, spec.modes, model.node_of, first)
     loads += spinning_loads(condition, line, spec.modes.spinning, first)
+    if model.carried and spec.modes.eigenmodes:
+        chord = reference_condition(line, spec.mass_form, "chord", nodes)
+        found = eigenmodes(chord, spec.modes.eigenmodes, *_kinds(model), solver)
+        for label, value, column in zip(
+            found.labels, found.values, found.columns_B.T, strict=True
+        ):
+            loads.append(StaticLoad(label, np.zeros_like(column), value * column))
     return condition, loads, unit_loads(condition, line, model.node_of)
 
 

@@ -208,18 +208,14 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
             worst[whole] = rotation, name, i
     for whole, (rotation, name, i) in worst.items():
         count = segments.get(whole, 0)
-        rotor, second = run.mechanism.rotor, stiffened(run.model, i)
-        blade = rotor is not None and whole in rotor.blades
-        text = _text(whole, name, rotation, 0 if blade else count, second_order=second, blade=blade)
+        text = _text(whole, name, rotation, count, second_order=stiffened(run.model, i))
         yield ROTATION.finding(text, body=whole, value=rotation)
 
 
-def _text(
-    whole: str, name: str, rotation: float, count: int, *, second_order: bool, blade: bool
-) -> str:
+def _text(whole: str, name: str, rotation: float, count: int, *, second_order: bool) -> str:
     """Return the message; `count` is the number of segments of a beam, 0 of another body.
 
-    The rotation relative to the chord of a segment is about inverse to their number; that of the
+    The rotation relative to the frame of a segment is about inverse to their number; that of the
     segment in which a beam bends most falls a little more slowly. A rotation above a full turn, of
     displacements without meaning, says nothing of the number.
     """
@@ -229,8 +225,6 @@ def _text(
     if rotation > tau:
         limit += "; this result is invalid"
     split = "model the part as several bodies with fixed joints between them"
-    if blade:
-        split = "accept this error: a blade of [rotor] is one body"
     if count:
         now = f" ({count} now)" if count > 1 else ""
         number = ceil((UNEVEN if count > 1 else 1.0) * count * rotation / ROTATION.limit)

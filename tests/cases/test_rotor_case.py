@@ -1,13 +1,16 @@
 """`[rotor]` of a case: messages with file, key and value; wind from a file."""
 
 import re
+import tomllib
 
 import numpy as np
 import pytest
 from samples.rotor_samples import write_rotor
+from samples.segment_samples import run_of
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case, source_files
+from plymotion.solver.inputs.case.tables.schema import mechanism_of
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute, read_run
 
@@ -86,3 +89,30 @@ def test_wind_from_a_file_turns_and_rises(tmp_path):
     thrust = next(s.values for s in result.signals if s.name == "thrust")
     assert (np.diff(thrust[:5]) > 0.0).all()
     assert thrust[-1] < 0.97 * thrust[4]
+
+
+def test_a_blade_in_segments_has_the_loads_of_one_body(tmp_path):
+    """Curved and twisted, stiff: the axes of its segments are not those of the blade."""
+    file, found = write_rotor(tmp_path), []
+    given = {k: v for k, v in tomllib.loads(file.read_text()).items()
+             if k not in ("format", "title", "runs")}  # fmt: skip
+    rotor = mechanism_of(given, tmp_path)[0].model_dump()["rotor"]
+    for segments in (1, 3):
+        case = tomllib.loads(file.read_text())
+        table = {key: case[key] for key in ("ground", "joints", "signals", "bodies")}
+        for name in ("b0", "b1", "b2"):
+            body = case["bodies"][name]
+            at = {k: {"at": v["position"][0] / 20.0} for k, v in body["interfaces"].items()}
+            table["bodies"][name] = {
+                "kind": "beam", "section": "s", "material": "m", "elements": 30,
+                "line": {"points": [[0.0, 0.0, 0.0], [10.0, 0.5, 0.3], [19.9, -0.4, -1.0]]},
+                "twist_deg": [[0.0, 20.0], [1.0, -5.0]], "segments": segments, "interfaces": at,
+                "modes": [{"kind": "lowest", "count": 2}] if segments == 1 else [],
+                "rotation_deg": body["rotation_deg"],
+            }  # fmt: skip
+        table["solver"] = {"t_end": 0.01, "output_step": 0.01, "start": "quasi-static"}
+        table["rotor"] = rotor | {"table": None, "polar_table": None}
+        result, summary = execute(run_of(table, (1e12 * np.eye(6), np.eye(6))), progress=False)
+        assert summary["completed"], summary["message"]
+        found.append([signal.values[0] for signal in result.signals])
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-6)

@@ -16,7 +16,6 @@ from samples.case_samples import computed_file
 from samples.rotor_samples import ANGLES, polar
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.checks.modes import _text
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.blade.aerodynamics import ANGLES as GRID
 from plymotion.solver.extras.blade.aerodynamics import strips
@@ -273,14 +272,6 @@ def test_blades_twist_under_moments_along_them(rigid_case):
         shares.append(load @ np.linalg.solve(beam.package.stiffness, load) / exact)
     assert shares[0] == pytest.approx(1.0, abs=0.02)
     assert shares[1] < 0.9, shares
-
-
-def test_advice_for_a_blade_that_turns_far():
-    """`[rotor]` refuses them."""
-    words = [_text("b", "b", 0.25, 1 - blade, second_order=True, blade=blade) for blade in (0, 1)]
-    assert "divide the beam by segments = 3" in words[0]
-    assert "segments" not in words[1]
-    assert words[1].endswith("accept this error: a blade of [rotor] is one body")
 
 
 def test_messages_of_what_is_missing(tmp_path):

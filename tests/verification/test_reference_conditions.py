@@ -101,6 +101,22 @@ def test_package_knows_and_keeps_its_reference_condition(reference: dict[str, An
 
 
 @pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+def test_a_mean_axis_with_places_has_the_static_shapes_of_the_chord(mass_form: str) -> None:
+    """Loads at the ends, in equilibrium, and a distributed one: the same energy, no momentum."""
+    energies = []
+    for reference in (CHORD, {**CHORD, "kind": "mean-axis"}):
+        beam = reduced(reference, [{"kind": "attachment", "at": "tip"}, {"kind": "static-axial"}],
+                       K=coupled_stiffness(), mass_form=mass_form)  # fmt: skip
+        root, tip = (np.vstack([i.phi_B, i.psi_B]) for i in map(beam.interface, ("root", "tip")))
+        carried = rigid_motions(beam.model.line.nodes_B[[-1]])[0].T  # of the tip, to the root
+        work = tip.T - root.T @ carried
+        energies.append(work.T @ (work / np.diag(beam.package.stiffness)[:, None]))
+    momentum = free_body_mass(beam.package)[:6, 6:]
+    assert np.abs(momentum).max() < 1e-12 * np.abs(beam.package.invariants.T11_B).max()
+    np.testing.assert_allclose(energies[1], energies[0], atol=1e-10 * np.abs(energies[0]).max())
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
 @by_reference
 def test_invariants_hold_the_mass_of_frame_and_all_modes(
     reference: dict[str, Any], mass_form: str

@@ -1,7 +1,7 @@
 """Beams in segments: a body of the case becomes several bodies, joined to each other.
 
-Each segment is a body of its own with a chord frame through its ends, the static shapes of its
-ends and one of axial load. Equal segments have equal specifications, so they share one package.
+Each segment is a body of its own, with the mean position of the segment as its frame, the static
+shapes of its ends and one of axial load. In a chord frame, bent segments lose inertia of torsion. Equal segments have equal specifications, so they share one package.
 Places of the body ("arm.tip"), its loads, joints, masses and signals become those of its segments.
 """
 
@@ -18,7 +18,7 @@ from .beams import division, fractions, is_plain, line_of, rounded, with_section
 
 NEAR = 1e-9  # fractions closer than this are one place
 
-# All six static shapes of the ends in a chord frame, which carries the other loads.
+# All six static shapes of the ends; a chord carries the other loads.
 SHAPES: list[dict[str, object]] = [
     {"kind": "attachment", "at": "start", "directions": ["ry", "rz"]},
     {"kind": "attachment", "at": "end", "directions": ["x", "rx", "ry", "rz"]},

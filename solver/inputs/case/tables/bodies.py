@@ -164,6 +164,10 @@ def check_places(key: str, body: Any) -> list[str]:
         "carries the body frame"
         for place in body.reference.places
         if place in body.interfaces and body.interfaces[place].link != "rigid"
+    ] + [
+        f"{key}.reference.at = {body.reference.at}: expected none with a mean axis of a {body.kind}"
+        for _ in body.reference.places[1:]
+        if body.reference.kind == "mean-axis"
     ]
 
 
