@@ -102,9 +102,7 @@ def _kinds(model: BeamModel) -> tuple[Participation, IntArray]:
     return lambda columns_B: mass_stations(line, columns_B, form).participation(), far_to_near
 
 
-def beam_input(
-    model: BeamModel, solver: EigenSolver
-) -> tuple[Condition, list[StaticLoad], Array]:
+def beam_input(model: BeamModel, solver: EigenSolver) -> tuple[Condition, list[StaticLoad], Array]:
     """Reference condition, loads of static modes, and unit loads of the compliance.
 
     Vibrations of a body in a mean axis whose loads a chord carries are those of the chord: static
@@ -118,9 +116,7 @@ def beam_input(
     if model.carried and spec.modes.eigenmodes:
         chord = reference_condition(line, spec.mass_form, "chord", nodes)
         found = eigenmodes(chord, spec.modes.eigenmodes, *_kinds(model), solver)
-        for label, value, column in zip(
-            found.labels, found.values, found.columns_B.T, strict=True
-        ):
+        for label, value, column in zip(found.labels, found.values, found.columns_B.T, strict=True):
             loads.append(StaticLoad(label, np.zeros_like(column), value * column))
     return condition, loads, unit_loads(condition, line, model.node_of)
 

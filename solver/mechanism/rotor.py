@@ -14,9 +14,8 @@ from .places import Places, axes
 from .tables import ForceTable, Measured, RotorTable, StateTable
 
 if TYPE_CHECKING:
-    from ..inputs.case.tables.rotor import Polar
+    from ..inputs.case.tables.rotor import Polar, RotorSection
     from ..inputs.case.tables.rotor import Rotor as RotorKeys
-    from ..inputs.case.tables.rotor import RotorSection
 
 # Sizes of the states, for the tolerance of their error: induced velocities [m/s], separation, wake.
 SIZES = (1.0, 1.0, 1.0, 1.0, 0.1, 0.1, 0.1)

@@ -1,8 +1,9 @@
 """Beams in segments: a body of the case becomes several bodies, joined to each other.
 
 Each segment is a body of its own, with the mean position of the segment as its frame, the static
-shapes of its ends and one of axial load. In a chord frame, bent segments lose inertia of torsion. Equal segments have equal specifications, so they share one package.
-Places of the body ("arm.tip"), its loads, joints, masses and signals become those of its segments.
+shapes of its ends and one of axial load. In a chord frame, bent segments lose inertia of torsion.
+Equal segments have equal specifications, so they share one package. Places of the body ("arm.tip"),
+its loads, joints, masses and signals become those of its segments.
 """
 
 from typing import Any
@@ -49,8 +50,7 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
         joints |= divided[name].joints()
     new = {f"{d.name}.{place}": to for d in divided.values() for place, to in d.places.items()}
     blades = {
-        d.name: {"places": d.places, "rotation_deg": d.body.rotation_deg}
-        for d in divided.values()
+        d.name: {"places": d.places, "rotation_deg": d.body.rotation_deg} for d in divided.values()
     }
     signals = {name: _signal(signal, divided, new) for name, signal in table["signals"].items()}
     return resolved(

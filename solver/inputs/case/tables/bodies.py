@@ -159,16 +159,20 @@ def check_modes(
 def check_places(key: str, body: Any) -> list[str]:
     """Return the same of a shell or solid, and errors in the interfaces that carry its frame."""
     places = {name: float(i) for i, name in enumerate(body.interfaces)}
-    return check_modes(key, body.reference, body.modes, places) + [
-        f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected "rigid": it '
-        "carries the body frame"
-        for place in body.reference.places
-        if place in body.interfaces and body.interfaces[place].link != "rigid"
-    ] + [
-        f"{key}.reference.at = {body.reference.at}: expected none with a mean axis of a {body.kind}"
-        for _ in body.reference.places[1:]
-        if body.reference.kind == "mean-axis"
-    ]
+    return (
+        check_modes(key, body.reference, body.modes, places)
+        + [
+            f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected "rigid": it '
+            "carries the body frame"
+            for place in body.reference.places
+            if place in body.interfaces and body.interfaces[place].link != "rigid"
+        ]
+        + [
+            f"{key}.reference.at = {body.reference.at}: expected none with a mean axis of a {body.kind}"
+            for _ in body.reference.places[1:]
+            if body.reference.kind == "mean-axis"
+        ]
+    )
 
 
 CHANGES = "other values at dotted keys of the description, in quotes: " + (
