@@ -158,21 +158,16 @@ def check_modes(
 
 def check_places(key: str, body: Any) -> list[str]:
     """Return the same of a shell or solid, and errors in the interfaces that carry its frame."""
-    places = {name: float(i) for i, name in enumerate(body.interfaces)}
-    return (
-        check_modes(key, body.reference, body.modes, places)
-        + [
-            f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected "rigid": it '
-            "carries the body frame"
-            for place in body.reference.places
-            if place in body.interfaces and body.interfaces[place].link != "rigid"
-        ]
-        + [
-            f"{key}.reference.at = {body.reference.at}: expected none with a mean axis of a {body.kind}"
-            for _ in body.reference.places[1:]
-            if body.reference.kind == "mean-axis"
-        ]
-    )
+    reference, places = body.reference, {name: float(i) for i, name in enumerate(body.interfaces)}
+    found = check_modes(key, reference, body.modes, places)
+    if reference.kind == "mean-axis" and reference.places:
+        found.append(f"{key}.reference.at = {reference.at}: expected none of a {body.kind}")
+    return found + [
+        f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected "rigid": it '
+        "carries the body frame"
+        for place in reference.places
+        if place in body.interfaces and body.interfaces[place].link != "rigid"
+    ]
 
 
 CHANGES = "other values at dotted keys of the description, in quotes: " + (
