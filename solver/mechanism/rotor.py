@@ -63,7 +63,7 @@ def rotor_table(
         np.array([known.index(s.polar) for s in keys.sections] * len(keys.blades), dtype=np.int64),
         np.array(shape),
         np.array([polar_rows(keys.polars[name]) for name in known]),
-        np.array([*air, *up, *along]),
+        np.array([*air, *up, *along, float(keys.induction == "madsen")]),
         state,
     )
 

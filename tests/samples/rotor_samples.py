@@ -36,6 +36,7 @@ def write_rotor(
     pitch: float = 0.0,
     tilt: tuple[float, float] = (0.0, 0.0),
     free: bool = False,
+    induction: str = "buhl",
     solver: str = "t_end = 1.0\noutput_step = 0.1",
     polar_name: str = "thin",
 ) -> Path:
@@ -101,6 +102,7 @@ axis = {axis}
 blades = ["b0", "b1", "b2"]
 table = "aero.csv"
 polar_table = "polars.csv"
+induction = "{induction}"
 [rotor.wind]
 {wind}
 [signals.thrust]

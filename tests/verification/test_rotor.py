@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 from samples.case_samples import computed_file
-from samples.rotor_samples import RPM, TIP, ccblade, stations, write_rotor
+from samples.rotor_samples import HUB, RPM, TIP, ccblade, stations, write_rotor
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import curve_fit
@@ -62,6 +62,22 @@ def test_loads_along_the_blade_are_those_of_ccblade(tmp_path, repository, k):
     for ours, key in zip(found, ("axial", "around"), strict=True):
         theirs = np.array(point[key])
         assert np.abs(ours - theirs).max() < table["tolerance"] * np.abs(theirs).max()
+
+
+def test_induction_by_the_polynomial_of_hawc2(tmp_path):
+    """a = k1 c + k2 c^2 + k3 c^3 of the thrust coefficient over the loss, up to c = 1.2."""
+    V, s = 5.0, stations()
+    rotor = Steady(write_rotor(tmp_path, f"speed = {{ constant = {V} }}", induction="madsen"))
+    axial, _ = rotor.of_first_blade()
+    w_n, w_t = rotor.states[: len(axial), 2:4].T
+    around = RPM * np.pi / 30.0 * s["r"] - w_t
+    half = 1.5 * np.hypot(V + w_n, around) / (V + w_n)
+    ends = (TIP - s["r"]) / s["r"], (s["r"] - HUB) / HUB
+    loss = np.prod([2.0 / np.pi * np.arccos(np.exp(-half * gap)) for gap in ends], axis=0)
+    c = 3.0 * axial / (np.pi * 1.225 * s["r"] * V**2) / loss
+    assert c.max() > 1.2
+    expected = 0.246 * c + 0.0586 * c**2 + 0.0883 * c**3
+    np.testing.assert_allclose(-w_n / V, np.minimum(expected, 0.95), rtol=2e-3)
 
 
 def test_the_reference_is_that_of_ccblade(repository):

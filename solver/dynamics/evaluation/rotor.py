@@ -16,7 +16,8 @@ seven auxiliary states:
 
 The induced velocity of momentum theory follows from the loads in the present state, so that
 nothing is iterated: at rest of the states it is the solution of the usual equations, with Prandtl's
-losses at tip and root and Buhl's relation of high thrust (A. Ning, Wind Energy 17 (2014) 1327).
+losses at tip and root and Buhl's relation of high thrust (A. Ning, Wind Energy 17 (2014) 1327), or
+by the polynomial of HAWC2 (H. A. Madsen et al., Wind Energ. Sci. 5 (2020) 1).
 Skewed inflow takes the factor of Pitt and Peters.
 """
 
@@ -36,6 +37,7 @@ from ..model.model import (
     N_FLOW,
     N_SECTION_STATE,
     OFFSET,
+    POLYNOMIAL,
     QUASI,
     RADIUS,
     REFERENCE_HEIGHT,
@@ -54,6 +56,7 @@ from ..model.motion import axis, place, spin, velocity
 
 MOST_INDUCTION = 0.95  # of the wind: beyond it, flow reverses in the wake
 BUHL = 0.96  # thrust coefficient over the loss from which on Buhl's relation holds: a = 0.4
+MADSEN = (0.2460, 0.0586, 0.0883)  # of induction over thrust
 LEAST_WIND = 0.1  # along the shaft, in momentum theory [m/s]
 LEAST_LOSS = 1e-3
 SLOWEST = 1e-3  # flow at a section [m/s]
@@ -188,7 +191,10 @@ def _rates(
     # thrust of the ring over its dynamic pressure: 1/2 rho v^2 2 pi r
     ring = numbers[BLADES] / (max(slope, 0.1) * np.pi * numbers[AIR_DENSITY] * r * abs(v))
     thrust = ring * dot3(force, n) / v
-    if thrust < BUHL * loss:
+    if numbers[POLYNOMIAL] > 0.0:
+        c = thrust / loss
+        a = c * (MADSEN[0] + c * (MADSEN[1] + c * MADSEN[2]))
+    elif thrust < BUHL * loss:
         a = 0.5 * (1.0 - np.sqrt(1.0 - thrust / loss))
     else:
         root = np.sqrt(thrust * (50.0 - 36.0 * loss) + 12.0 * loss * (3.0 * loss - 4.0))

@@ -94,7 +94,7 @@ N_SHAPE = 5
 MOMENT, SEPARATION, SPAN = 2, 3, 4
 N_POLAR = 5
 AIR_DENSITY, BLADES, RADIUS, SHEAR, REFERENCE_HEIGHT, UP, DIRECTION = 0, 1, 2, 3, 4, 5, 8
-N_ROTOR = 11
+POLYNOMIAL, N_ROTOR = 11, 12
 ANGLE_STEP = np.pi / 360.0  # of polars [rad]
 # What a section computes: rates of its states, then what these go to at rest.
 N_SECTION_STATE, QUASI, STALLED, N_FLOW = 7, 7, 9, 12
@@ -116,7 +116,7 @@ class Rotor(NamedTuple):
     # (1: attached), and lift of attached flow less that of separated flow
     polars: Array
     # (N_ROTOR,): air density [kg/m3], number of blades, radius [m], exponent of shear, its height
-    # [m], unit vectors upwards and along the wind, global
+    # [m], unit vectors upwards and along the wind, global; 1: induction by Madsen's polynomial
     numbers: Array
     law: IntArray  # (2,) of the speed of the wind [m/s], and of its turn about `up` [rad]
     state: int  # first auxiliary state

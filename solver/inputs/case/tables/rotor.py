@@ -2,7 +2,7 @@
 
 import csv
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import ValidationInfo, field_validator, model_validator
@@ -133,6 +133,11 @@ class Rotor(Table):
     )
     polars: dict[Name, Polar] = entry("by name; or `polar_table`", default={})
     air_density: float = entry("of the air", "kg/m3", 1.225, gt=0)
+    induction: Literal["buhl", "madsen"] = entry(
+        "over the thrust of a ring. buhl: momentum theory with Buhl's relation of high thrust, as in "
+        "AeroDyn and CCBlade; madsen: the polynomial of HAWC2, less induction at high thrust",
+        default="buhl",
+    )
     wind: Wind = entry("the wind")
     divided: dict[Name, DividedBlade] = entry(
         "blades in segments, written by `check`; not for users", default={}
