@@ -73,10 +73,14 @@ def main() -> None:
     parser.add_argument("turbine", type=Path, help="windIO file of IEA-15-240-RWT")
     parser.add_argument("--out", type=Path, default=Path("build/benchmarks/wind.json"))
     parser.add_argument("--stations", default="21")
+    parser.add_argument("--induction", default="buhl", help="madsen: as the reference has it")
     options = parser.parse_args()
     folder = options.out.with_suffix("")
     words = ["--stations", options.stations, "--no-estimate", "--rotor", "--quiet"]
     command("blade", str(options.turbine), *words, "-o", str(folder / "turbine"))
+    case = folder / "turbine/rotor.toml"
+    table = 'polar_table = "polars.csv"\n'
+    case.write_text(case.read_text().replace(table, f'{table}induction = "{options.induction}"\n'))
     reference = tomllib.loads(REFERENCE.read_text())
     points = []
     with (folder / "turbine/operation.csv").open() as file:

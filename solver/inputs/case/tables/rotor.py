@@ -134,8 +134,8 @@ class Rotor(Table):
     polars: dict[Name, Polar] = entry("by name; or `polar_table`", default={})
     air_density: float = entry("of the air", "kg/m3", 1.225, gt=0)
     induction: Literal["buhl", "madsen"] = entry(
-        "over the thrust of a ring. buhl: momentum theory with Buhl's relation of high thrust, as in "
-        "AeroDyn and CCBlade; madsen: the polynomial of HAWC2, less induction at high thrust",
+        "over the thrust of a ring. buhl: momentum theory with Buhl's relation of high thrust, as "
+        "in AeroDyn and CCBlade; madsen: the polynomial of HAWC2, less induction at high thrust",
         default="buhl",
     )
     wind: Wind = entry("the wind")
