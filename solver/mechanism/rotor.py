@@ -91,8 +91,8 @@ def _centre(keys: "RotorKeys", places: Places) -> tuple[Array, Array]:
 
 def _place(keys: "RotorKeys", blade: str, section: "RotorSection") -> str:
     """Return "BODY.INTERFACE" of a strip, of the segment if the blade has some."""
-    whole = f"{blade}.{section.place}"
-    return keys.divided[blade].places[section.place] if blade in keys.divided else whole
+    divided = keys.divided.get(blade)
+    return divided.places[section.place] if divided else f"{blade}.{section.place}"
 
 
 def _frames(keys: "RotorKeys", blade: str, places: Places) -> tuple[Array, Array]:

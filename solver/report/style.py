@@ -90,6 +90,13 @@ class Canvas:
 
         `own` says that a file of this name may be replaced, whoever wrote it.
         """
+        from matplotlib.ticker import LogFormatter, LogFormatterSciNotation
+
+        for axis in (axis for a in self.figure.axes for axis in (a.xaxis, a.yaxis)):
+            # powers of ten as 1e-06: house_style() switches formulas off
+            if isinstance(axis.get_major_formatter(), LogFormatterSciNotation):
+                axis.set_major_formatter(LogFormatter())
+                axis.set_minor_formatter(LogFormatter(minor_thresholds=(0.5, 0.4)))
         # Saved with a layout engine, a figure is laid out twice and drawn twice.
         engine = self.figure.get_layout_engine()
         if engine is not None:
