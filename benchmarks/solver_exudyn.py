@@ -54,7 +54,7 @@ def reduced(package: ModalPackage, masses: dict[str, float] | None = None) -> Re
             ]
         ),
         weights=weights / weights.sum(),
-        tip=node(package, "tip"),
+        tip=node(package, package.interfaces[-1].name),
     )
 
 

@@ -20,6 +20,7 @@ from processes import cost_of
 from scenes import BUILD, HERE, ROOT, Scene
 
 from plymotion.solver.math.arrays import Array
+from plymotion.solver.math.disk_cache import sources_sha256
 
 LONGEST = 10.0  # CPU seconds of a process; it is ended, and finer settings of its method left out
 DIAGONAL = ("EA", "GA2", "GA3", "GJ", "EI2", "EI3")
@@ -230,8 +231,11 @@ def converged(scene: Scene, sheet: dict[str, Any], runner: Runner, entry: dict[s
     """
     setting = {k: v for k, v in entry.items() if k not in ("code", "order")}
     asked = Path(str(runner.module.__file__)).read_text(encoding="utf-8") + json.dumps(
-        [sheet | {"sheet": "", "run_file": ""}, entry, runner.version], sort_keys=True
+        [sheet | {"sheet": "", "run_file": "", "run_files": ""}, entry, runner.version],
+        sort_keys=True,
     )
+    if "own" in runner.module.ENVIRONMENT:
+        asked += sources_sha256("solver", "preprocess")
     key = hashlib.sha256(asked.encode()).hexdigest()[:16]
     file = BUILD / "truths" / f"{scene.name}-{entry['code']}-{key}.npy"
     if file.exists():
@@ -245,7 +249,7 @@ def converged(scene: Scene, sheet: dict[str, Any], runner: Runner, entry: dict[s
 
     answer = once(setting)
     if "order" in entry:
-        finer = once(setting | {"steps": 2 * setting["steps"]})
+        finer = once(setting | {k: 2 * setting[k] for k in ("steps", "elements") if k in setting})
         answer = finer + (finer - answer) / (2 ** entry["order"] - 1)
     file.parent.mkdir(parents=True, exist_ok=True)
     np.save(file, answer)

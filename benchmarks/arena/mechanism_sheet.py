@@ -9,8 +9,8 @@ from solver_problems import interface, node, write_run
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.schema import changed_mechanism
-from plymotion.solver.math.rotations import rotation_matrix
-from plymotion.solver.package import read_package
+from plymotion.solver.math.rotations import rotation_matrix, skew
+from plymotion.solver.package import read_package, write_package
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.preparation import prepare
 
@@ -21,9 +21,40 @@ FOLDER = Path("build/arena/runs")
 SOLVER = ("start", "modes_at_start", "on_invalid", "on_singular", "geometric_stiffening")
 
 
+def beams(scene: "Scene") -> dict[str, Any]:
+    """Sheet of a scene whose script has `table(n)`, `matrices` and, for other codes, `beam`.
+
+    Packages are made from the 6x6 stiffness and mass, one run file for each number of segments or
+    modes.
+    """
+    from samples.segment_samples import run_of
+
+    table, script, files = scene.table, scene.script, {}
+    assert script is not None
+    every = table.get("every", 0.01)
+    t_end = table.get("t_end", every)  # of modes: not run
+    for n in table["ours"]["segments" if scene.motion else "modes"]:
+        spec = run_of(script.table(n), script.matrices)
+        case = spec.mechanism.model_dump()
+        solver = {key: case["solver"][key] for key in SOLVER}
+        case["solver"] = solver | {"t_end": t_end, "output_step": every}
+        packages = {}
+        for body, package in spec.packages.items():
+            packages[body] = FOLDER / scene.name / f"{n}-{body}.vtkhdf"
+            packages[body].parent.mkdir(parents=True, exist_ok=True)
+            write_package(packages[body], package)
+        files[n] = write_run(f"{scene.name}-{n}", case, packages, FOLDER)
+    found: dict[str, Any] = {"run_files": files}
+    if scene.motion:
+        found |= {"times": scene.times, "every": every, "t_end": t_end, "beam": script.beam}
+    return dict(listed(found))
+
+
 def mechanism(scene: "Scene") -> dict[str, Any]:
     """Entries of the sheet of a scene of kind `mechanism`."""
     table = scene.table
+    if hasattr(scene.script, "matrices"):
+        return beams(scene)
     runs = load_case(scene.case()).runs
     name = table.get("run", next(iter(runs)))
     if name not in runs:
@@ -66,7 +97,11 @@ def mechanism(scene: "Scene") -> dict[str, Any]:
             package = read_package(packages[body])
             points = {i.name: i.position_B for i in package.interfaces}
             nodes = {i: node(package, i) for i in points}
-            arrays = vars(reduced(package, masses(case, body)))
+            arrays = dict(vars(reduced(package, masses(case, body))))
+            corners, rows = virtual(package)
+            arrays["nodes"] = np.vstack([arrays["nodes"], corners])
+            arrays["basis"] = np.vstack([arrays["basis"], rows])
+            first = {i: len(package.nodes_B) + 6 * k for k, i in enumerate(points)}
             npz = FOLDER / scene.name / f"{body}.npz"
             np.savez(npz, **{key: np.asarray(value) for key, value in arrays.items()})
             shapes = {i: np.abs(interface(package, i).phi_B).max() for i in points}
@@ -76,6 +111,8 @@ def mechanism(scene: "Scene") -> dict[str, Any]:
                 "nodes": nodes,
                 "points": points,
                 "held": held,
+                "corners": {i: list(range(n, n + 6)) for i, n in first.items()},
+                "modal_start": p[7 : 7 + package.n_mode],
                 "modal_rates": v[6 : 6 + package.n_mode],
             }
         else:
@@ -116,6 +153,18 @@ def mechanism(scene: "Scene") -> dict[str, Any]:
     )
 
 
+def virtual(package: Any) -> tuple[Any, Any]:
+    """Six places about each interface that move with it, for codes that have no rotations of nodes.
+
+    Places (6 i, 3) [m] and rows of the mode basis (18 i, m).
+    """
+    arm = 0.01 * float(np.ptp(package.nodes_B, axis=0).max())
+    offsets = arm * np.vstack([np.eye(3), -np.eye(3)])
+    places = [i.position_B + d for i in package.interfaces for d in offsets]
+    rows = [i.phi_B - skew(d) @ i.psi_B for i in package.interfaces for d in offsets]
+    return np.array(places), np.vstack(rows)
+
+
 def masses(case: dict[str, Any], body: str) -> dict[str, float]:
     """Point masses on the interfaces of a body, interface -> kg."""
     found = {}
@@ -135,7 +184,7 @@ def about_origin(entry: dict[str, Any]) -> Any:
 def listed(value: Any) -> Any:
     """Arrays as lists and paths as text, for JSON."""
     if isinstance(value, dict):
-        return {key: listed(v) for key, v in value.items()}
+        return {str(key): listed(v) for key, v in value.items()}
     if isinstance(value, list | tuple):
         return [listed(v) for v in value]
     if isinstance(value, np.ndarray | np.generic):

@@ -23,6 +23,7 @@ ROOT = HERE.parents[1]
 BUILD = Path("build/arena")
 KINDS = {
     "mechanism": {"case", "t_end", "probe"},
+    "modes": {"at", "values"},
     "section": {"file", "values"},
     "shell": {"file", "values"},
 }
@@ -73,17 +74,23 @@ class Scene:
         file = BUILD / "sheets" / f"{self.name}.json"
         file.parent.mkdir(parents=True, exist_ok=True)
         found = {
-            key: self.table[key] for key in ("kind", "title", "data", "ours") if key in self.table
+            key: self.table[key]
+            for key in ("kind", "title", "data", "ours", "at")
+            if key in self.table
         }
         found["name"] = self.name
-        if self.motion:
+        listed = self.table.get("values", self.table["truth"].get("values", {}))
+        found["values"] = listed if isinstance(listed, dict) else dict.fromkeys(listed)
+        if found["kind"] in ("mechanism", "modes"):
             from mechanism_sheet import mechanism
 
             found |= mechanism(self)
         else:
             found["file"] = str(self.path(self.table["file"]))
-            listed = self.table.get("values", self.table["truth"].get("values", {}))
-            found["values"] = listed if isinstance(listed, dict) else dict.fromkeys(listed)
+            if found["kind"] == "section":
+                from section_cells import cells
+
+                found["cells"] = cells(self.name, self.path(self.table["file"]))
         file.write_text(json.dumps(found), encoding="utf-8")
         return found | {"sheet": str(file)}
 
@@ -124,7 +131,9 @@ def read(folder: Path) -> Scene:
         raise SystemExit(f"{file}: kind = {kind!r}: expected one of {', '.join(KINDS)}")
     code = folder / table.get("script", "scene.py")
     module = script(code, f"scene_{folder.name.replace('-', '_')}") if code.exists() else None
-    wanted = KEYS | KINDS[kind] - ({"case"} if hasattr(module, "case") else set())
+    made = {name for name in ("case", "matrices") if hasattr(module, name)}
+    wanted = KEYS | KINDS[kind] - ({"case"} if made else set())
+    wanted -= {"probe"} if "matrices" in made else set()
     allowed = KEYS | KINDS[kind] | OPTIONAL
     if missing := wanted - set(table):
         raise SystemExit(f"{file}: {', '.join(sorted(missing))}: missing, expected in a {kind}")

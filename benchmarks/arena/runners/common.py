@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 Sheet = dict[str, Any]
+FORCES = ("spring", "springs", "motors", "sampled", "rolling")
 
 
 def main(solve: Callable[[Sheet, Sheet], Any]) -> None:
@@ -52,21 +53,33 @@ def kinds(sheet: Sheet) -> set[str]:
 
 
 def not_mechanical(
-    sheet: Sheet,
-    joints: set[str],
-    forces: set[str] = frozenset(),
-    modal: bool = False,  # type: ignore[assignment]
+    sheet: Sheet, joints: set[str], data: tuple[str, ...] = (), modal: bool = False
 ) -> str:
-    """Why a multibody code with these joints and forces cannot do a scene."""
+    """Why a multibody code with these joints and entries of `data` cannot do a scene.
+
+    Forces are given as `data` of the scene: `springs` and `motors` of joints, `sampled` control,
+    a `spring` with friction.
+    """
     if sheet["kind"] != "mechanism":
         return "a multibody code"
+    if "beam" in sheet:
+        return "no flexible bodies"
     if not modal and any("modal" in body for body in sheet["bodies"]):
         return "no flexible bodies with modes"
     if other := kinds(sheet) - joints:
         return f"no joint {', '.join(sorted(other))}"
     found = {f["kind"] for f in (sheet["forces"] or {}).values()}
-    if other := found - forces:
-        return f"no force {', '.join(sorted(other))} in this runner"
+    named = set(FORCES) & set(sheet.get("data", {}))
+    if found and not named:
+        return f"no force {', '.join(sorted(found))} in this runner"
+    if other := named - set(data):
+        return f"no {', '.join(sorted(other))} in this runner"
     if sheet["couplings"]:
         return "no couplings in this runner"
     return ""
+
+
+def held(sheet: Sheet) -> int:
+    """Outputs between two instants at which a sampled controller acts, at least 1."""
+    period = sheet.get("data", {}).get("sampled", {}).get("period", sheet["every"])
+    return max(1, round(period / sheet["every"]))

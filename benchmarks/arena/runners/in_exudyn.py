@@ -8,8 +8,10 @@ where the motion is plane, Euler parameters else.
 import contextlib
 import io
 import sys
+from collections.abc import Callable
 from typing import Any
 
+import exudyn_beams
 import numpy as np
 from common import Sheet, Timed, main, not_mechanical
 
@@ -27,16 +29,18 @@ MOST = 400_000  # steps
 
 
 def cannot(sheet: Sheet) -> str:
-    """Rigid and plane modal mechanisms."""
-    forces = {"coordinate_force", "friction"} if "spring" in sheet.get("data", {}) else set()
+    """Rigid and modal mechanisms, beams."""
+    if "beam" in sheet:
+        return ""
+    forces = ("spring", "springs", "motors", "sampled", "rolling")
     found = not_mechanical(sheet, set(FREE), forces, modal=True)
-    if not found and any("modal" in b for b in sheet["bodies"]) and not plane(sheet):
-        return "modal bodies in space: not in this runner"
     return found or str(sheet.get("data", {}).get("exudyn", ""))
 
 
 def settings(sheet: Sheet) -> list[Sheet]:
     """Steps, a factor of four at a time."""
+    if "beam" in sheet:
+        return exudyn_beams.settings(sheet)
     first = len(sheet["times"])
     rates = [first * 4**k for k in range(9)]
     return [
@@ -51,19 +55,27 @@ def plane(sheet: Sheet) -> bool:
     """Whether all axes are z and all frames begin turned about it only."""
     axes = [j["axis"] for j in sheet["joints"] if j.get("axis") and j["kind"] != "prismatic"]
     turned = [np.array(b["rotation"])[2] for b in sheet["bodies"]]
-    return all(np.allclose(np.abs(a), [0, 0, 1]) for a in axes) and all(
-        np.allclose(t, [0, 0, 1]) for t in turned
+    return (
+        bool(axes)
+        and all(np.allclose(np.abs(a), [0, 0, 1]) for a in axes)
+        and all(np.allclose(t, [0, 0, 1]) for t in turned)
     )
+
+
+def imported() -> tuple[Any, Any]:
+    """Exudyn without range checks, and its items."""
+    sys.exudynFast = True  # type: ignore[attr-defined]
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn as exu
+        from exudyn import itemInterface as items
+    return exu, items
 
 
 class Mechanism:
     """Items of a sheet."""
 
     def __init__(self, sheet: Sheet) -> None:
-        sys.exudynFast = True  # type: ignore[attr-defined]
-        with contextlib.redirect_stdout(io.StringIO()):
-            import exudyn as exu
-            from exudyn import itemInterface as items
+        exu, items = imported()
         self.exu, self.items, self.sheet = exu, items, sheet
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
@@ -78,8 +90,34 @@ class Mechanism:
             self.body(body)
         for joint in sheet["joints"]:
             self.joint(joint)
-        if spring := sheet.get("data", {}).get("spring"):
-            self.spring(spring)
+        data = sheet.get("data", {})
+        if "spring" in data:
+            self.spring(data["spring"])
+        for motor in data.get("motors", []):
+            load = items.LoadTorqueVector(loadVector=[0, 0, motor["torque"]])
+            load.markerNumber = self.moved(motor["joint"])[1]
+            self.mbs.AddLoad(load)
+        for entry in data.get("springs", []):
+            self.mbs.AddObject(
+                items.ObjectConnectorCoordinateSpringDamper(
+                    markerNumbers=[self.fixed, self.moved(entry["joint"])[0]],
+                    stiffness=entry.get("stiffness", 0.0),
+                    damping=entry["damping"],
+                )
+            )
+        if "rolling" in data:
+            ends = [
+                items.MarkerBodyRigid(bodyNumber=self.ground),
+                items.MarkerNodeRigid(nodeNumber=self.frames[0]),
+            ]
+            joint = items.ObjectJointRollingDisc(
+                markerNumbers=[self.mbs.AddMarker(end) for end in ends],
+                discRadius=data["rolling"]["radius"],
+                discAxis=data["rolling"]["axis"],
+            )
+            self.mbs.AddObject(joint)
+        if "sampled" in data:
+            self.sampled(data["sampled"])
 
     def matrix(self, values: Any) -> Any:
         """A dense matrix container."""
@@ -143,7 +181,7 @@ class Mechanism:
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=m,
                 referenceCoordinates=[0] * m,
-                initialCoordinates=[0] * m,
+                initialCoordinates=body["modal_start"],
                 initialCoordinates_t=body["modal_rates"],
             )
         )
@@ -184,6 +222,16 @@ class Mechanism:
         body = self.sheet["bodies"][k]
         if "modal" in body and end["at"] in body["held"]:
             return int(mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=self.frames[k])))
+        if "modal" in body and not self.plane:
+            return int(
+                mbs.AddMarker(
+                    items.MarkerSuperElementRigid(
+                        bodyNumber=self.objects[k],
+                        meshNodeNumbers=body["corners"][end["at"]],
+                        weightingFactors=[1.0 / 6.0] * 6,
+                    )
+                )
+            )
         if "modal" in body:
             return int(
                 mbs.AddMarker(
@@ -201,7 +249,7 @@ class Mechanism:
         """Add a joint; its z axis is the axis, seen from both bodies."""
         items, mbs, kind = self.items, self.mbs, joint["kind"]
         ends = (joint["one"], joint["two"])
-        flexible = any(
+        flexible = self.plane and any(
             e["body"] >= 0
             and "modal" in self.sheet["bodies"][e["body"]]
             and e["at"] not in self.sheet["bodies"][e["body"]]["held"]
@@ -218,7 +266,7 @@ class Mechanism:
                     items.ObjectJointSpherical(markerNumbers=markers, constrainedAxes=axis)
                 )
         else:
-            z = np.array(joint["axis"] or [0.0, 0.0, 1.0])
+            z = np.array(joint.get("axis") or [0.0, 0.0, 1.0])
             z = z / np.linalg.norm(z)
             x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
             x = x / np.linalg.norm(x)
@@ -229,15 +277,23 @@ class Mechanism:
                 else np.array(self.sheet["bodies"][e["body"]]["rotation"]).T @ own
                 for e in ends
             ]
+            free, extra = FREE[kind], {}
+            if joint.get("drive") and not self.plane:
+                law, sign = self.law(joint["drive"]), 1.0 if ends[0]["body"] < 0 else -1.0
+                free = [1] * 6
+                extra["offsetUserFunction"] = lambda mbs, t, number, offsets: (
+                    [0.0] * 5 + [sign * law(t)]
+                )
             mbs.AddObject(
                 items.ObjectJointGeneric(
                     markerNumbers=[self.marker(e, True) for e in ends],
-                    constrainedAxes=FREE[kind],
+                    constrainedAxes=free,
                     rotationMarker0=turn[0],
                     rotationMarker1=turn[1],
+                    **extra,
                 )
             )
-        if joint.get("drive"):
+        if joint.get("drive") and self.plane:
             self.drive(joint)
 
     def spring(self, spring: Sheet) -> None:
@@ -259,6 +315,34 @@ class Mechanism:
                 stickingDamping=1e3,
             )
         )
+
+    def moved(self, name: str) -> tuple[int, int]:
+        """Markers of the body that a joint carries: its coordinate along the axis, its frame."""
+        joint = next(j for j in self.sheet["joints"] if j["name"] == name)
+        frame = self.frames[max(joint["one"]["body"], joint["two"]["body"])]
+        at = int(np.argmax(np.abs(joint["axis"])))
+        coordinate = self.items.MarkerNodeCoordinate(nodeNumber=frame, coordinate=at)
+        rigid = self.items.MarkerNodeRigid(nodeNumber=frame)
+        return int(self.mbs.AddMarker(coordinate)), int(self.mbs.AddMarker(rigid))
+
+    def sampled(self, control: Sheet) -> None:
+        """A force along a coordinate that is set before a step at each instant."""
+        load = self.mbs.AddLoad(
+            self.items.LoadCoordinate(markerNumber=self.moved(control["joint"])[0], load=0.0)
+        )
+        body = next(j for j in self.sheet["joints"] if j["name"] == control["joint"])
+        node = self.frames[max(body["one"]["body"], body["two"]["body"])]
+        position, state = self.exu.OutputVariableType.Displacement, {"next": 0}
+
+        def act(mbs: Any, t: float) -> bool:
+            # t is the end of a step; the load before it still counts in the mean of a step
+            if t > state["next"] * control["period"] + 1e-9:
+                x = mbs.GetNodeOutput(node, position)[0]
+                mbs.SetLoadParameter(load, "load", control["gain"] * (control["setpoint"] - x))
+                state["next"] += 1
+            return True
+
+        self.mbs.SetPreStepUserFunction(act)
 
     def upright(self, ends: tuple[Sheet, Sheet]) -> None:
         """Keep the z axis of the later frame that of the ground."""
@@ -287,10 +371,23 @@ class Mechanism:
                 )
             )
             return
-        ramp = law["ramp"]
-        speed, T = sign * ramp["speed"], ramp["duration"]
+        turn = self.law(law)
+        self.mbs.AddObject(
+            self.items.ObjectConnectorCoordinate(
+                markerNumbers=markers,
+                offsetUserFunction=lambda mbs, t, number, offset: sign * turn(t),
+            )
+        )
 
-        def angle(mbs: Any, t: float, number: int, offset: float) -> float:
+    @staticmethod
+    def law(law: Sheet) -> Callable[[float], float]:
+        """Angle of a drive over time [rad]."""
+        if law.get("speed") is not None:
+            return lambda t: float(law["speed"] * t)
+        ramp = law["ramp"]
+        speed, T = ramp["speed"], ramp["duration"]
+
+        def angle(t: float) -> float:
             s = t / T
             if s >= 1.0:
                 return float(speed * (t - 0.5 * T))
@@ -298,9 +395,7 @@ class Mechanism:
                 return float(speed * T * (s * s / 2 + (np.cos(2 * np.pi * s) - 1) / (4 * np.pi**2)))
             return float(speed * T * (2.5 * s**4 - 3.0 * s**5 + s**6))
 
-        self.mbs.AddObject(
-            self.items.ObjectConnectorCoordinate(markerNumbers=markers, offsetUserFunction=angle)
-        )
+        return angle
 
     def solve(self, setting: Sheet) -> tuple[Any, float]:
         """Positions of the probe at the times of the sheet, and the CPU time of the solution."""
@@ -356,6 +451,8 @@ class Mechanism:
 
 def solve(sheet: Sheet, setting: Sheet) -> tuple[Any, float]:
     """Build and solve."""
+    if "beam" in sheet:
+        return exudyn_beams.solve(*imported(), sheet, setting)
     return Mechanism(sheet).solve(setting)
 
 

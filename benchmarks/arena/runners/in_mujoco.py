@@ -7,7 +7,7 @@ Its documented choices: RK4 (trees) and implicitfast; equalities as stiff as the
 from typing import Any
 
 import numpy as np
-from common import Sheet, Timed, main, not_mechanical
+from common import Sheet, Timed, held, main, not_mechanical
 
 NAME = "MuJoCo"
 ENVIRONMENT: dict[str, Any] = {"pip": ["mujoco==4.0.0", "numpy"]}
@@ -17,7 +17,7 @@ MOST = 200_000  # steps
 
 def cannot(sheet: Sheet) -> str:
     """Rigid mechanisms without drives."""
-    forces = {"coordinate_force", "friction"} if "spring" in sheet.get("data", {}) else set()
+    forces = ("spring", "springs", "motors", "sampled")
     found = not_mechanical(sheet, {*JOINTS, "point_on_line"}, forces)
     if not found and any(j.get("drive") for j in sheet["joints"]):
         return "no exact prescribed motion"
@@ -95,6 +95,9 @@ def xml(sheet: Sheet, h: float, method: str) -> str:
                 text += f' stiffness="{spring["stiffness"]}" springref="{spring["rest"]}"'
                 text += f' frictionloss="{spring["coulomb"]}" solreffriction="{2 * h:.17g} 1"'
                 text += ' solimpfriction="0.9999 0.9999 0.001"'
+            for own in sheet.get("data", {}).get("springs", []):
+                if own["joint"] == joint["name"]:
+                    text += f' stiffness="{own.get("stiffness", 0)}" damping="{own["damping"]}"'
             text += "/>"
         if sheet["probe"]["body"] == k:
             text += f'<site name="probe" pos="{row(sheet["probe"]["point"])}"/>'
@@ -152,9 +155,15 @@ def solve(sheet: Sheet, setting: Sheet) -> tuple[Any, float]:
         if model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_FREE:
             at = model.joint(name).dofadr[0]
             data.qvel[at : at + 6] = [*body["velocity"], *body["spin_body"]]
-    rows = []
+    dofs = {j["name"]: model.joint(f"j{k}").dofadr[0] for _, k, j in tree(sheet)[0]}
+    for motor in sheet.get("data", {}).get("motors", []):
+        data.qfrc_applied[dofs[motor["joint"]]] = motor["torque"]
+    sampled, rows = sheet.get("data", {}).get("sampled"), []
     with Timed() as used:
-        for _ in range(outputs):
+        for k in range(outputs):
+            if sampled and k % held(sheet) == 0:
+                at = dofs[sampled["joint"]]
+                data.qfrc_applied[at] = sampled["gain"] * (sampled["setpoint"] - data.qpos[at])
             mujoco.mj_step(model, data, each)
             mujoco.mj_kinematics(model, data)
             rows.append(data.site("probe").xpos.tolist())

@@ -7,7 +7,7 @@ is the usual choice. Its times are those of a Python loop around compiled dynami
 from typing import Any
 
 import numpy as np
-from common import Sheet, Timed, main, not_mechanical
+from common import Sheet, Timed, held, main, not_mechanical
 
 NAME = "Pinocchio"
 ENVIRONMENT: dict[str, Any] = {"pip": ["pin==4.1.0", "scipy", "numpy"]}
@@ -15,7 +15,7 @@ ENVIRONMENT: dict[str, Any] = {"pip": ["pin==4.1.0", "scipy", "numpy"]}
 
 def cannot(sheet: Sheet) -> str:
     """Rigid trees without drives."""
-    found = not_mechanical(sheet, {"revolute", "prismatic"})
+    found = not_mechanical(sheet, {"revolute", "prismatic"}, ("springs", "motors", "sampled"))
     if found:
         return found
     if len(sheet["joints"]) != len(sheet["bodies"]):
@@ -68,28 +68,38 @@ def solve(sheet: Sheet, setting: Sheet) -> tuple[Any, float]:
     data = model.createData()
     probe = sheet["probe"]
     tip = np.array(probe["global"]) - places[probe["body"]]
-    n, torque = model.nv, np.zeros(model.nv)
+    n, given = model.nv, sheet.get("data", {})
+    torque, stiffness, damping = np.zeros((3, n))
+    dofs = {name: model.joints[k].idx_v for k, name in enumerate(model.names) if k}
+    for spring in given.get("springs", []):
+        stiffness[dofs[spring["joint"]]] = spring.get("stiffness", 0.0)
+        damping[dofs[spring["joint"]]] = spring["damping"]
+    for motor in given.get("motors", []):
+        torque[dofs[motor["joint"]]] = motor["torque"]
 
     def rates(_: float, y: Any) -> Any:
-        return np.concatenate([y[n:], pin.aba(model, data, y[:n], y[n:], torque)])
+        force = torque - stiffness * y[:n] - damping * y[n:]
+        return np.concatenate([y[n:], pin.aba(model, data, y[:n], y[n:], force)])
 
     y0 = np.concatenate([pin.neutral(model), v0])
+    times, rows, sampled = np.array(sheet["times"]), [], given.get("sampled")
+    blocks = np.split(times, range(held(sheet), len(times), held(sheet))) if sampled else [times]
+    t0, y = 0.0, y0
     with Timed() as used:
-        found = solve_ivp(
-            rates,
-            (0.0, sheet["t_end"]),
-            y0,
-            "DOP853",
-            sheet["times"],
-            rtol=setting["rtol"],
-            atol=setting["rtol"] * 0.1,
-        )
-        rows = []
-        for q in found.y[:n].T:
-            pin.forwardKinematics(model, data, q)
-            rows.append((data.oMi[joints[probe["body"]]] * tip).tolist())
-    if not found.success:
-        raise RuntimeError(found.message)
+        for block in blocks:
+            if sampled:
+                at = dofs[sampled["joint"]]
+                torque[at] = sampled["gain"] * (sampled["setpoint"] - y[at])
+            rtol = setting["rtol"]
+            found = solve_ivp(
+                rates, (t0, block[-1]), y, "DOP853", block, rtol=rtol, atol=rtol * 0.1
+            )
+            if not found.success:
+                raise RuntimeError(found.message)
+            t0, y = block[-1], found.y[:, -1]
+            for q in found.y[:n].T:
+                pin.forwardKinematics(model, data, q)
+                rows.append((data.oMi[joints[probe["body"]]] * tip).tolist())
     return rows, used.seconds
 
 

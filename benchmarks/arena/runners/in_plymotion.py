@@ -36,6 +36,14 @@ def settings(sheet: Sheet) -> list[Sheet]:
         return [{"method": "section", "density": d} for d in (0.5, 1.0, 2.0)]
     if sheet["kind"] == "shell":
         return [{"method": "shell", "cells": n} for n in sheet["ours"]["cells"]]
+    if sheet["kind"] == "modes":
+        return [{"method": "modes", "modes": n} for n in sheet["ours"]["modes"]]
+    if "beam" in sheet:
+        pairs = sheet["ours"]["rtols"]
+        return [
+            {"method": "radau", "segments": n, "rtol": r}
+            for n, r in zip(sheet["ours"]["segments"], pairs, strict=True)
+        ]
     wanted = sheet.get("ours", {}).get("methods", list(METHODS))
     return [{"method": m, "rtol": r} for m in wanted for r in RTOLS[m]]
 
@@ -43,11 +51,18 @@ def settings(sheet: Sheet) -> list[Sheet]:
 def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
     """Write the run file or description and return the command."""
     start = [python, "-m", "plymotion"]
+    if sheet["kind"] == "modes":
+        file = sheet["run_files"][str(setting["modes"])]
+        out = ["--json", "--shapes", "0", "--out", str(folder / "out")]
+        return [*start, "modes", file, "--at", sheet["at"], *out]
     if sheet["kind"] != "mechanism":
         return description.command(sheet, setting, folder, python)
-    table = json.loads(Path(sheet["run_file"]).read_text(encoding="utf-8"))
+    original = Path(
+        sheet["run_files"][str(setting["segments"])] if "beam" in sheet else sheet["run_file"]
+    )
+    table = json.loads(original.read_text(encoding="utf-8"))
     solver = METHODS[setting["method"]] | {"rtol": setting["rtol"]}
-    file = changed(Path(sheet["run_file"]), table, solver, folder)
+    file = changed(original, table, solver, folder)
     return [*start, "run", str(file), "--out", str(folder / "out"), "--quiet"]
 
 
@@ -70,6 +85,11 @@ def changed(original: Path, table: Sheet, solver: Sheet, folder: Path) -> Path:
 
 def read(sheet: Sheet, setting: Sheet, folder: Path) -> Sheet:
     """Positions of the probe, or the numbers of the description, and phases of the run."""
+    if sheet["kind"] == "modes":
+        told = (folder / "told.txt").read_text(encoding="utf-8")
+        modes = json.loads(told[told.index("{") : told.rindex("}") + 1])["modes"]
+        rates = [m["angular_frequency"] for m in modes if m["angular_frequency"] > 0.0]
+        return {"values": {name: rates[k] for name, k in sheet["values"].items()}}
     if sheet["kind"] != "mechanism":
         return description.numbers(sheet, folder)
     import numpy as np
