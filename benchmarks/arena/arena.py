@@ -6,7 +6,8 @@ python benchmarks/arena/arena.py [--quick] [--no-install] [--out DIR] [--scenes 
 
 Writes DIR/arena.json and DIR/index.html with charts. Words choose scenes whose names contain one
 of them. `--scenes` and `--runners` add a folder of scenes or runners of your own (docs/arena.md).
-`--page` draws the page again from DIR/arena.json. Times are CPU seconds (user and system).
+`--page` draws the page again from DIR/arena.json, with a map of stability if it lacks one. Times
+are CPU seconds (user and system).
 """
 
 import argparse
@@ -25,6 +26,7 @@ os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 import frame  # noqa: E402
 import page  # noqa: E402
 import scenes  # noqa: E402
+import stability  # noqa: E402
 from tqdm import tqdm  # noqa: E402
 
 LANES = 3  # processes that run beside each other
@@ -48,12 +50,13 @@ def main() -> None:
     told = parser.parse_args()
     told.out.mkdir(parents=True, exist_ok=True)
     file = told.out / "arena.json"
+    if told.runners:
+        frame.FOLDERS.append(told.runners)
+    install = not (told.no_install or told.page)
+    codes = frame.runners(install, tuple(filter(None, told.codes.split(","))))
     if told.page:
         results = json.loads(file.read_text(encoding="utf-8"))
     else:
-        if told.runners:
-            frame.FOLDERS.append(told.runners)
-        codes = frame.runners(not told.no_install, tuple(filter(None, told.codes.split(","))))
         places = [HERE / "scenes", *([told.scenes] if told.scenes else [])]
         chosen = scenes.find(places, tuple(told.words))
         if told.quick:
@@ -65,7 +68,9 @@ def main() -> None:
             import coverage
 
             results |= coverage.measured(told.coverage)
-        file.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    if not (told.quick or told.words) and "stability" not in results:
+        results["stability"] = stability.measured(codes)
+    file.write_text(json.dumps(results, indent=1), encoding="utf-8")
     page.write(results, told.out)
     if told.write:
         page.write_docs(results, told.write)
@@ -83,19 +88,22 @@ def measured(
     truths: dict[str, frame.Truth] = {}
     cannot: dict[str, dict[str, str]] = {}
     titles = {scene.name: about(scene) for scene in chosen}
+    sheets = [scene.sheet() for scene in tqdm(chosen, unit="sheet")]
     jobs = []
-    for scene in tqdm(chosen, unit="truth"):
-        sheet = scene.sheet()
-        truth = frame.truth(scene, sheet, codes)
-        if truth is None:
-            cannot[scene.name] = {"truth": "a code that it needs is not installed"}
-            continue
-        truths[scene.name] = truth
-        for runner in codes:
-            if why := runner.absent or runner.module.cannot(sheet):
-                cannot.setdefault(scene.name, {})[runner.name] = why
-            else:
-                jobs.append((scene, sheet, runner))
+    with ThreadPoolExecutor(LANES) as lanes:
+        agreed = lanes.map(lambda pair: frame.truth(*pair, codes), zip(chosen, sheets, strict=True))
+        for scene, sheet, truth in tqdm(
+            zip(chosen, sheets, agreed, strict=True), unit="truth", total=len(chosen)
+        ):
+            if truth is None:
+                cannot[scene.name] = {"truth": "a code that it needs is not installed"}
+                continue
+            truths[scene.name] = truth
+            for runner in codes:
+                if why := runner.absent or runner.module.cannot(sheet):
+                    cannot.setdefault(scene.name, {})[runner.name] = why
+                else:
+                    jobs.append((scene, sheet, runner))
     bars = {name: truth.bar for name, truth in truths.items()}
     versions = {r.name: r.version or "absent" for r in codes}
     found = {

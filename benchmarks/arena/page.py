@@ -6,6 +6,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
+import stability
 from shell_text import replace_between
 from solver_curves import front
 from solver_text import machine
@@ -230,6 +231,16 @@ def summary(results: dict[str, Any]) -> list[str]:
         told = f"Of the draws that were never used: {inside:.0%} of the true errors are inside, "
         told += f"bars are {width:.2g} times the error in the median."
         lines += ["### Error bars", "", *results["error_bars"], "", told, ""]
+    if "stability" in results:
+        lines += [
+            "### Stability",
+            "",
+            "Of 117 runs with fixed steps (stiffness 1e2 to 1e10 N/m, steps 1e-4 to 0.1 s), those "
+            "that are stable, grow, or stop:",
+            "",
+            *table(["code", "method", "stable", "grow", "stop"], stability.rows(results)),
+            "",
+        ]
     return [*lines, machine(None)]
 
 
@@ -255,6 +266,12 @@ def write(results: dict[str, Any], folder: Path) -> None:
         text = html.escape(lines[k].lstrip("# "))
         parts.append(f"<h2>{text}</h2>" if lines[k].startswith("#") else f"<p>{text}</p>")
         k += 1
+    if "stability" in results:
+        stability.draw(results["stability"], folder / "stability.svg")
+        parts.append(
+            "<h2>Map of stability</h2><p>Green: stable; orange: energy grows; red: stops. "
+        )
+        parts.append('Dotted: two steps per radian.</p><img src="stability.svg" alt="map">')
     for scene, picture in pictures.items():
         about = results["about"][scene]
         parts.append(

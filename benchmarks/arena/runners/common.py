@@ -31,9 +31,26 @@ def main(solve: Callable[[Sheet, Sheet], Any]) -> None:
     folder = Path(sys.argv[1])
     job = json.loads((folder / "in.json").read_text(encoding="utf-8"))
     sheet = json.loads(Path(job["sheet"]).read_text(encoding="utf-8"))
-    values, seconds = solve(sheet, job["setting"])
-    out = {"values": values, "solution_s": seconds}
+    if "cells" in job:  # of the map of stability
+        out = {m: [reach(solve, sheet, m, *cell) for cell in job["cells"]] for m in job["methods"]}
+    else:
+        values, seconds = solve(sheet, job["setting"])
+        out = {"values": values, "solution_s": seconds}
     (folder / "out.json").write_text(json.dumps(out), encoding="utf-8")
+
+
+def reach(solve: Callable[[Sheet, Sheet], Any], sheet: Sheet, m: str, k: float, h: float) -> Any:
+    """Largest |x| of the probe in 200 steps h with a spring k; None: not finite, or stopped."""
+    springs = [sheet["data"]["springs"][0] | {"stiffness": k}]
+    own = sheet | {"every": h, "t_end": 200 * h, "times": [h * (i + 1) for i in range(200)]}
+    try:
+        rows, _ = solve(
+            own | {"data": {"springs": springs}}, {"method": m, "steps": 200, "fixed": h}
+        )
+    except Exception:  # whatever a code raises where it does not converge
+        return None
+    largest = max(abs(row[0]) for row in rows)
+    return largest if largest < 1e300 else None
 
 
 class Timed:

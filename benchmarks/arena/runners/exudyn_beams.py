@@ -1,5 +1,6 @@
 """Exudyn's geometrically exact beams of two nodes: plane motions, and statics in space."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ def plane(exu: Any, items: Any, mbs: Any, sheet: Sheet, n: int) -> int:
         )
         for k in range(n + 1)
     ]
-    for pair in zip(nodes, nodes[1:], strict=False):
+    for pair in pairwise(nodes):
         mbs.AddObject(
             items.ObjectBeamGeometricallyExact2D(
                 nodeNumbers=list(pair),
@@ -75,7 +76,7 @@ def space(exu: Any, items: Any, mbs: Any, sheet: Sheet, n: int) -> int:
         nodes.append(mbs.AddNode(items.NodeRigidBodyEP(referenceCoordinates=[*place, *quaternion])))
     data = exu.BeamSection()
     data.stiffnessMatrix, data.massPerLength, data.inertia = b["K"], 1.0, np.eye(3)
-    for pair in zip(nodes, nodes[1:], strict=False):
+    for pair in pairwise(nodes):
         mbs.AddObject(
             items.ObjectBeamGeometricallyExact(
                 nodeNumbers=list(pair), physicsLength=b["length"] / n, sectionData=data

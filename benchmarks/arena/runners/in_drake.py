@@ -11,6 +11,7 @@ from common import Sheet, Timed, held, main, not_mechanical
 
 NAME = "Drake"
 ENVIRONMENT: dict[str, Any] = {"pip": ["drake==1.51.1", "numpy"]}
+FIXED = ("runge_kutta3", "radau3", "implicit_euler", "discrete SAP")  # with fixed steps
 JOINTS = {"revolute", "prismatic", "spherical"}
 
 
@@ -43,7 +44,7 @@ def solve(sheet: Sheet, setting: Sheet) -> tuple[Any, float]:
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 
-    steps = setting.get("steps")
+    steps = setting.get("steps") if setting["method"] == "discrete SAP" else None
     outputs = len(sheet["times"])
     each = max(1, round(steps / outputs)) if steps else 0
     plant = MultibodyPlant(sheet["t_end"] / (outputs * each) if steps else 0.0)
@@ -113,8 +114,11 @@ def solve(sheet: Sheet, setting: Sheet) -> tuple[Any, float]:
         else:
             joint.set_angular_velocity(context, relative)
     config = SimulatorConfig(max_step_size=sheet["t_end"], use_error_control=True)
+    if "fixed" in setting:
+        config.use_error_control, config.max_step_size = False, setting["fixed"]
     if not steps:
-        config.integration_scheme, config.accuracy = setting["method"], setting["accuracy"]
+        config.integration_scheme = setting["method"]
+        config.accuracy = setting.get("accuracy", config.accuracy)
     ApplySimulatorConfig(config, simulator)
     torque = np.array([m["torque"] for m in data.get("motors", [])] + [0.0] * ("sampled" in data))
     port = plant.get_actuation_input_port()

@@ -17,6 +17,7 @@ from common import Sheet, Timed, main, not_mechanical
 
 NAME = "Exudyn"
 ENVIRONMENT: dict[str, Any] = {"pip": ["exudyn==1.13.6", "numpy"]}
+FIXED = ("generalized-alpha", "trapezoidal-index2")  # with fixed steps
 FREE = {  # translations along and rotations about the joint's own axes that are held; z is its axis
     "revolute": [1, 1, 1, 1, 1, 0],
     "prismatic": [1, 1, 0, 1, 1, 1],

@@ -11,6 +11,7 @@ from common import Sheet, Timed, held, main, not_mechanical
 
 NAME = "MuJoCo"
 ENVIRONMENT: dict[str, Any] = {"pip": ["mujoco==4.0.0", "numpy"]}
+FIXED = ("Euler", "RK4", "implicit", "implicitfast")  # with fixed steps
 JOINTS = {"revolute": "hinge", "prismatic": "slide", "spherical": "ball"}
 MOST = 200_000  # steps
 

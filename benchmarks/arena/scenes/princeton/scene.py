@@ -48,7 +48,7 @@ def truth(times: np.ndarray) -> np.ndarray:
     def rates(_: float, y: np.ndarray) -> np.ndarray:
         R, m = y[3:12].reshape(3, 3), y[12:]
         strain = np.linalg.solve(K, np.concatenate([R.T @ FORCE, R.T @ m]))
-        slope = R @ ([1.0, 0.0, 0.0] + strain[:3])
+        slope = R @ (np.eye(3)[0] + strain[:3])
         turn = R @ skew(CURVED + strain[3:])
         return np.concatenate([slope, turn.ravel(), -np.cross(slope, FORCE)])
 

@@ -1,4 +1,4 @@
-"""Navier's solution of cross-ply plates of first-order theory on SS-1 edges, one half wave each way.
+"""Navier's solution of cross-ply plates, first-order theory, SS-1 edges, one half wave each way.
 
 u = U cos sin, v = V sin cos, w = W sin sin, rotations X cos sin and Y sin cos; shear factor 5/6.
 """
