@@ -1,7 +1,7 @@
 """The arena: scenes with truths, every code that can be run here, error against time, who wins.
 
 python benchmarks/arena/arena.py [--quick] [--no-install] [--out DIR] [--scenes DIR] [--runners DIR]
-    [--write docs/arena.md] [--coverage N] [--longest S]
+    [--write docs/arena.md] [--coverage N] [--longest S] [--thin N]
     [WORD ...]
 
 Writes DIR/arena.json and DIR/index.html with charts. Words choose scenes whose names contain one
@@ -15,6 +15,7 @@ import json
 import math
 import os
 import sys
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,7 @@ def main() -> None:
     parser.add_argument("--runners", type=Path)
     parser.add_argument("--codes", default="", help="only these, as in runners/in_NAME.py")
     parser.add_argument("--longest", type=float, help="CPU seconds after which a process is ended")
+    parser.add_argument("--thin", type=int, default=1, help="only every Nth setting of a method")
     parser.add_argument("--coverage", type=int, default=0, help="random scenes of the error bars")
     parser.add_argument("--write", type=Path, help="renew the tables of this page of docs")
     parser.add_argument("words", nargs="*")
@@ -63,7 +65,7 @@ def main() -> None:
             chosen = [scene for scene in chosen if scene.table.get("quick")]
         chosen.sort(key=lambda scene: not scene.table.get("quick"))
         longest = told.longest or (QUICK_LONGEST if told.quick else frame.LONGEST)
-        results = measured(chosen, codes, longest, file)
+        results = measured(chosen, codes, longest, told.thin, file)
         if told.coverage:
             import coverage
 
@@ -78,7 +80,7 @@ def main() -> None:
 
 
 def measured(
-    chosen: list[scenes.Scene], codes: list[frame.Runner], longest: float, file: Path
+    chosen: list[scenes.Scene], codes: list[frame.Runner], longest: float, thin: int, file: Path
 ) -> dict[str, Any]:
     """Everything that arena.json has, except the coverage of error bars.
 
@@ -121,7 +123,7 @@ def measured(
         "trials": rows,
     }
     with ThreadPoolExecutor(LANES) as lanes:
-        done = lanes.map(lambda job: trials(*job, longest=longest), jobs)
+        done = lanes.map(lambda job: trials(*job, longest, thin), jobs)
         for (scene, _, _), of_code in tqdm(zip(jobs, done, strict=True), total=len(jobs)):
             for trial in of_code:
                 if not trial.failed:
@@ -142,13 +144,14 @@ def about(scene: scenes.Scene) -> dict[str, Any]:
 
 
 def trials(
-    scene: scenes.Scene, sheet: dict[str, Any], runner: frame.Runner, *, longest: float
+    scene: scenes.Scene, sheet: dict[str, Any], runner: frame.Runner, longest: float, thin: int
 ) -> list[frame.Trial]:
     """Settings of a runner; of each method no finer ones after one that failed or took too long."""
     found: list[frame.Trial] = []
-    over = set()
+    over, seen = set(), Counter[str]()
     for setting in runner.module.settings(sheet):
-        if setting["method"] in over:
+        seen[setting["method"]] += 1
+        if setting["method"] in over or (seen[setting["method"]] - 1) % thin:
             continue
         trial = frame.run(scene, sheet, runner, setting, longest)
         found.append(trial)
