@@ -462,7 +462,7 @@ $(MODES_CHARTS): docs/pictures/modes-%.png: $(RUN_SOURCES) benchmarks/modes_char
 	$(PY) benchmarks/modes_chart.py $* $@
 
 ACCURACY_SOURCES := benchmarks/exudyn_plane.py \
-    $(patsubst %,benchmarks/solver_%.py,accuracy exudyn exudyn_beam methods problems runs)
+    $(patsubst %,benchmarks/solver_%.py,accuracy exudyn methods problems runs)
 docs/charts/solver-integrators.csv docs/charts/solver-treatments.csv: docs/charts/solver-%.csv: \
     $(RUN_SOURCES) $(ACCURACY_SOURCES) $(EXUDYN) | $(COMPILED)
 	@mkdir -p $(@D)

@@ -181,7 +181,7 @@ def _colours() -> dict[str, str]:
 
 def _error_time(rows: list[Row], file: Path) -> None:
     problems = list(dict.fromkeys(row.problem for row in rows))
-    with house_style():
+    with house_style(formulas=True):
         figure, grid = plt.subplots(2, 3, figsize=(11.0, 7.2))
         axes = grid.ravel()
         axes[-1].axis("off")
@@ -210,7 +210,7 @@ def _error_time(rows: list[Row], file: Path) -> None:
 def _drift(file: Path) -> None:
     """|Phi| of the pendulum over time, rtol 1e-6."""
     problem = _problems()["pendulum (A01)"]
-    with house_style():
+    with house_style(formulas=True):
         figure, axis = plt.subplots(figsize=(7.2, 4.2))
         for label, colour in _colours().items():
             treatment = TREATMENTS[label]

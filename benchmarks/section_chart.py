@@ -19,7 +19,7 @@ AXES = {"seconds": (1e3, "time from mesh to K [ms]"), "dofs": (1.0, "unknowns")}
 def main(numbers: Path, picture: Path) -> None:
     found = json.loads(numbers.read_text(encoding="utf-8"))
     sections = list(dict.fromkeys(curve["section"] for curve in found["curves"]))
-    with house_style():
+    with house_style(formulas=True):
         canvas = Canvas(10.0, 6.4)
         panels = canvas.panels(len(AXES), len(sections), sharex="row", sharey=True)
         for i, (key, (unit, label)) in enumerate(AXES.items()):

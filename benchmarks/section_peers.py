@@ -1,12 +1,10 @@
-r"""Our sections beside those of others, in one go; the tables of docs/sections-accuracy.md.
+r"""Our sections beside published values, in one go; the tables of docs/sections-accuracy.md.
 
-. build/fenicsx.env && PYTHONPATH=.:tests "$FENICSX_PYTHON" \
-    benchmarks/section_peers.py [--peer PEER_PYTHON] [--write docs/sections-accuracy.md]
+. build/fenicsx.env && PYTHONPATH=.:tests:benchmarks "$FENICSX_PYTHON" \
+    benchmarks/section_peers.py [--write docs/sections-accuracy.md]
 
-PEER_PYTHON is an interpreter with `sectionproperties` (python3 -m venv build/peers;
-build/peers/bin/pip install sectionproperties); without it that table says so. The other tables
-compare with the published values of tests/reference/sections. --write puts the tables between the
-two lines with `peers` of the file instead of printing them.
+Values are those of tests/reference/sections. --write puts the tables between the two lines with
+`peers` of the file instead of printing them. Codes that can be run are in benchmarks/arena.
 """
 
 import os
@@ -14,22 +12,19 @@ import os
 os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 import argparse
-import json
-import subprocess
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from samples.section_cases import reference, section
+from shell_text import replace_between
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section.analysis import analyse
 from plymotion.preprocess.section.space.mesh import section_mesh
 
-HERE = Path(__file__).resolve().parent
 REPEATS = 5
-BEGIN, END = "<!-- peers: begin -->", "<!-- peers: end -->"
 
 POUND, INCH = 4.448222, 0.0254
 DIAGONAL = {"EA": (1, 1), "GA2": (2, 2), "GA3": (3, 3), "GJ": (4, 4), "EI2": (5, 5), "EI3": (6, 6)}
@@ -133,62 +128,8 @@ def others() -> list[str]:
     return ["### Other published values", "", *table(head, rows)]
 
 
-def sectionproperties(python: str | None) -> list[str]:
-    """Isotropic sections: torsion constant, shear areas, shear centre, and times."""
-    title = "### sectionproperties, isotropic sections"
-    if python is None:
-        return [title, "", "Not compared: no interpreter with sectionproperties was given."]
-    script = str(HERE / "section_peer_sectionproperties.py")
-    done = subprocess.run([python, script], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"sectionproperties did not run: {done.stderr.strip().splitlines()[-1]}")
-    theirs = json.loads(done.stdout)
-    rows: list[list[object]] = []
-    for name, peer in theirs["sections"].items():
-        E, nu = (reference(name)["material"][key] for key in ("E", "nu"))
-        found, seconds = solved(name)
-        G, S, area = 0.5 * E / (1.0 + nu), np.linalg.inv(found.K), found.K[0, 0] / E
-        # about the shear centre, where shear and torsion part
-        Z = S[1:3, 1:3] - np.outer(S[1:3, 3], S[3, 1:3]) / S[3, 3]
-        ours = {
-            "J": 1.0 / S[3, 3] / G,
-            "shear": 1.0 / np.diag(Z) / (G * area),
-            "shear_centre": found.shear_centre,
-            "unknowns": found.provenance["dofs"],
-            "seconds": seconds,
-        }
-        for title_of, values in ((f"{name} Plymotion", ours), ("sectionproperties", peer)):
-            size = np.sqrt(area)
-            centre = [0.0 if abs(x) < 1e-5 * size else x for x in values["shear_centre"]]
-            rows.append(
-                [
-                    title_of,
-                    f"{values['J']:.6g}",
-                    *(f"{share:.5f}" for share in values["shear"]),
-                    ", ".join(f"{x:.5g}" for x in centre),
-                    values["unknowns"],
-                    f"{1e3 * values['seconds']:.0f}",
-                ]
-            )
-    head = ["section", "J", "A2 / A", "A3 / A", "shear centre", "unknowns", "ms"]
-    return [f"{title} (version {theirs['version']})", "", *table(head, rows)]
-
-
-def write(path: Path, lines: list[str]) -> None:
-    """Put the lines between the marks of a file."""
-    text = path.read_text(encoding="utf-8")
-    if text.count(BEGIN) != 1 or text.count(END) != 1:
-        raise SystemExit(f"{path}: expected one line {BEGIN} and one {END}")
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(before + "\n\n".join([BEGIN, "\n".join(lines), END]) + after, encoding="utf-8")
-    part.replace(path)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--peer", help="interpreter with sectionproperties")
     parser.add_argument("--write", type=Path, help="file to write into")
     options = parser.parse_args()
     lines = [
@@ -198,11 +139,9 @@ def main() -> None:
         *boxes(),
         "",
         *others(),
-        "",
-        *sectionproperties(options.peer),
     ]
     if options.write:
-        write(options.write, lines)
+        replace_between(options.write, "peers", lines)
     else:
         print("\n".join(lines))
 

@@ -91,7 +91,7 @@ def against_time(found: dict[str, Any], picture: Path) -> None:
 
 def main(kind: str, numbers: Path, picture: Path) -> None:
     found = json.loads(numbers.read_text(encoding="utf-8"))
-    with house_style():
+    with house_style(formulas=True):
         {"course": course, "error-time": against_time}[kind](found, picture)
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import solver_exudyn
 from solver_csv import write
-from solver_exudyn_beam import actuated_beam as actuated_beam_there
 from solver_methods import INTEGRATOR_METHODS, TREATMENT_METHODS, Method, available
 from solver_problems import Problem, actuated_beam, chain, double_pendulum
 from solver_runs import Point, largest, point, reference, shorter, warm_up
@@ -28,7 +27,6 @@ METHODS = {"integrators": INTEGRATOR_METHODS, "treatments": TREATMENT_METHODS}
 def peer(problem: Problem, exact: Array) -> list[Point]:
     """Exudyn on the same mechanism; none where there is no model of it."""
     makers = {
-        "actuated-beam": lambda n: actuated_beam_there(problem, n, solver_exudyn.MODIFIED),
         "double-pendulum": lambda n: solver_exudyn.double_pendulum(n, solver_exudyn.MODIFIED),
         f"chain-{CHAIN}": lambda n: solver_exudyn.chain(
             CHAIN, n, problem.t_end / n, solver_exudyn.MODIFIED

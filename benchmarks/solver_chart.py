@@ -138,7 +138,7 @@ def _labelled(axis: Any, points: list[Row], curve: str, k: int, *, against_time:
 
 def main(kind: str, numbers: Path, picture: Path) -> None:
     rows = read(numbers)
-    with house_style():
+    with house_style(formulas=True):
         if kind == "models":
             models(rows, picture)
         else:

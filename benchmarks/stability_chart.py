@@ -338,7 +338,7 @@ def main() -> None:
     numbers, picture = map(Path, sys.argv[1:])
     rows = measured()
     write(rows, numbers)
-    with house_style():
+    with house_style(formulas=True):
         draw(rows, picture)
     growth = [r for r in rows if r.panel in ("bdf", "one-step") and 1e-3 < r.theory < 1e3]
     worst = max(abs(r.measured / r.theory - 1) for r in growth)

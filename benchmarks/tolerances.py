@@ -111,7 +111,7 @@ def _motion(spec: RunSpec, settings: dict[str, Any], size: float) -> tuple[Array
 
 def draw(rows: list[dict[str, Any]], picture: Path) -> None:
     """Error obtained over error asked for, a curve for each run."""
-    with house_style():
+    with house_style(formulas=True):
         canvas = Canvas(9.5, 5.0)
         (axis,) = canvas.panels(1, 1)
         for k, (case, run, _) in enumerate(RUNS):
