@@ -16,7 +16,7 @@ import math
 import os
 import sys
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -84,57 +84,62 @@ def measured(
 ) -> dict[str, Any]:
     """Everything that arena.json has, except the coverage of error bars.
 
-    The file is written after each code of a scene: a run that is ended keeps what it has.
+    The file is written after each scene: a run that is ended keeps what it has.
     """
-    rows: list[dict[str, Any]] = []
-    truths: dict[str, frame.Truth] = {}
-    cannot: dict[str, dict[str, str]] = {}
-    titles = {scene.name: about(scene) for scene in chosen}
     sheets = [scene.sheet() for scene in tqdm(chosen, unit="sheet")]
-    jobs = []
-    with ThreadPoolExecutor(LANES) as lanes:
-        agreed = lanes.map(lambda pair: frame.truth(*pair, codes), zip(chosen, sheets, strict=True))
-        for scene, sheet, truth in tqdm(
-            zip(chosen, sheets, agreed, strict=True), unit="truth", total=len(chosen)
-        ):
-            if truth is None:
-                cannot[scene.name] = {"truth": "a code that it needs is not installed"}
-                continue
-            truths[scene.name] = truth
-            for runner in codes:
-                if why := runner.absent or runner.module.cannot(sheet):
-                    cannot.setdefault(scene.name, {})[runner.name] = why
-                else:
-                    jobs.append((scene, sheet, runner))
-    bars = {name: truth.bar for name, truth in truths.items()}
     versions = {r.name: r.version or "absent" for r in codes}
-    found = {
-        "scenes": len(titles),
+    found: dict[str, Any] = {
+        "scenes": len(chosen),
         "codes": [f"{name} {version}" for name, version in versions.items()],
-        "truths": bars,
+        "truths": {},
         "coverage": None,
         "bar_over_error_median": None,
-        **page.verdicts(rows, bars),
-        "about": titles,
-        "truth_by": {
-            name: {"bar": t.bar, "by": t.by, "disagree": t.disagree} for name, t in truths.items()
-        },
-        "cannot": cannot,
-        "trials": rows,
+        "about": {scene.name: about(scene) for scene in chosen},
+        "truth_by": {},
+        "cannot": {},
+        "trials": [],
     }
     with ThreadPoolExecutor(LANES) as lanes:
-        done = lanes.map(lambda job: trials(*job, longest, thin), jobs)
-        for (scene, _, _), of_code in tqdm(zip(jobs, done, strict=True), total=len(jobs)):
-            for trial in of_code:
-                if not trial.failed:
-                    values = frame.values(trial.found["values"])
-                    trial.error = frame.distance(values, truths[scene.name].values)
-                    if not math.isfinite(trial.error):
-                        trial.failed = "not finite, or not all outputs"
-                rows.append(trial.row())
-            found |= {"trials": rows, **page.verdicts(rows, bars)}
+        jobs = [
+            lanes.submit(of_scene, scene, sheet, codes, longest, thin)
+            for scene, sheet in zip(chosen, sheets, strict=True)
+        ]
+        for job in tqdm(as_completed(jobs), unit="scene", total=len(jobs)):
+            name, truth, cannot, rows = job.result()
+            if truth is not None:
+                found["truths"][name] = truth.bar
+                by = {"bar": truth.bar, "by": truth.by, "disagree": truth.disagree}
+                found["truth_by"][name] = by
+            found["cannot"] |= {name: cannot} if cannot else {}
+            found["trials"] += rows
+            found |= page.verdicts(found["trials"], found["truths"])
             file.write_text(json.dumps(found, indent=1), encoding="utf-8")
     return found
+
+
+def of_scene(
+    scene: scenes.Scene, sheet: dict[str, Any], codes: list[frame.Runner], longest: float, thin: int
+) -> tuple[str, frame.Truth | None, dict[str, str], list[dict[str, Any]]]:
+    """Name and truth of a scene, why codes cannot do it, and rows of all trials."""
+    try:
+        truth = frame.truth(scene, sheet, codes)
+    except SystemExit as error:
+        return scene.name, None, {"truth": str(error)}, []
+    if truth is None:
+        return scene.name, None, {"truth": "a code that it needs is not installed"}, []
+    cannot, rows = {}, []
+    for runner in codes:
+        if why := runner.absent or runner.module.cannot(sheet):
+            cannot[runner.name] = why
+            continue
+        for trial in trials(scene, sheet, runner, longest, thin):
+            if not trial.failed:
+                values = frame.values(trial.found["values"])
+                trial.error = frame.distance(values, truth.values)
+                if not math.isfinite(trial.error):
+                    trial.failed = "not finite, or not all outputs"
+            rows.append(trial.row())
+    return scene.name, truth, cannot, rows
 
 
 def about(scene: scenes.Scene) -> dict[str, Any]:
