@@ -118,6 +118,18 @@ def test_changed_leaves_the_case_alone(swing):
         case.changed({"gravity.7": 1.0})
 
 
+def test_numbers_and_starts_follow_a_changed_parameter(swing):
+    """What was computed of the old one does not stay: mass, start of a joint, laws."""
+    case = pm.load(swing)
+    case.table["parameters"] = {"L": 1.0}
+    case.bodies["rod"]["mass"] = "2 * L"
+    case.joints["hinge"]["start_deg"] = "30 * L"
+    for length in (1.0, 2.0):
+        found = case.changed({"parameters.L": length}).check().runs["base"]
+        assert found.bodies["rod"].mass == 2.0 * length
+        assert found.joints["hinge"].start_deg == 30.0 * length
+
+
 def test_wrong_names_and_wrong_cases_say_so(swing):
     with pytest.raises(pm.InputError, match="expected the name of a run: base, moon"):
         pm.run(swing)
