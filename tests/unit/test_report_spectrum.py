@@ -54,3 +54,14 @@ def test_an_orbit_is_one_signal_against_another(tmp_path, monkeypatch):
     np.testing.assert_allclose(np.hypot(*axes.lines[0].get_data()), 1.0)
     assert axes.get_xlabel() == "across [m]"
     assert axes.get_aspect() == 1.0
+
+
+def test_logarithmic_axes_have_numbers(tmp_path):
+    """Not the text of formulas, which `house_style` does not typeset."""
+    with house_style():
+        canvas = Canvas(4.0, 3.0)
+        (axes,) = canvas.panels(1)
+        axes.loglog([1e-3, 1e2], [1e-9, 1.0])
+        canvas.save(tmp_path / "log.png")
+        labels = [t.get_text() for t in (*axes.get_xticklabels(), *axes.get_yticklabels())]
+    assert [float(text.replace("\N{MINUS SIGN}", "-")) for text in labels if text]
