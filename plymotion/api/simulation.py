@@ -18,6 +18,7 @@ from .case import Case
 from .result import chosen, named, written
 
 Inputs = Mapping[str, float] | Sequence[float] | Array
+EVERY = 20  # steps, of which the monitors look at one
 
 
 class Values(Mapping[str, float]):
@@ -354,7 +355,7 @@ def simulate(
     checked, run, folder = chosen(case, run, out)
     with named(out):
         spec = read_run(written(checked, folder, f"runs/{run}.json", packages))
-    stepper = Stepper(spec, inputs, fixed_step=fixed_step)
+    stepper = Stepper(spec, inputs, every=EVERY, fixed_step=fixed_step)
 
     def built() -> BuiltMechanism:
         used = used_packages(spec.mechanism, spec.packages)

@@ -225,9 +225,7 @@ def write_course(model: Model, given: Input, t: float, coefficients: Array) -> N
 # A mechanism that moves from one communication point to the next, with inputs in between.
 
 DRIVE_ORDER, FORCE_ORDER = 2, 1
-# A look of the monitors costs as much as ten steps or more. They see the first communication step,
-# then one of so many, sooner where these have taken so many steps of the integrator.
-EVERY, UNSEEN = 20, 400
+UNSEEN = 400  # steps of the integrator after which the monitors look, whatever `every` is
 ALLOWED = 1e-6  # gap of a joint in a state that another program gives [m, rad, m/s, rad/s]
 
 
@@ -266,6 +264,8 @@ class Stepper:
     ----------
     spec : the run; its laws of inputs are of use for the start and for the tolerances only
     inputs : names of those that are written from outside; None: all. The others follow the case
+    every : the monitors look at the first communication step, and then at one of so many. A look
+        costs as much as ten steps or more
     fixed_step : of the integrator [s], without error control; None: by the tolerances
     retraces : keep what `retraced` needs
 
@@ -290,10 +290,11 @@ class Stepper:
         spec: RunSpec,
         inputs: Sequence[str] | None = None,
         *,
+        every: int = 1,
         fixed_step: float | None = None,
         retraces: bool = False,
     ) -> None:
-        self._spec, self._fixed_step = spec, fixed_step
+        self._spec, self._every, self._fixed_step = spec, every, fixed_step
         self._retraces = retraces
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
@@ -380,7 +381,7 @@ class Stepper:
         if self._retraces:
             self.last = Moved(self.kept(), t, values.copy(), rates, to_event)
         taken = self._integrator.counters.steps if self._integrator is not None else 0
-        watched = self._moves % EVERY == 0 or taken - self._looked >= UNSEEN
+        watched = self._moves % self._every == 0 or taken - self._looked >= UNSEEN
         if watched:
             self._looked = taken
         self._moves += 1
