@@ -124,7 +124,7 @@ def of_scene(
     try:
         truth = frame.truth(scene, sheet, codes)
     except SystemExit as error:
-        return scene.name, None, {"truth": str(error)}, []
+        return scene.name, None, {"truth": str(error).replace(f"{scenes.ROOT}/", "")}, []
     if truth is None:
         return scene.name, None, {"truth": "a code that it needs is not installed"}, []
     cannot, rows = {}, []

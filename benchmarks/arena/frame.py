@@ -158,7 +158,9 @@ def run(
     except (RuntimeError, OSError, KeyError, ValueError) as error:
         lines = [line for line in str(error).splitlines() if line.strip()]
         trial.failed = lines[-1] if lines else type(error).__name__
-        if "rror" not in trial.failed and longest:  # ended by its limit: no message of an error
+        killed = "rror" not in trial.failed or "killed by signal" in trial.failed
+        trial.failed = trial.failed.replace(f"{ROOT}/", "")
+        if killed and longest:  # ended by its limit: no message of an error
             trial.failed = f"more than {longest:g} CPU seconds"
     shutil.rmtree(folder, ignore_errors=True)
     return trial
