@@ -48,12 +48,6 @@ def complete() -> None:
     escape_control_characters()
 
 
-def no_reader() -> int:
-    """Drop what is still to be printed: the reader has closed the pipe, like `head`."""
-    _drop_output()
-    return NO_READER
-
-
 def full_output(error: OSError) -> int | None:
     """Return an exit code if output cannot be written, None if the error is another one."""
     if error.filename is not None or error.errno is None:
@@ -140,7 +134,9 @@ def _guarded(options: argparse.Namespace) -> int:
             print(f"error: {line}", file=sys.stderr)
         return 2
     except BrokenPipeError:
-        return no_reader()
+        # The reader has closed the pipe, like `head`.
+        _drop_output()
+        return NO_READER
     except OSError as error:
         ended = full_output(error)
         if ended is not None:

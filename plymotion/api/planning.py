@@ -101,7 +101,9 @@ class Plan:
         True
         """
         changes = dict(changes or {})
-        if _drawn(changes, self._checked):
+        # The same design is always checked, or never.
+        text = json.dumps(sorted((key, plain(value)) for key, value in changes.items()))
+        if random.Random(hashlib.sha256(text.encode()).hexdigest()).random() < self._checked:
             self.check(changes)
         spec = read_run(self._written(self._case.changed(changes), self._folder / DESIGN))
         result, summary = execute(member_spec(spec, self._plan), progress=False)
@@ -199,9 +201,3 @@ signals
         raise InputError(f"{case.name}, run {run}: expected [fidelity] with accuracy and signals")
     ready = path_of(packages)
     return Plan(case, run, out, ready and ready.resolve(), checked)
-
-
-def _drawn(changes: Mapping[str, Any], share: float) -> bool:
-    """Tell whether a design is checked: the same design always is, or is not."""
-    text = json.dumps(sorted((key, plain(value)) for key, value in changes.items()))
-    return random.Random(hashlib.sha256(text.encode()).hexdigest()).random() < share

@@ -77,7 +77,14 @@ def _called_for(run: FinishedRun) -> list[Array]:
 
 def _remedy(run: FinishedRun) -> str:
     """Return which start the run has, which one may be meant, and how to get it."""
-    begins = ", ".join(_accelerating(run))
+    # The driven joints whose law has an acceleration at t = 0.
+    laws, model = law_values(run.model, float(run.solution.t[0])), run.model
+    names = [
+        name.partition(" ")[0]  # without "(drive)"
+        for name, law in zip(run.built.joint_names, model.joint_law.tolist(), strict=False)
+        if law >= 0 and abs(laws[law, 2]) > 0.0
+    ]
+    begins = ", ".join(f"joints.{name}" for name in dict.fromkeys(names))
     if begins:
         gentle = (
             f"{begins}: its law begins with an acceleration; smooth_step and ramp begin without"
@@ -100,17 +107,6 @@ def _remedy(run: FinishedRun) -> str:
         f"released at t = 0. {quasi}If a start at rest under these loads is meant, set "
         'solver.start = "equilibrium"'
     )
-
-
-def _accelerating(run: FinishedRun) -> list[str]:
-    """Return the driven joints whose law has an acceleration at t = 0, by their key."""
-    laws, model = law_values(run.model, float(run.solution.t[0])), run.model
-    names = [
-        name.partition(" ")[0]  # without "(drive)"
-        for name, law in zip(run.built.joint_names, model.joint_law.tolist(), strict=False)
-        if law >= 0 and abs(laws[law, 2]) > 0.0
-    ]
-    return [f"joints.{name}" for name in dict.fromkeys(names)]
 
 
 # Whether curves through the points of tables go far beyond these points.

@@ -170,7 +170,12 @@ def _missing(
     q = recording.modes(body)[1:]
     vibration = 0.5 * float(np.mean(np.sum((q @ package.stiffness) * q, axis=1))) / OVERSHOOT
     n = len(C) - INERTIA
-    if not _stretches(package):
+    # A straight beam without modes along x is not judged for loads along x: a slender beam
+    # hardly stretches, so that its users leave these modes out.
+    lateral = package.nodes_B[:, 1:]
+    straight = package.sections and np.ptp(lateral, axis=0).max() <= 1e-9 * body_size(package)
+    axial = ("axial" in label or label.endswith(" x") for label in package.mode_labels)
+    if straight and not any(axial):
         p[:, [*range(0, n, 6), *range(n, n + 4)]] = 0.0
     forces = np.arange(n).reshape(-1, 3)
     inertia = n + np.arange(INERTIA).reshape(3, 4)
@@ -189,17 +194,6 @@ def _missing(
             k = int(np.argmax([float(a @ G @ a) for a in means]))
             found = _Missing(share, float(t[k]), means[k], G, C)
     return found
-
-
-def _stretches(package: ModalPackage) -> bool:
-    """Tell whether a body is judged for loads along x: not a straight beam without such modes.
-
-    A slender beam hardly stretches, so that its users leave this out.
-    """
-    lateral = package.nodes_B[:, 1:]
-    straight = package.sections and np.ptp(lateral, axis=0).max() <= 1e-9 * body_size(package)
-    axial = ("axial" in label or label.endswith(" x") for label in package.mode_labels)
-    return not straight or any(axial)
 
 
 def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Recording) -> Array:

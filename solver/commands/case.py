@@ -59,7 +59,13 @@ def run_any(options: argparse.Namespace) -> int:
     """Take a case to its report, or integrate run files; return the worst exit code."""
     if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
         return run_case(options)
-    return run_runs(options)
+    files: list[Path] = options.files
+    for name in OF_A_CASE:
+        if getattr(options, name):
+            raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
+    if options.out is not None and len(files) > 1:
+        raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
+    return integrated(files, options, options.jobs or 1, update=options.update)
 
 
 def run_case(options: argparse.Namespace) -> int:
@@ -179,17 +185,6 @@ def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[
                 for file in folder.iterdir()
                 if file.is_file() and file.name not in (RECORD, FILES)
             )
-
-
-def run_runs(options: argparse.Namespace) -> int:
-    """Integrate the runs of run files; return the exit code of the worst."""
-    files: list[Path] = options.files
-    for name in OF_A_CASE:
-        if getattr(options, name):
-            raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
-    if options.out is not None and len(files) > 1:
-        raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
-    return integrated(files, options, options.jobs or 1, update=options.update)
 
 
 def integrated(

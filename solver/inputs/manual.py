@@ -50,11 +50,14 @@ def keys(table: Mapping[str, Any]) -> list[str]:
 def _row(name: str, key: Mapping[str, Any], required: bool) -> str:
     default = "required" if required else f"`{key.get('default', 'absent')}`"
     meaning = key.get("description") or ("kind of this table" if name in IDENTITY else "")
+    options = [key, *key.get("anyOf", ())]
+    found = [text for option in options for text in _limits(option)]
+    items: Mapping[str, Any] = next((o["items"] for o in options if "items" in o), {})
     cells = [
         f"`{name}`",
         _type(key),
         key.get("unit", ""),
-        ", ".join(_bounds(key)),
+        ", ".join([*found, *(f"each {text}" for text in _limits(items))]),
         default,
         meaning,
     ]
@@ -78,13 +81,6 @@ def _type(key: Mapping[str, Any]) -> str:
         inner = _type(within) if isinstance(within, dict) else "any"
         return f"named {inner}s" if inner == "table" else f"table of {inner}"
     return WORDS.get(str(key.get("type")), "any")
-
-
-def _bounds(key: Mapping[str, Any]) -> list[str]:
-    options = [key, *key.get("anyOf", ())]
-    found = [text for option in options for text in _limits(option)]
-    items: Mapping[str, Any] = next((o["items"] for o in options if "items" in o), {})
-    return [*found, *(f"each {text}" for text in _limits(items))]
 
 
 def _limits(key: Mapping[str, Any]) -> list[str]:

@@ -94,10 +94,6 @@ def _of_curve(times: Array, coefficients: Array, low: Array, high: Array) -> lis
     return [curve_ranges(times, coefficients, low, high)]
 
 
-def _degree(coefficients: Array) -> int:
-    return int(np.flatnonzero((coefficients != 0.0).any(axis=0)).max(initial=0))
-
-
 def _of_drives(model: Model) -> set[int]:
     """Return the laws that drives follow."""
     return {
@@ -117,7 +113,7 @@ def programs_read(model: Model) -> NDArray[np.int64]:
 def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array, Array]:
     """Return kinks and jumps between pieces; of a drive its acceleration counts as a force."""
     length = np.diff(times)
-    degree = _degree(coefficients)
+    degree = int(np.flatnonzero((coefficients != 0.0).any(axis=0)).max(initial=0))
     shorter = np.minimum(length, np.append(length[1:], length[-1]))
     largest = float(np.abs(coefficients[:, 0]).max())
     off, leap, power = np.zeros(len(length)), np.zeros(len(length), dtype=bool), 1.0

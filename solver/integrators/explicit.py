@@ -74,14 +74,6 @@ def stability_limit(tableau: Tableau, direction: complex) -> float:
     return float(LIMITS[np.argmax(np.abs(growth) > 1.0 + 1e-12)])
 
 
-def stiffness_hint(t: float, h: float) -> str:
-    """Remark on a run whose step h [s] at time t is as long as stability allows."""
-    return (
-        f"stiff: at t = {t:.6g} s the step {h:.3g} s is limited by stability, not "
-        "by accuracy; an implicit method (radau, gear) may need fewer steps"
-    )
-
-
 class Explicit(Integrator):
     """What the methods have for any equations and for mechanisms alike.
 
@@ -97,7 +89,10 @@ class Explicit(Integrator):
     def _note_stiffness(self) -> None:
         t, h = self._workspace.clock[STIFF_TIME], self._workspace.clock[STIFF_STEP]
         if h > 0.0 and not self.hints:
-            self.hints.append(stiffness_hint(t, h))
+            self.hints.append(
+                f"stiff: at t = {t:.6g} s the step {h:.3g} s is limited by stability, not "
+                "by accuracy; an implicit method (radau, gear) may need fewer steps"
+            )
 
     def _polynomial(self) -> Dense:
         """Return the dense output of the last step, whose polynomial is filled."""

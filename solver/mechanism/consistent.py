@@ -384,7 +384,8 @@ def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> 
     count = model.n_constraint - general.value
     if count == 0:
         return Redundancy(0, [], general.value > here.value)
-    involved = _involved(model, general, names)
+    weight = np.abs(general.left).max(axis=1, initial=0.0)
+    involved = [name for k, name in enumerate(names) if weight[rows_of(model, k)].max() > 1e-6]
     state = accelerations(model._replace(redundant=count), equations, y)[0]
     residual = equations.Phi_q @ state - equations.gamma
     terms = np.abs(equations.Phi_q) @ np.abs(state)  # whose rounding is in the residual
@@ -422,11 +423,6 @@ class _Rank:
     def null(self) -> Array:
         """Motions that the rows leave free, as rows."""
         return self._vectors[1]
-
-
-def _involved(model: Model, rank: _Rank, names: list[str]) -> list[str]:
-    weight = np.abs(rank.left).max(axis=1, initial=0.0)
-    return [name for k, name in enumerate(names) if weight[rows_of(model, k)].max() > 1e-6]
 
 
 def _nearby(model: Model, y: Array, rank: _Rank) -> Array | None:

@@ -21,16 +21,11 @@ OPTION = "--allow-python"
 
 def require_permission(mechanism: "Mechanism") -> None:
     """Raise InputError if the mechanism has functions of the user."""
-    for name, code in _codes(mechanism).items():
+    for name, code in codes_of(mechanism).items():
         raise InputError(
             f'forces.{name}.code.file = "{code.file}": runs Python code, which can do anything '
             f"that you can; expected `plymotion run {OPTION}` if you trust it"
         )
-
-
-def calling_forces(mechanism: "Mechanism") -> list[str]:
-    """Return the names of the forces that call functions of the user."""
-    return list(_codes(mechanism))
 
 
 def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
@@ -46,11 +41,12 @@ def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
     spaces: dict[tuple[str, str], dict[str, object]] = {}
     return {
         name: _loaded(f"forces.{name}.code", code, spaces)
-        for name, code in _codes(mechanism).items()
+        for name, code in codes_of(mechanism).items()
     }
 
 
-def _codes(mechanism: "Mechanism") -> dict[str, Any]:
+def codes_of(mechanism: "Mechanism") -> dict[str, Any]:
+    """Return the tables of the user's functions by the names of the forces that call them."""
     found = {}
     for name, force in mechanism.forces.items():
         if is_along(force):

@@ -191,20 +191,9 @@ def drawn_before(folder: Path) -> set[str]:
     return {file.suffix[1:] for file in there} & set(FORMATS)
 
 
-def is_up_to_date(folder: Path, page: str, key: str) -> bool:
-    """Tell whether a page and all figures were made from data of this digest, and are there."""
-    known = _keys(folder / KEYS)
-    return known.get(page) == key and all(_there(folder / name) for name in known)
-
-
 def _there(file: Path) -> bool:
     """Tell whether there is a file; a full disk or a lost machine may leave an empty one."""
     return file.is_file() and file.stat().st_size > 0
-
-
-def remember(folder: Path, page: str, key: str) -> None:
-    """Keep the digest of a page that was made after its figures."""
-    _write_keys(folder / KEYS, _keys(folder / KEYS) | {page: key})
 
 
 def _write_keys(file: Path, keys: dict[str, str]) -> None:
@@ -285,15 +274,15 @@ def make_report(
     drawn_as = drawn_before(case_dir) | (set(formats) if figures else set())
     digests = {run: _result_sha256(case_dir, run) for run in runs}
     key = _content(case_dir, runs, case, digests, sorted(drawn_as))
-    if is_up_to_date(case_dir, PAGE, key):
+    known = _keys(case_dir / KEYS)
+    # The page and all figures were made from data of this digest, and are there.
+    if known.get(PAGE) == key and all(_there(case_dir / name) for name in known):
         return target
     titles = case.get("runs", {})
     figures_of = (case.get("figures") or {}).values()
     drawn = {f[key] for f in figures_of for key in ("signal", "against") if f.get(key)}
-    stories = [
-        read_story(case_dir, run, str(titles.get(run) or run), digests[run], drawn) for run in runs
-    ]
-    stories = [with_ladder(case_dir, story) for story in stories]
+    read = (read_story(case_dir, r, str(titles.get(r) or r), digests[r], drawn) for r in runs)
+    stories = [with_ladder(case_dir, story) for story in read]
     shown = comparisons(case, stories)
     by_name = {story.name: story for story in stories}
     for wanted in shown:
@@ -308,7 +297,8 @@ def make_report(
         draw_all(case_dir, [drawing for each in same for drawing in each])
     title = str(case.get("title") or stories[0].result.case)
     write_text(target, page(title, stories, shown, design_sections(case_dir), reload_s))
-    remember(case_dir, PAGE, key)
+    # After its figures: `draw_all` writes the digests of figures alone.
+    _write_keys(case_dir / KEYS, _keys(case_dir / KEYS) | {PAGE: key})
     return target
 
 

@@ -203,9 +203,8 @@ def _body_record(body: BodyGeometry) -> Record:
 def _write_signals(group: h5py.Group, result: RunResult, datasets: Datasets) -> None:
     """Write many signals: names, units, descriptions (n,), values (n, k)."""
     signals = result.signals
-    write_texts(group, "name", [signal.name for signal in signals])
-    write_texts(group, "unit", [signal.unit for signal in signals])
-    write_texts(group, "description", [signal.description for signal in signals])
+    for text in ("name", "unit", "description"):
+        write_texts(group, text, [getattr(signal, text) for signal in signals])
     rows = ComputedRows(
         (len(signals), len(result.t)),
         lambda first, end: np.array([np.asarray(s.values) for s in signals[first:end]]),

@@ -179,14 +179,6 @@ class Cut:
         return b, self.mass[:, None] * (fall_B[:, None] - a_B), h_d
 
 
-def equilibrium_resultants(
-    key: str, built: BuiltMechanism, body: int, package: ModalPackage, x: float
-) -> Callable[[Recording], Array]:
-    """Return what gives the resultants (k, 6) at x; errors as of `Cut`."""
-    cut, own = Cut(key, built, body, package, x), object()
-    return lambda recording: recording.once(own, lambda: cut.resultants(recording))
-
-
 Values = Callable[[Recording], Array]
 Look = Callable[[Recording], None]
 
@@ -247,10 +239,10 @@ def _forces(
     signal: "ResultantSignal | PlyStressSignal",
 ) -> tuple[int, Values]:
     """Return the section at x, and what gives the resultants (k, 6) there."""
-    section, at = resultants_at(key, package, signal.x)
+    (section, at), own = resultants_at(key, package, signal.x), object()
     if signal.method == "equilibrium":
-        return section, equilibrium_resultants(key, built, body, package, signal.x)
-    own = object()
+        cut = Cut(key, built, body, package, signal.x)
+        return section, lambda recording: recording.once(own, lambda: cut.resultants(recording))
     return section, lambda recording: recording.once(own, lambda: recording.modes(body) @ at.T)
 
 

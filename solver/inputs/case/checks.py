@@ -131,18 +131,14 @@ RESTS = 0.01  # of the largest speed of a table of a drive: it has come to rest
 
 def check_force(key: str, force: ForceTable, mechanism: Mechanism) -> list[str]:
     """Return errors of the expressions of a force."""
-    name = key.partition(".")[2]
-    try:
+    found: list[str] = []
+    with collected(found):
         if is_along(force):
-            force_terms(name, force, mechanism, _places(mechanism))
-            return []
-        of_time = law(force)
-        if of_time is not None and of_time.expression is not None:
+            force_terms(key.partition(".")[2], force, mechanism, _places(mechanism))
+        elif (of_time := law(force)) is not None and of_time.expression is not None:
             scope = CaseScope(mechanism, check=_places(mechanism))
             expression(of_time.expression, scope, f"{key}.expression")
-    except InputError as error:
-        return [str(error)]
-    return []
+    return found
 
 
 def check_tables(mechanism: Mechanism) -> list[str]:
@@ -158,15 +154,6 @@ def check_tables(mechanism: Mechanism) -> list[str]:
         for what, words in others.items()
         if name in words
     ]
-
-
-def _states(mechanism: Mechanism) -> list[str]:
-    """Return errors of the equations of states."""
-    try:
-        state_rates(mechanism, _places(mechanism))
-    except InputError as error:
-        return [str(error)]
-    return []
 
 
 def _places(mechanism: Mechanism) -> PlaceCheck:
@@ -278,8 +265,10 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
     found += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
-    found += check_tables(mechanism) + _states(mechanism) + _forces(mechanism)
-    found += check_couplings(mechanism)
+    found += check_tables(mechanism)
+    with collected(found):
+        state_rates(mechanism, _places(mechanism))
+    found += _forces(mechanism) + check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     found += _rotor(mechanism)
@@ -295,10 +284,8 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         )
     found += check_fidelity(mechanism)
     found += output_findings(mechanism)
-    try:
+    with collected(found):
         treatment_of(mechanism.solver)
-    except InputError as error:
-        found.append(str(error))
     return bodies, found
 
 

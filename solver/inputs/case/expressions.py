@@ -10,7 +10,7 @@ from ...dynamics.elements.forces.contract import BOTH, ROTATION, Contact, Terms
 from ...dynamics.elements.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
 from ...dynamics.elements.joints.contract import ANGLE, Z
 from ...dynamics.elements.joints.table import JOINTS
-from ...errors import InputError, nearest, unknown
+from ...errors import InputError, collected, nearest, unknown
 from ...math.catalogue import Curve, Expression, Expressions, Number
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, parsed
@@ -74,12 +74,10 @@ def coupled(
 
 def check_couplings(mechanism: "Mechanism") -> list[str]:
     """Return errors of the couplings of a case."""
-    problems = []
+    problems: list[str] = []
     for name, coupling in mechanism.couplings.items():
-        try:
+        with collected(problems):
             coupled(name, coupling, mechanism)
-        except InputError as error:
-            problems.append(str(error))
     return problems
 
 

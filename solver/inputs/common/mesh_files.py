@@ -31,15 +31,6 @@ def are_refused() -> bool:
     return not _allowed.get()
 
 
-def refuse_script(file: Path, key: str) -> None:
-    """Raise InputError for a script where scripts are refused; `key` names it in the message."""
-    if file.suffix in SUFFIXES and not _allowed.get():
-        raise InputError(
-            f"{key}: expected no script with --no-scripts, it would run commands; a mesh .msh is "
-            "only read"
-        )
-
-
 _NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
 _NAME = re.compile(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
 _GEO = re.compile(r'^\s*(?:Merge|Include)\s+"([^"]+)"', re.MULTILINE)
@@ -60,7 +51,11 @@ def mesh_source(name: str, folder: Path) -> tuple[Path, str]:
     Raises InputError : a script where none is allowed, no such file, a .msh of another program.
     """
     file, key = folder / name, f'mesh.file = "{name}"'
-    refuse_script(file, key)
+    if file.suffix in SUFFIXES and not _allowed.get():
+        raise InputError(
+            f"{key}: expected no script with --no-scripts, it would run commands; a mesh .msh is "
+            "only read"
+        )
     if not file.is_file():
         raise InputError(f"{key}: there is no file {file}")
     return file, key

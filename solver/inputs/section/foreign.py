@@ -172,7 +172,12 @@ def read_foreign(file: Path, where: str, region_data: str | None = None) -> Fore
     points, (cells, lines) = _plane_points(where, np.asarray(mesh.points, float), cells, lines)
     if cell_type == "quad8":
         points, cells, cell_type = *_with_centre(points, cells), "quad9"
-    cells = _counterclockwise(points, cells, cell_type)
+    # Clockwise cells are reversed: a mesh seen from behind is valid.
+    corners = points[cells[:, : 3 if cell_type.startswith("tri") else 4]]
+    x, y = corners[..., 0], corners[..., 1]
+    area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    turned = cells[:, _TURNED[cell_type]]
+    cells = np.where((area < 0)[:, None], turned, cells)
     return ForeignMesh(
         file,
         points,
@@ -235,15 +240,6 @@ def _with_centre(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
     centre = 0.5 * sides - 0.25 * corners
     number = len(points) + np.arange(len(cells))
     return np.concatenate([points, centre]), np.column_stack([cells, number])
-
-
-def _counterclockwise(points: Array, cells: IntArray, cell_type: str) -> IntArray:
-    """Reverse clockwise cells: a mesh seen from behind is valid."""
-    corners = points[cells[:, : 3 if cell_type.startswith("tri") else 4]]
-    x, y = corners[..., 0], corners[..., 1]
-    area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    turned = cells[:, _TURNED[cell_type]]
-    return np.where((area < 0)[:, None], turned, cells)
 
 
 # Arrays of such a mesh for the preprocessor, each cell in one described region.

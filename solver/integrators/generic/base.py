@@ -266,19 +266,16 @@ class Integrator(ABC):
         self._not_finite = 0
         self.counters.steps += 1
         if self.fixed_step is not None:
-            self._watch_growth(y_new)
+            # A run of fixed steps ends when its state has diverged.
+            largest = float(np.abs(y_new).max())
+            if self.counters.steps <= FIRST_STEPS:
+                self._largest_first = max(self._largest_first, largest)
+            self._growth = largest / self._largest_first if self._largest_first > 0 else 0.0
+            if self._growth > DIVERGED:
+                self._trouble = f"the state has grown {self._growth:.2g}-fold since the start"
+                self._fail(f"The fixed step of {self.h:.3g} s diverges at t = {self.t:.9g} s")
         if self.status == "running" and t_new >= self.t_end:
             self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
-
-    def _watch_growth(self, y: Array) -> None:
-        """End a run of fixed steps whose state has diverged."""
-        largest = float(np.abs(y).max())
-        if self.counters.steps <= FIRST_STEPS:
-            self._largest_first = max(self._largest_first, largest)
-        self._growth = largest / self._largest_first if self._largest_first > 0 else 0.0
-        if self._growth > DIVERGED:
-            self._trouble = f"the state has grown {self._growth:.2g}-fold since the start"
-            self._fail(f"The fixed step of {self.h:.3g} s diverges at t = {self.t:.9g} s")
 
     def dense_output(self) -> Dense:
         """Solution over [t_old, t]: callable of a time () or times (k,) giving (n,) or (k, n).

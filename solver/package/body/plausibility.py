@@ -217,7 +217,10 @@ def reference_findings(package: ModalPackage) -> Iterator[Remark]:
     if package.reference_condition == "mean-axis":
         yield from _mean_axis(package)
         return
-    motion = _relative_motion(package)
+    # Largest motion of each node in any mode, (n, 6), relative to the largest of each mode.
+    largest = np.abs(package.shapes_B).max(axis=(1, 2), keepdims=True)
+    scaled = np.abs(package.shapes_B) / np.where(largest == 0.0, 1.0, largest)
+    motion = np.asarray(scaled.max(axis=0))
     if package.reference_condition == "clamped":
         smallest = float(motion.max(axis=1).min())
         if smallest > AT_REST:
@@ -233,13 +236,6 @@ def reference_findings(package: ModalPackage) -> Iterator[Remark]:
                 f"{np.count_nonzero(origin)} and {np.count_nonzero(across & ~origin)}"
             )
             yield _finding("warning", "modes/shapes_B", text)
-
-
-def _relative_motion(package: ModalPackage) -> Array:
-    """Largest motion of each node in any mode, (n, 6), relative to the largest of each mode."""
-    largest = np.abs(package.shapes_B).max(axis=(1, 2), keepdims=True)
-    scaled = np.abs(package.shapes_B) / np.where(largest == 0.0, 1.0, largest)
-    return np.asarray(scaled.max(axis=0))
 
 
 def _mean_axis(package: ModalPackage) -> Iterator[Remark]:

@@ -78,18 +78,14 @@ def vtk_cells(cells: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     return cells[cells != NONE], offsets, np.where(count == 3, TRIANGLE, QUADRILATERAL)
 
 
-def next_corners(cells: IntArray) -> IntArray:
-    """The corner that follows each corner of a cell, in the form of the table."""
+def sides(cells: IntArray) -> tuple[IntArray, IntArray]:
+    """Ends (s, 2) of the sides of all cells, cell after cell, and the cell of each, (s,)."""
+    # The corner that follows each corner of a cell, in the form of the table.
     after = np.roll(cells, -1, axis=1)
     if cells.shape[1] == 4:
         short = cells[:, 3] == NONE
         after[short, 2], after[short, 3] = cells[short, 0], NONE
-    return after
-
-
-def sides(cells: IntArray) -> tuple[IntArray, IntArray]:
-    """Ends (s, 2) of the sides of all cells, cell after cell, and the cell of each, (s,)."""
-    ends = np.stack([cells, next_corners(cells)], axis=2)
+    ends = np.stack([cells, after], axis=2)
     there = cells != NONE
     return ends[there], np.nonzero(there)[0]
 

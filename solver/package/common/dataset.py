@@ -361,18 +361,6 @@ def write_encoded(group: h5py.Group, datasets: Iterable[Encoded]) -> None:
                 set_text(dataset, key, word)
 
 
-def read_datasets(group: h5py.Group, specs: Iterable[Data]) -> dict[str, Any]:
-    """Return the values of the existing datasets and attributes of a layout, by path."""
-    found: dict[str, Any] = {}
-    for spec in specs:
-        if spec.type == "attribute":
-            if text := get_text(group[f"./{spec.place}"], spec.name):
-                found[spec.path] = text
-        elif spec.path in group:
-            found[spec.path] = _read_dataset(group[spec.path], spec)
-    return found
-
-
 def _read_dataset(dataset: h5py.Dataset, spec: Data) -> Any:
     if spec.stored != "text":
         return np.asarray(dataset[()], dtype=spec.type)[()]
@@ -392,7 +380,14 @@ def read_fields(group: h5py.Group, kind: Callable[..., Object], **given: Any) ->
             given[field.name] = tuple(
                 read_fields(g, field.item, name=g.name.rsplit("/", 1)[1]) for g in items
             )
-    return build(kind, read_datasets(group, layout(kind)), **given)
+    found: dict[str, Any] = {}
+    for spec in layout(kind):
+        if spec.type == "attribute":
+            if text := get_text(group[f"./{spec.place}"], spec.name):
+                found[spec.path] = text
+        elif spec.path in group:
+            found[spec.path] = _read_dataset(group[spec.path], spec)
+    return build(kind, found, **given)
 
 
 def layout_findings(group: h5py.Group, kind: type, owner: Sizes | None = None) -> list[Remark]:

@@ -418,7 +418,10 @@ def write_hawc2(
     names += [f"K_{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
     rows = []
     for r, K, M in zip(x - x[0], stiffness, mass, strict=True):
-        centre = _elastic_centre(K)
+        # (x2, x3) where an axial force does not bend the beam [m].
+        S = np.linalg.inv(K)
+        M2, M3 = np.linalg.solve(S[4:, 4:], -S[4:, 0])
+        centre = np.array([-M3, M2])
         m = M[0, 0]
         at_centre = transform(M, centre, kind="mass")
         radii = np.sqrt(np.diag(at_centre)[4:] / m)
@@ -431,13 +434,6 @@ def write_hawc2(
         " ".join(f"{n:>22s}" for n in names),
     ]
     return written(file, [*lines, f"$1 {len(rows)}", *rows])
-
-
-def _elastic_centre(K: Array) -> Array:
-    """(x2, x3) where an axial force does not bend the beam [m]."""
-    S = np.linalg.inv(K)
-    M2, M3 = np.linalg.solve(S[4:, 4:], -S[4:, 0])
-    return np.array([-M3, M2])
 
 
 def _stations(places: Sequence[float], stiffness: Sequence[Array], mass: Sequence[Array]) -> Array:

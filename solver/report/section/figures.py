@@ -78,7 +78,9 @@ def draw_mesh(section: SectionFile, shape: Shape, path: Path) -> Path:
     axes = canvas.figure.add_subplot(grid[0])
     _cells(axes, section, shape, faces, detail)
     _directions(axes, section, shape)
-    _centres(axes, section, shape)
+    axes.plot(0, 0, "+", color=INK, markersize=17, markeredgewidth=1.0, zorder=6)
+    for _, field, marker, size in CENTRES:
+        axes.plot(*(shape.scale * getattr(section, field)), **_mark(marker, size), zorder=6)
     frame(axes, low, high)
     axes.set_xlabel(f"$x_2$ [{shape.unit}]     ($x_1$ towards you)")
     axes.set_ylabel(f"$x_3$ [{shape.unit}]")
@@ -163,12 +165,6 @@ def _places(y2: Array, points: Array, apart: float) -> list[int]:
         places.append(int(np.argmax(gap)))
         gap = np.minimum(gap, np.linalg.norm(points - points[places[-1]], axis=1))
     return places
-
-
-def _centres(axes: Any, section: SectionFile, shape: Shape) -> None:
-    axes.plot(0, 0, "+", color=INK, markersize=17, markeredgewidth=1.0, zorder=6)
-    for _, field, marker, size in CENTRES:
-        axes.plot(*(shape.scale * getattr(section, field)), **_mark(marker, size), zorder=6)
 
 
 def _mark(marker: str, size: float) -> dict[str, Any]:

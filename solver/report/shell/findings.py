@@ -144,7 +144,10 @@ def case_findings(shell: ShellFile) -> list[CaseFindings]:
         size = np.linalg.norm(motion[:, :3], axis=1)
         node = int(np.argmax(size))
         load = shell.cases.loads_G[row]
-        reactions = total_reaction(shell, row)
+        # Sum of the reactions of all supports about the origin, (6,) [N, N m].
+        each = shell.cases.reactions_G[row]
+        force, moment = each[:, :3], each[:, 3:] + np.cross(shell.supports.points_G, each[:, :3])
+        reactions = np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
         found.append(
             CaseFindings(
                 name,
@@ -158,13 +161,6 @@ def case_findings(shell: ShellFile) -> list[CaseFindings]:
             )
         )
     return found
-
-
-def total_reaction(shell: ShellFile, case: int) -> Array:
-    """Sum of the reactions of all supports about the origin, (6,) [N, N m]."""
-    each = shell.cases.reactions_G[case]
-    force, moment = each[:, :3], each[:, 3:] + np.cross(shell.supports.points_G, each[:, :3])
-    return np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
 
 
 def imbalance(shell: ShellFile, case: int, load: Array, reactions: Array) -> float:

@@ -70,7 +70,8 @@ def shell_text(shell: ShellFile) -> str:
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
     lines += ["", *_modes(shell), *_buckling(shell), *_bound(shell)]
-    lines += [*_verification(shell), *_effort(shell)]
+    words = shell.provenance.get("verification")
+    lines += [*([f"{'Second method':16}{words}"] if words else []), *_effort(shell)]
     return "\n".join([*lines, *warning_lines(shell.warnings)])
 
 
@@ -78,7 +79,7 @@ def laminate_lines(laminate: ShellLaminate) -> list[str]:
     """Return lay-up, stiffness, mass and properties of a laminate."""
     materials = list(dict.fromkeys(ply.material for ply in laminate.plies))
     bottom, top = laminate.plies[0].bottom, laminate.plies[-1].top
-    lines = [
+    return [
         f"Laminate {laminate.name}",
         f"{'Plies':16}{len(laminate.plies)}, bottom to top {_short(stacking(laminate))} of "
         f"{', '.join(materials)}",
@@ -92,7 +93,6 @@ def laminate_lines(laminate: ShellLaminate) -> list[str]:
         "Transverse shear Ds: T per unit shear strain",
         _matrix(laminate.Ds, SHELL_RESULTANTS[6:], ("g13", "g23")),
     ]
-    return lines
 
 
 def _short(text: str, width: int = 60) -> str:
@@ -272,11 +272,6 @@ def _bound(shell: ShellFile) -> list[str]:
         f"{'':16}best found {best}, at most {gap} {from_it} (without transverse shear {rigid}): "
         f"{_short(other, 40)}",
     ]
-
-
-def _verification(shell: ShellFile) -> list[str]:
-    words = shell.provenance.get("verification")
-    return [f"{'Second method':16}{words}"] if words else []
 
 
 def _effort(shell: ShellFile) -> list[str]:

@@ -72,7 +72,12 @@ def optimise(
     shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
     for name in (RESULT, VARIANT, PAGE):
         refuse_foreign(order.folder / name)
-    order = _with_gradient(with_plan(trials), trials, where)
+    # The kind of derivatives that the study asks for, or can have.
+    wanted = trials.study.table.gradient
+    why = "" if wanted == "differences" else trials.why_not_exact()
+    if why and wanted == "exact":
+        raise InputError(f'{where}.gradient = "exact": {why}; expected "differences"')
+    order = replace(with_plan(trials), exact=wanted != "differences" and not why)
     trials = Trials(order)
     key = trials.digest()
     Memory(order.folder / FILE, key, fresh=fresh)
@@ -104,15 +109,6 @@ def optimise(
     write_page(order.folder, result)
     write_text(order.folder / RESULT, json.dumps(result, indent=1) + "\n")
     return result
-
-
-def _with_gradient(order: Order, trials: Trials, where: str) -> Order:
-    """Return the order with the kind of derivatives that the study asks for, or can have."""
-    wanted = trials.study.table.gradient
-    why = "" if wanted == "differences" else trials.why_not_exact()
-    if why and wanted == "exact":
-        raise InputError(f'{where}.gradient = "exact": {why}; expected "differences"')
-    return replace(order, exact=wanted != "differences" and not why)
 
 
 def _best(found: Sequence[Start]) -> Start | None:

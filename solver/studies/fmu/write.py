@@ -22,7 +22,7 @@ from plymotion import __version__
 
 from ...errors import InputError, printable
 from ...inputs.case.record import package_entries
-from ...mechanism.python_functions import calling_forces
+from ...mechanism.python_functions import codes_of
 from ...package.common.files import temporary_sibling
 from ...run.coupled import DRIVE_ORDER, FORCE_ORDER, Stepper
 from ...run.execution import read_run
@@ -268,7 +268,7 @@ def write_fmu(
         resources = folder / "resources"
         run = write_contents(run_file, resources)
         spec = read_run(run)
-        for name in calling_forces(spec.mechanism):
+        for name in codes_of(spec.mechanism):
             raise InputError(
                 f"forces.{name}.code: an FMU does not run Python files of the user; expected a "
                 "controller or an expression"

@@ -35,7 +35,15 @@ def write_modes(
     write_text(folder / "modes.json", dump(modes_content(states, found)))
     files = ["modes.json", "linear.npz", "linear.mat"]
     if response is not None:
-        _write_response(folder, response)
+        # Magnitude and phase of each pair.
+        head, columns = ["frequency [Hz]"], [response.hz]
+        for i, (output, unit) in enumerate(response.outputs):
+            for j, (name, by) in enumerate(response.inputs):
+                head += [f"{name} -> {output} [{unit} / ({by})]", f"{name} -> {output} phase [deg]"]
+                g = response.G[:, i, j]
+                columns += [np.abs(g), np.degrees(np.angle(g))]
+        write_text(folder / "response.csv", csv_text([head, *np.array(columns).T.tolist()], "\n"))
+        _draw_response(folder / "response.png", response)
         files += ["response.csv", "response.png"]
     return [*files, *draw_shapes(folder, states, found, shapes)]
 
@@ -103,18 +111,6 @@ def _entry(found: Found, body_names: list[str], k: int) -> dict[str, object]:
 
 
 # Transfer functions over frequency.
-
-
-def _write_response(folder: Path, response: Response) -> None:
-    """Write response.csv (magnitude and phase of each pair) and response.png."""
-    head, columns = ["frequency [Hz]"], [response.hz]
-    for i, (output, unit) in enumerate(response.outputs):
-        for j, (name, by) in enumerate(response.inputs):
-            head += [f"{name} -> {output} [{unit} / ({by})]", f"{name} -> {output} phase [deg]"]
-            g = response.G[:, i, j]
-            columns += [np.abs(g), np.degrees(np.angle(g))]
-    write_text(folder / "response.csv", csv_text([head, *np.array(columns).T.tolist()], "\n"))
-    _draw_response(folder / "response.png", response)
 
 
 def _draw_response(path: Path, response: Response) -> None:
@@ -204,7 +200,12 @@ def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[
     periods = [period_of(states, found, k) for k in range(n)]
     digits = max(2, len(str(n)))
     for period in periods:
-        _write_period(folder / f"mode-{period.number:0{digits}d}.vtkhdf", states, period)
+        with new_file(folder / f"mode-{period.number:0{digits}d}.vtkhdf") as file:
+            set_text(file, "format", "plymotion mode")
+            set_text(file, "case", states.spec.case)
+            set_text(file, "run", states.spec.run)
+            set_text(file, "mode", f"{period.number}: {period.title}")
+            write_animation(file.create_group("VTKHDF"), period.bodies, period.t, period.points)
     _draw_shapes(folder / "modes.png", periods)
     last = f" to mode-{n:0{digits}d}.vtkhdf" if n > 1 else ""
     return ["modes.png", f"mode-{1:0{digits}d}.vtkhdf{last}"]
@@ -249,15 +250,6 @@ def _rotation(states: States, x: Array) -> float:
             found = np.einsum("mna,m->na", package.shapes_B[:, :, 3:6], q)
             largest = max(largest, float(np.linalg.norm(np.abs(found), axis=1).max()))
     return largest
-
-
-def _write_period(path: Path, states: States, period: Period) -> None:
-    with new_file(path) as file:
-        set_text(file, "format", "plymotion mode")
-        set_text(file, "case", states.spec.case)
-        set_text(file, "run", states.spec.run)
-        set_text(file, "mode", f"{period.number}: {period.title}")
-        write_animation(file.create_group("VTKHDF"), period.bodies, period.t, period.points)
 
 
 def _draw_shapes(path: Path, periods: list[Period]) -> None:

@@ -7,7 +7,17 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from ...common.table import Axis, FilePath, Name, Table, Vector, entry, optional, usable_path
+from ...common.table import (
+    Axis,
+    FilePath,
+    Name,
+    Table,
+    Vector,
+    entry,
+    is_number,
+    optional,
+    usable_path,
+)
 from ...common.text_file import numbered_lines
 from ...common.units import LENGTHS, unit_of
 from .laws import FOLDER, RESOLVED, WindLaw
@@ -213,7 +223,7 @@ def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[
     found = []
     for (line, _), row in zip(lines, table, strict=True):
         cells = dict(zip(head, (cell.strip() for cell in row), strict=False))
-        if line == lines[0][0] and not _is_number(cells.get(numbers[0], "")):
+        if line == lines[0][0] and not is_number(cells.get(numbers[0], "")):
             continue  # names of the columns
         try:
             values = {key: float(cells[key]) for key in numbers}
@@ -224,11 +234,3 @@ def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[
             raise ValueError(f"{file} line {line}: expected {len(head)} finite values")
         found.append({**{key: cells[key] for key in words}, **values})
     return found
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

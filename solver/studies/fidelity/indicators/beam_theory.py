@@ -232,7 +232,10 @@ def beam_theory(
         return BeamTheory(name, None, length, values)
     section = package.sections[0]
     frequencies = dict(zip(package.mode_labels, package.frequencies.tolist(), strict=True))
-    ratio = _across(mechanism, body)
+    # Least modulus across a wall over that along the beam: E2 / E1 of a ply, at most 1.
+    material = mechanism.materials.get(body.material) if body.material else None
+    one, two = getattr(material, "E1", None), getattr(material, "E2", None)
+    ratio = min(1.0, float(two / one)) if one and two else 1.0
     local = local_frequency(found, section.K, section.M, ratio)
     known = [package.mode_labels[i] for i in vibrations(package).tolist()]
     kept = [label for label in known if label in plan.vibrations]
@@ -276,13 +279,6 @@ def _curvature(rich: Rich) -> float:
     F = np.einsum("sim,km->ksi", recovery.resultants_E, rich.eta)
     strains = F @ np.linalg.inv(rich.package.sections[0].K).T
     return float(np.linalg.norm(strains[..., 4:], axis=-1).max(initial=0.0))
-
-
-def _across(mechanism: "Mechanism", body: Any) -> float:
-    """Least modulus across a wall over that along the beam: E2 / E1 of a ply, at most 1."""
-    material = mechanism.materials.get(body.material) if body.material else None
-    one, two = getattr(material, "E1", None), getattr(material, "E2", None)
-    return min(1.0, float(two / one)) if one and two else 1.0
 
 
 def _number(label: str) -> int:
