@@ -144,7 +144,9 @@ def run(
         else:
             job = {"sheet": sheet["sheet"], "setting": setting}
             (folder / "in.json").write_text(json.dumps(job), encoding="utf-8")
-            command = [runner.python, str(runner.module.__file__), str(folder)]
+            # a runner of a stranger's folder finds `common`
+            command = ["env", f"PYTHONPATH={HERE / 'runners'}", runner.python]
+            command += [str(runner.module.__file__), str(folder)]
         limit = ["prlimit", f"--cpu={ceil(longest)}"] if longest else []
         inside = ["env", f"--chdir={folder}"] if getattr(runner.module, "INSIDE", False) else []
         used = cost_of([*limit, *inside, *command])

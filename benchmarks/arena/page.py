@@ -271,7 +271,10 @@ def write(results: dict[str, Any], folder: Path) -> None:
         parts.append(
             "<h2>Map of stability</h2><p>Green: stable; orange: energy grows; red: stops. "
         )
-        parts.append('Dotted: two steps per radian.</p><img src="stability.svg" alt="map">')
+        parts.append(
+            "Dotted: step times rate is 2 where the rod hangs.</p>"
+            '<img src="stability.svg" alt="map of stability">'
+        )
     for scene, picture in pictures.items():
         about = results["about"][scene]
         parts.append(

@@ -54,8 +54,7 @@ def test_a_stranger_adds_a_scene_and_a_code(tmp_path: Path) -> None:
     """Both are found; the error of each is that against the closed form."""
     runners = tmp_path / "runners"
     runners.mkdir()
-    common = str(ARENA / "runners")
-    (runners / "in_still.py").write_text(f"import sys\nsys.path.append({common!r})\n{CODE}")
+    (runners / "in_still.py").write_text(CODE)
     done = arena(
         tmp_path, stranger(tmp_path), "--runners", str(runners), "--codes", "plymotion,still"
     )
