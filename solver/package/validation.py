@@ -71,7 +71,7 @@ def write_valid(path: Path, package: ModalPackage, source: str, *, own: bool = F
     Parameters
     ----------
     source : file that the package is made from, for the message
-    own : whatever lies there is ours, as in build/CASE/bodies
+    own : the package, and whatever lies there, is ours, as in build/CASE/bodies
 
     Raises
     ------
@@ -83,7 +83,9 @@ def write_valid(path: Path, package: ModalPackage, source: str, *, own: bool = F
     try:
         with temporary_sibling(path, own=own) as temporary:
             write_package(temporary, package)  # compares numbers with each other
-            raise_first(temporary, list(MODAL_PACKAGE.doubts(package)))
+            # what this program computed is not read again
+            found = list(MODAL_PACKAGE.doubts(package)) if own else validate(temporary)
+            raise_first(temporary, found)
     except PackageError as error:
         words = str(error).removeprefix(f"{temporary}: ").removeprefix("/modal_package/")
         part = next((text for name, text in PARTS.items() if words.startswith(name)), "")
