@@ -201,7 +201,7 @@ class Case(Builders):
         >>> case.check()
         Traceback (most recent call last):
         plymotion.solver.errors.InputError: pendulum.toml: bodies.rod.mass = -1: value should be \
-greater than 0
+greater than or equal to 0
         """
         return checked_case(plain(self.table), self._path, coarse=coarse, sweeps=sweeps)
 

@@ -81,7 +81,7 @@ BAD = {
     "table": ('"forces.push" = [1]', "", "expected the key of a number, this is a table"),
     "absent": ('"forces.push.law.table.x" = [1]', "", r"law\.table is absent in this run"),
     "below a number": ('"bodies.ball.mass.x" = [1]', "", r"bodies\.ball\.mass has no keys"),
-    "bounds": (f"{MASS} = [1, -2]", "", r"bodies\.ball\.mass = -2: .*greater than 0"),
+    "bounds": (f"{MASS} = [1, -2]", "", r"bodies\.ball\.mass = -2: .*greater than or equal to 0"),
     "twice": (f"{MASS} = [1]\nm = {{ keys = [{MASS}], values = [1] }}", "", "varied twice"),
     "no count": (f"{MASS} = {{ from = 1, to = 2 }}", "", "expected `count` beside"),
     "no end": (f"{MASS} = {{ from = 1, count = 2 }}", "", "expected `values`, or `from` and `to`"),
@@ -128,7 +128,7 @@ def test_one_mistake_of_many_members_is_one_message(tmp_path):
     with pytest.raises(InputError) as error:
         ball(tmp_path, f"{MASS} = {{ from = -20, to = -1, count = 20 }}")
     (line,) = str(error.value).splitlines()
-    assert "sweeps.s: bodies.ball.mass = -20: value should be greater than 0" in line
+    assert "sweeps.s: bodies.ball.mass = -20: value should be greater than or equal to 0" in line
     assert line.endswith("(member 0: bodies.ball.mass = -20; and 19 more members)")
 
 
