@@ -98,14 +98,16 @@ def planned(draw: Draw, folder: Path) -> tuple[float, ...]:
     )
     side = str(draw.choice(["stiff", "soft"]))
     answer = checked(plan_of(*planned_run(scene, side)))
-    if answer.estimate is None or answer.delivered is None:
+    stated = answer.delivered_at_most
+    if answer.delivered is None or None in stated.values():
         return math.nan, math.nan
+    bar = np.array([stated[name] for name in answer.names], dtype=float)
     exact = true_signals(scene, side, 1e-8)
     values = np.array([exact[name] for name in answer.names])
     sizes = scales("pointwise", values)
     error = difference("pointwise", answer.delivered.signals, values) / sizes
-    worst = int(np.argmax(error / answer.estimate))
-    return float(answer.estimate[worst]), float(error[worst])
+    worst = int(np.argmax(error / bar))
+    return float(bar[worst]), float(error[worst])
 
 
 def rigid(draw: Draw, folder: Path) -> tuple[float, ...]:
