@@ -132,6 +132,7 @@ def completing(patience_s: float | None = None) -> Iterator[None]:
     In a command the signal is noted, see `stop_requested`; elsewhere it is raised after the block.
     With `patience_s`, a block that takes more CPU time after the signal, or after its begin if the
     signal came before, ends with KeyboardInterrupt: a busy machine does not lose what is computed.
+    So does one that takes ten times as long by the clock.
     Without timers of POSIX a signal ends it at once.
     """
     received: list[float] = []  # when it came

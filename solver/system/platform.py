@@ -146,19 +146,26 @@ def blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+STALLED = 10.0  # time by the clock over CPU time: the load of a busy machine is below it
+
+
 def alarm(seconds: float, handler: Callable[..., None]) -> Callable[[], None] | None:
     """Call a handler after some CPU time of the process, again and again; return what stops that.
 
-    None without timers of POSIX.
+    Also after ten times as long by the clock: a disk that does not answer takes no CPU time. None
+    without timers of POSIX.
     """
     if sys.platform == "win32" or not POSIX:
         return None
-    before = signal.signal(signal.SIGPROF, handler)
+    before = [signal.signal(number, handler) for number in (signal.SIGPROF, signal.SIGALRM)]
     signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)
+    signal.setitimer(signal.ITIMER_REAL, STALLED * seconds, 0.1)
 
     def stop() -> None:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for number, handler in zip((signal.SIGPROF, signal.SIGALRM), before, strict=True):
+            signal.signal(number, handler)
 
     return stop
 
