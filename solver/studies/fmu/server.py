@@ -103,6 +103,8 @@ class _Instance:
             return np.array([float(state)])
         if what == FORGET:
             self._states.pop(state, None)
+        elif what != RESTORE:
+            raise ValueError(f"request {what}: expected {START} to {DERIVE}")
         elif (kept := self._states[state]) is not None:  # else a start, which does all anew
             stepper.restore(kept)
         return np.zeros(0)
