@@ -106,11 +106,12 @@ class Plies:
 
 
 class Mixture(NamedTuple):
-    """The best mixture for some cutting planes."""
+    """The best mixture for some cutting planes: its parameters, the angles of its largest shares,
+    and a bound of lambda of all lay-ups."""
 
     p: Array  # (12,)
-    angles_deg: Array  # (g,) of its largest shares
-    bound: float  # of lambda of all lay-ups
+    angles_deg: Array  # (g,)
+    bound: float
 
 
 class Cuts:
@@ -182,8 +183,9 @@ class Basis:
 
     def value(self, p: Array) -> float:
         """Lambda of parameters (12,)."""
+        last = [len(self._W) - 1] * 2
         K = self._K + np.tensordot(p, self._G, 1)
-        return float(1.0 / scipy.linalg.eigvalsh(self._W, K)[-1])
+        return float(1.0 / scipy.linalg.eigvalsh(self._W, K, subset_by_index=last)[0])
 
     def cuts(self, p: Array) -> tuple[Array, Array]:
         """Functions c + q.p, (k,) and (k, 12), of the lowest modes at parameters p."""
@@ -212,12 +214,17 @@ def searched(basis: Basis, plies: Plies, angles_deg: Array) -> Array:
 class Quantity(NamedTuple):
     """What is bounded.
 
-    Of a stiffness, `modes` are lambda (m,) and x (n_dof, m).
+    Attributes
+    ----------
+    modes : lambda (m,) and x (n_dof, m) of a stiffness
+    weighed : x' W x of some x (n_dof, m), (m, m)
+    shown : what a user reads of lambda
+    unit, case : its unit and its load case
     """
 
     modes: Callable[[sp.csr_matrix], tuple[Array, Array]]
-    weighed: Callable[[Array], Array]  # x' W x of some x (n_dof, m), (m, m)
-    shown: Callable[[float], float]  # what a user reads of lambda
+    weighed: Callable[[Array], Array]
+    shown: Callable[[float], float]
     unit: str
     case: str | None
 
@@ -229,14 +236,16 @@ def frequency(stressed: Stressed, where: str) -> Quantity:
     if table.get("prestress") is not None:
         raise ShellError(f"{where} = 'frequency': expected no frequencies.prestress")
     M, (freedom, *motions) = problem.M, free_or_held(problem, table.get("free", False))
+    free_motions = as_columns(freedom, *motions)
 
     def modes(K: sp.csr_matrix) -> tuple[Array, Array]:
-        found = natural_modes(K, M, freedom, MODES, as_columns(freedom, *motions))
+        found = natural_modes(K, M, freedom, MODES, free_motions)
         return found.values[found.n_zero :], found.shapes[:, found.n_zero :]
 
-    return Quantity(
-        modes, lambda X: X.T @ (M @ X), lambda v: float(np.sqrt(v)) / (2.0 * np.pi), "Hz", None
-    )
+    def hertz(value: float) -> float:
+        return float(np.sqrt(value)) / (2.0 * np.pi)
+
+    return Quantity(modes, lambda X: X.T @ (M @ X), hertz, "Hz", None)
 
 
 def load_factor(stressed: Stressed, where: str) -> Quantity:
@@ -291,7 +300,8 @@ QUANTITIES = {"frequency": frequency, "buckling": load_factor, "compliance": com
 
 
 def _case(stressed: Stressed, cases: list[str] | None, where: str) -> str:
-    if len(names := list(stressed.names) if cases is None else cases) != 1:
+    names = list(stressed.names) if cases is None else cases
+    if len(names) != 1:
         raise ShellError(f"{where}: expected one load case, found {', '.join(names) or 'none'}")
     return names[0]
 
@@ -309,15 +319,14 @@ def turned(problem: ShellProblem, angles_deg: Mapping[int, float]) -> ShellProbl
 
 def _check(problem: ShellProblem, where: str) -> None:
     names = sorted({region.laminate_name for region in problem.regions})
-    laminated = len(names) == 1 and names[0] in problem.spec.get("laminates", {})
-    for fits, words in (
-        (laminated, f"one laminate of plies, found {', '.join(names)}"),
-        (not problem.stiffeners, "a shell without stiffeners"),
-        (problem.team.size == 1, f"one process, found {problem.team.size}"),
-        (problem.choice.plate in ("dkmt", "dkt"), "elements.plate = dkmt or dkt"),
-    ):
-        if not fits:
-            raise ShellError(f"{where}: expected {words}")
+    if len(names) > 1 or names[0] not in problem.spec.get("laminates", {}):
+        raise ShellError(f"{where}: expected one laminate of plies, found {', '.join(names)}")
+    if problem.stiffeners:
+        raise ShellError(f"{where}: expected a shell without stiffeners")
+    if problem.team.size > 1:
+        raise ShellError(f"{where}: expected one process, found {problem.team.size}")
+    if problem.choice.plate not in ("dkmt", "dkt"):
+        raise ShellError(f"{where}: expected elements.plate = dkmt or dkt")
 
 
 def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
@@ -335,7 +344,8 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
     where = f"{problem.where}.bound"
     _check(problem, where)
     laminate = problem.regions[0].laminate.laminate
-    if not (plies := Plies(laminate)).rows:
+    plies = Plies(laminate)
+    if not plies.rows:
         raise ShellError(f"{where}: no ply has a direction; expected an orthotropic material")
     quantity = QUANTITIES[of](stressed, where)
     begin(f"bound of {of}")
@@ -353,8 +363,8 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
             for j, step in steps.items()
         }
 
-    size = np.diag(1e-3 * np.abs(plies.columns).max(axis=2).sum(axis=0))
-    steps = {int(j): size[j] for j in np.flatnonzero(np.diag(size))}
+    size = np.abs(plies.columns).max(axis=2).sum(axis=0)
+    steps = {int(j): 1e-3 * size[j] * np.eye(12)[j] for j in np.flatnonzero(size)}
     affine = all(region.nodes.shape[1] == 3 for region in problem.regions)
     best = np.array([laminate.plies[rows[0]].angle_deg for rows in plies.rows])
     value, X = quantity.modes(problem.K)
@@ -383,17 +393,19 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
         angles = searched(basis, plies, start)
         values, more = quantity.modes(stiffness(plies.parameters(angles)))
         X = np.c_[X, more]
-        best, most = max((best, most), (angles, float(values[0])), key=lambda each: each[1])
-    angle_of = zip(plies.rows, best, strict=True)
-    other = turned(problem, {row: angle for rows, angle in angle_of for row in rows})
+        if values[0] > most:
+            best, most = angles, float(values[0])
+    groups = zip(plies.rows, best, strict=True)
+    other = turned(problem, {row: angle for rows, angle in groups for row in rows})
     reached = quantity.modes(other.K)[0]
     if reached[0] < value[0]:  # by transverse shear
         other, reached = problem, value
-    limit, *shown = (quantity.shown(float(v)) for v in (least, value[0], reached[0], most))
-    gaps = zip(("gap", "found_gap", "found_gap_without_shear"), shown, strict=True)
+    gaps = {"gap": value[0], "found_gap": reached[0], "found_gap_without_shear": most}
+    limit = quantity.shown(least)
     return {
         **{"of": of, "case": quantity.case, "unit": quantity.unit, "symmetric": plies.symmetric},
-        **{"bound": limit, "value": shown[0], "found": shown[1]},
-        **{key: abs(v / limit - 1.0) for key, v in gaps},
+        **{"bound": limit, "value": quantity.shown(float(value[0]))},
+        "found": quantity.shown(float(reached[0])),
+        **{key: abs(quantity.shown(float(v)) / limit - 1.0) for key, v in gaps.items()},
         "found_angles_deg": [ply.angle_deg for ply in other.regions[0].laminate.laminate.plies],
     }
