@@ -1,19 +1,18 @@
 """Solids by gmsh: CAD files (OpenCASCADE), scripts and meshes become cells of degree 2."""
 
-import signal
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD, CAD_WITH_UNIT
-from .gmsh_alone import GmshEndedError, allow, apart, define, read
+from .gmsh_alone import allow, define, read
 from .gmsh_surface import check_count, check_finite, curves, gmsh_session, opened, physical
 from .plain import PlainMesh
 from .stack import MeshError, gmsh
@@ -67,10 +66,7 @@ def solid_from_file(
     parameters: Mapping[str, Any],
     smallest: float,
 ) -> GmshSolid:
-    """Mesh a CAD file or a script, or read a mesh, in a process of its own.
-
-    OpenCASCADE and gmsh end by a signal, or split crossing edges without end, where the edges of
-    a face are in no order.
+    """Mesh a CAD file or a script, or read a mesh.
 
     Parameters
     ----------
@@ -82,27 +78,8 @@ def solid_from_file(
     Raises
     ------
     MeshError : a file that is none of these, no closed volume, too many unknowns, faces that
-        intersect, cells turned inside out; the copy ends by a signal, or takes too long.
+        intersect, cells turned inside out.
     """
-    try:
-        return cast(GmshSolid, apart(_solid, path, size, metres, parameters, smallest))
-    except GmshEndedError as error:
-        number = signal.Signals(-error.code).name if error.code < 0 else "of no name"
-        end = "does not end" if number == "SIGXCPU" else f"ends by the signal {number}"
-        raise MeshError(
-            f"{path}: gmsh {end} while it reads or meshes the part; expected closed faces whose "
-            "edges follow each other and do not cross (check and export it in the CAD program)"
-        ) from None
-
-
-def _solid(
-    path: Path,
-    size: float | None,
-    metres: float | None,
-    parameters: Mapping[str, Any],
-    smallest: float,
-) -> GmshSolid:
-    """See `solid_from_file`."""
     if path.suffix.lower() in CAD:
         allow(LEAST + PER_MEGABYTE * path.stat().st_size / 1e6)
     for algorithm in (None, DELAUNAY):

@@ -2,11 +2,12 @@
 
 Cells are tetrahedra of 10 and hexahedra of 27 nodes in gmsh's order."""
 
+import signal
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
-from ..fenicsx.gmsh_solid import STEP, CadPart, solid_from_file
+from ..fenicsx.gmsh_alone import GmshEndedError, apart
+from ..fenicsx.gmsh_solid import STEP, CadPart, GmshSolid, solid_from_file
 from ..mesh_input import is_refused
 from .step import check_step
 
@@ -177,6 +179,26 @@ def solid_mesh(table: Mapping[str, Any], where: str, size: float | None = None) 
         raise SolidError(f"{where}: {error}") from error
 
 
+def _apart(file: str, *how: Any) -> GmshSolid:
+    """Call `solid_from_file` in a process of its own.
+
+    OpenCASCADE and gmsh end by a signal, or split crossing edges without end, where the edges of
+    a face are in no order.
+    """
+    try:
+        return cast(GmshSolid, apart(solid_from_file, Path(file), *how))
+    except GmshEndedError as error:
+        end = str(error)
+        if error.code < 0:
+            number = signal.Signals(-error.code)
+            end = f"gmsh ends by the signal {number.name}"
+            end = "gmsh does not end" if number == signal.SIGXCPU else end
+        raise fenicsx.MeshError(
+            f"{file}: {end} while it reads or meshes the part; expected closed faces whose "
+            "edges follow each other and do not cross (check and export it in the CAD program)"
+        ) from None
+
+
 @lru_cache(maxsize=4)
 def _made(
     file: str, changed: int, size: float | None, unit: float | None, parameters: tuple[Any, ...]
@@ -185,7 +207,7 @@ def _made(
     if Path(file).suffix.lower() in STEP:
         check_step(Path(file))
     for smallest in SMALLEST:
-        found = solid_from_file(Path(file), size, unit, dict(parameters), smallest)
+        found = _apart(file, size, unit, dict(parameters), smallest)
         plain = found.plain
         wrong = _turned(plain)
         if not len(wrong) or not found.exact:
