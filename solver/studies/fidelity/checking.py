@@ -198,13 +198,19 @@ class Checking:
 
     def _second(self) -> None:
         """Compare with a richer check; keep the larger estimate and deliver the richer run."""
+        wanted = self._check_plan(more=4)
+        self._checked_again(replace(wanted, rtol=0.3 * wanted.rtol))
+
+    def _checked_again(self, plan: Plan) -> bool:
+        """Compare with another check, keep the larger estimate, deliver that run; False without."""
         with self._timed("check"):
-            wanted = self._check_plan(more=4)
-            second = self.run(replace(wanted, rtol=0.3 * wanted.rtol))
-        if second is not None and second.complete:
-            self.answer.check = second
-            again = distance(self.metric, *self.answer.pair)
-            self._estimate(np.maximum(self._estimates, again))
+            other = self.run(plan)
+        if other is None or not other.complete:
+            return False
+        self.answer.check = other
+        again = distance(self.metric, *self.answer.pair)
+        self._estimate(np.maximum(self._estimates, again))
+        return True
 
     def _tighten(self) -> None:
         """Compare the check of joint forces with the same one of a tighter tolerance; deliver that.
@@ -214,13 +220,10 @@ class Checking:
         """
         answer, check = self.answer, self.answer.pair[1]
         plan = replace(check.plan, rtol=max(check.plan.rtol / TIGHTENED, TIGHTEST))
-        if answer.reactions.any() and SECOND_COST * check.cpu <= self.left():
-            with self._timed("check"):
-                tight = self.run(plan)
-            if tight is not None and tight.complete:
-                answer.check, answer.settled = tight, distance(self.metric, check, tight)
-                again = distance(self.metric, *answer.pair)
-                self._estimate(np.maximum(self._estimates, again))
+        if not answer.reactions.any() or SECOND_COST * check.cpu > self.left():
+            return
+        if self._checked_again(plan):
+            answer.settled = distance(self.metric, check, answer.pair[1])
 
     def _met(self) -> bool:
         """Estimate what both packages lack; tell whether this settles the request."""
