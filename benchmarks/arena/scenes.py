@@ -42,6 +42,29 @@ OPTIONAL = {
 }
 
 
+def unit_matrices(stiff: float, rotary: float) -> tuple[Array, Array]:
+    """K and M (6, 6) of a beam with EI = 1 and a mass of 1 per length.
+
+    `stiff` against stretch and shear; `rotary` inertia of its two planes: 2 and 1 times.
+    """
+    from plymotion.preprocess.beam.line import SectionMass
+
+    K = np.diag([stiff, stiff, stiff, 1.0, 1.0, 1.0])
+    inertia = rotary * np.diag([2.0, 1.0, 1.0])
+    return K, np.asarray(SectionMass(1.0, np.zeros(3), inertia).matrix())
+
+
+def unit_beam(modes: list[dict[str, Any]], **keys: Any) -> dict[str, Any]:
+    """The case of one beam of unit length on a wall, without segments."""
+    from samples.segment_samples import cantilever
+
+    found: dict[str, Any] = cantilever(1, 1.0)
+    beam = found["bodies"]["beam"]
+    del beam["segments"]
+    beam |= {"elements": 20, "modes": [*modes, {"kind": "static-axial"}], **keys}
+    return found
+
+
 @dataclass(frozen=True)
 class Scene:
     """One folder.

@@ -1,23 +1,15 @@
 """A taut beam of unit length, EI and mass on two supports, T = 1000: w^2 = EI a^4 + T a^2."""
 
 import numpy as np
-from samples.segment_samples import cantilever
+from scenes import unit_beam, unit_matrices
 
-from plymotion.preprocess.beam.line import SectionMass
-
-matrices = (
-    np.diag([1e11, 1e11, 1e11, 1.0, 1.0, 1.0]),
-    SectionMass(1.0, np.zeros(3), np.diag([2e-12, 1e-12, 1e-12])).matrix(),
-)
+matrices = unit_matrices(1e11, 1e-12)
 
 
 def table(modes: int) -> dict:
     """The case, with a number of bending modes between the supports."""
-    found = cantilever(1, 1.0)
-    beam = found["bodies"]["beam"]
-    del beam["segments"]
-    beam |= {"elements": 20, "reference": {"kind": "chord", "at": ["root", "tip"]}}
-    beam["modes"] = [{"kind": "bending-xy", "count": modes}, {"kind": "static-axial"}]
+    chord = {"kind": "chord", "at": ["root", "tip"]}
+    found = unit_beam([{"kind": "bending-xy", "count": modes}], reference=chord)
     found["ground"]["end"] = {"position": [1.0, 0.0, 0.0]}
     z, x = [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]
     found["joints"] = {
