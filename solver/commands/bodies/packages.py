@@ -9,6 +9,7 @@ from ...errors import InputError, counted, few
 from ...extras.exchange import export_body, import_body
 from ...package import validate
 from ...package.body.io import read_package
+from ...report.table import rounded
 from ...studies.cases import build_folder, chosen_run
 from ...studies.exit_codes import INCOMPLETE
 from ...studies.fmu import VERSIONS
@@ -42,10 +43,10 @@ def run_info(options: argparse.Namespace) -> int:
     labels = package.mode_labels or package.mode_kinds
     for label, frequency in zip(labels, package.frequencies, strict=True):
         print(f"  {label:24s} {frequency:12.5g} rad/s {frequency / (2.0 * math.pi):12.5g} Hz")
-    least = 1e-12 * float(abs(package.nodes_B).max())  # below it a coordinate is round-off
+    size = float(abs(package.nodes_B).max())
     for interface in package.interfaces:
-        x, y, z = (v if abs(v) > least else 0.0 for v in interface.position_B)
-        print(f"  interface {interface.name:12s} at ({x:.6g}, {y:.6g}, {z:.6g}) m")
+        at = ", ".join(rounded(x, size, 6) for x in interface.position_B.tolist())
+        print(f"  interface {interface.name:12s} at ({at}) m")
     for one in package.design:
         targets = few(str(target.get("of")) for target in one.targets)
         print(f"  derivatives by {one.name} ({one.kind}): {len(one.values)} datasets; {targets}")

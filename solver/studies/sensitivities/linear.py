@@ -58,7 +58,7 @@ class Linearisation:
     """
 
     def __init__(self, model: Model, columns: Sequence[Column], units: Array) -> None:
-        self.model, self.columns, self._units = model, columns, units
+        self.model, self._units = model, units
         self._root = np.sqrt(model.inertia_scale)
         self._partials = _Partials(model, columns)
         self.changes = self._partials.changes
@@ -86,7 +86,7 @@ class Linearisation:
         if not growth < MOST_GROWTH and not last:
             return None
         base = terms(model, t, y, a, multipliers)
-        partial = self._partials(t, y, a, multipliers, base, len(self.columns))
+        partial = self._partials(t, y, a, multipliers, base)
         # The rows that parameters move: their dependent motions X, at positions and velocities.
         phi, phi_d = (partial[:, :, n + which * n_c + rows].transpose(0, 2, 1) for which in (1, 2))
         moved = np.flatnonzero(phi.any(axis=(0, 2)) | phi_d.any(axis=(0, 2)))
@@ -182,12 +182,9 @@ class _Partials:
     """
 
     def __init__(self, model: Model, columns: Sequence[Column]) -> None:
-        self._model, self._near, now = (
-            model,
-            list[tuple[int, Model | None, Model, float]](),
-            _arrays(model),
-        )
-        P = len(columns)
+        self._model, self._count, now = model, len(columns), _arrays(model)
+        self._near: list[tuple[int, Model | None, Model, float]] = []
+        P = self._count
         stiffness = [np.zeros((2 * m, P, m)) for m in model.n_mode]  # of modal forces, by q and q'
         for p, (minus, plus, h) in enumerate(columns):
             one, two = _arrays(minus), _arrays(plus)
@@ -204,19 +201,14 @@ class _Partials:
                 sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
                 step = float(min((s for s in sizes if s > 0.0), default=h / BOTH))
                 step *= BOTH if P <= FEW else STEP
-                low, high = (
-                    _moved(model, {name: by * rate for name, rate in rates.items()})
-                    for by in (-step, step)
-                )
-                self._near.append((p, low if P <= FEW else None, high, step))
+                low = _moved(model, rates, -step) if P <= FEW else None
+                self._near.append((p, low, _moved(model, rates, step), step))
         self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]
         self.changes = bool(self._near or self._stiffness)
 
-    def __call__(
-        self, t: Array, y: Array, a: Array, multipliers: Array, base: Array, count: int
-    ) -> Array:
-        """Return (k, P, w) for P = `count`; base (k, w) are the terms at the states."""
-        model, found = self._model, np.zeros((t.size, count, base.shape[1]))
+    def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, base: Array) -> Array:
+        """Return (k, P, w) for P parameters; base (k, w) are the terms at the states."""
+        model, found = self._model, np.zeros((t.size, self._count, base.shape[1]))
         at = t, y, a, multipliers
         for p, low, high, step in self._near:
             less, span = (base, step) if low is None else (terms(low, *at), 2.0 * step)
@@ -225,7 +217,7 @@ class _Partials:
             m, j = K.shape[2], int(model.vel_start[i]) + 6
             q, v = int(model.pos_start[i]) + 7, model.n_pos + j
             moved = np.concatenate([y[:, q : q + m], y[:, v : v + m]], axis=1)
-            found[:, :, j : j + m] -= (moved @ K.reshape(2 * m, -1)).reshape(t.size, count, m)
+            found[:, :, j : j + m] -= (moved @ K.reshape(2 * m, -1)).reshape(t.size, self._count, m)
         return found
 
 
@@ -240,17 +232,15 @@ def _arrays(model: Model) -> dict[str, Array]:
     }
 
 
-def _moved(model: Model, changes: dict[str, Array]) -> Model:
-    """Return a model with other numbers: by how much, by the names of `_arrays`."""
+def _moved(model: Model, rates: dict[str, Array], by: float) -> Model:
+    """Return a model whose numbers are moved by times their rates, by the names of `_arrays`."""
 
     def added(part: Any) -> Any:
-        own = {name: getattr(part, name) for name in changes.keys() & set(part._fields)}
-        return part._replace(
-            **{
-                name: old + (changes[name] if isinstance(old, np.ndarray) else float(changes[name]))
-                for name, old in own.items()
-            }
-        )
+        new = {}
+        for name in rates.keys() & set(part._fields):
+            old, change = getattr(part, name), by * rates[name]
+            new[name] = old + (change if isinstance(old, np.ndarray) else float(change))
+        return part._replace(**new)
 
     quantities = added(model.quantities)
     return added(model)._replace(

@@ -14,7 +14,8 @@ from .contract import BOTH, ROTATION, Number
 
 COEFFICIENT = "coefficient"
 _ARMS = ("radius", "collar_radius", "length")
-JAMMING = (COEFFICIENT, "static_coefficient", *_ARMS)  # keys that decide whether a joint jams
+_FURTHER = ("static_coefficient", *_ARMS)
+JAMMING = (COEFFICIENT, *_FURTHER)  # keys that decide whether a joint jams
 BY_REACTION = (
     Number(
         COEFFICIENT,
@@ -74,7 +75,7 @@ def by_reaction(values: Mapping[str, Any]) -> bool:
     """
     if values[COEFFICIENT] is not None:
         return True
-    for key in JAMMING[1:]:
+    for key in _FURTHER:
         if values[key] is not None:
             raise InputError(f".{key} = {values[key]:g}: expected with coefficient only")
     return False
