@@ -137,7 +137,7 @@ def cell_materials(
             raise SolidError(
                 f"{of_material}: its stiffest strain is {spread:.1e} times as stiff as its "
                 "softest, as of a nearly incompressible material; expected less than "
-                f"{SPREAD:g}, as with nu up to 0.499999: more leaves no digits of the frequencies"
+                f"{SPREAD:g}, as with nu up to 0.499999; frequencies are not accurate above it"
             )
         own = np.flatnonzero(plain.region == number)
         rho[own] = found.rho
