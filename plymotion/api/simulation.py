@@ -326,6 +326,11 @@ def simulate(
 
     Packages of flexible bodies are built where they are missing, as by `pm.run`.
 
+    Vibrations of flexible bodies that the ends of steps cannot show, above pi / dt [rad/s], are
+    followed to `rtol` in displacements, not in rates: a robot with two flexible links takes 2200 to
+    2500 steps of 1 ms a second, instead of 370. `cutoff_frequency = 0` in `[solver]` of the case
+    resolves rates, too.
+
     Parameters
     ----------
     case : a case, or its file
@@ -355,7 +360,7 @@ def simulate(
     checked, run, folder = chosen(case, run, out)
     with named(out):
         spec = read_run(written(checked, folder, f"runs/{run}.json", packages))
-    stepper = Stepper(spec, inputs, every=EVERY, fixed_step=fixed_step)
+    stepper = Stepper(spec, inputs, every=EVERY, fixed_step=fixed_step, sparing=True)
 
     def built() -> BuiltMechanism:
         used = used_packages(spec.mechanism, spec.packages)

@@ -167,6 +167,15 @@ class Radau(ClosingLoop):
         self._y_start = y0
         self._kinetic = np.zeros(2)  # largest at these looks, above the cutoff and of all [J]
 
+    def shown_by(self, h: float) -> None:
+        """Judge vibrations above pi / h, which states h [s] apart cannot show, by displacements.
+
+        Their velocities would ask for steps that the motion does not need. A cutoff of the case has
+        precedence, and rigid bodies have no vibrations.
+        """
+        if self._tries and np.any(self._model.n_mode):
+            self._workspace.clock[codes.CUTOFF] = -np.pi / h
+
     def follow(self, pace: Pace) -> None:
         """Answer a stall by a cutoff, as high as ends it; end a run that turns beyond all measure.
 

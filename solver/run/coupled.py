@@ -19,6 +19,7 @@ from ..inputs.case.expressions import drives, is_along, law
 from ..integrators.choice import make_integrator, tolerances
 from ..integrators.generic.base import Integrator
 from ..integrators.generic.drive import Watch
+from ..integrators.radau import Radau
 from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
@@ -268,6 +269,8 @@ class Stepper:
         costs as much as ten steps or more
     fixed_step : of the integrator [s], without error control; None: by the tolerances
     retraces : keep what `retraced` needs
+    sparing : vibrations that communication points cannot show are judged by their displacements
+        (Radau.shown_by)
 
     Raises
     ------
@@ -293,9 +296,10 @@ class Stepper:
         every: int = 1,
         fixed_step: float | None = None,
         retraces: bool = False,
+        sparing: bool = False,
     ) -> None:
         self._spec, self._every, self._fixed_step = spec, every, fixed_step
-        self._retraces = retraces
+        self._retraces, self._sparing = retraces, sparing
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
         own = self.prepared
@@ -535,6 +539,8 @@ class Stepper:
             piece = course.piece(self.t, h, float(value), its)
             write_course(prepared.model, given, self.t, piece)
         integrator.go_on(t)
+        if self._sparing and isinstance(integrator, Radau):
+            integrator.shown_by(h)
         integrator.keeps_stages = stages
         nowhere, happened = (np.empty(0), np.empty((0, integrator.n))), False
         while integrator.status == "running" and not (happened and to_event):

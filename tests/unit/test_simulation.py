@@ -173,6 +173,51 @@ def test_fixed_steps_converge_with_the_order_of_the_integrator(folder: Path) -> 
         pm.simulate(folder, fixed_step=0.0)
 
 
+def tubes(repository: Path, motors: bool, **solver: float) -> pm.Case:
+    """Return the arm of cases/robot-import for two laminated tubes, with motors or held."""
+    case = pm.load(repository / "cases/robot-import/case.toml")
+    for name, joint in case.table["joints"].items():
+        joint["drive"] = {"speed": 0.0}
+        if motors:
+            del joint["drive"]
+            actuator = {"constant": 0.0}
+            case.rotary_spring(name, *joint["between"], axis=joint["axis"], actuator=actuator)
+    case.table["figures"], case.table["variants"]["tubes"]["signals"] = {}, {}
+    place = {"kind": "position", "at": "flange.tool"}
+    case.table["signals"] = {axis: {**place, "component": axis} for axis in "xyz"}
+    case.table["solver"] |= {"start": "positions", **solver}
+    return case
+
+
+@pytest.mark.parametrize(
+    ("motors", "dt", "count", "most", "least"), [(True, 1e-3, 40, 4, 25), (False, 0.2, 8, 24, 30)]
+)
+def test_vibrations_are_followed_to_rtol_in_displacements(
+    repository: Path, tmp_path: Path, motors: bool, dt: float, count: int, most: int, least: int
+) -> None:
+    """Rates of vibrations faster than the steps cost nothing; the arm falls, or swings 16 mm.
+
+    With `cutoff_frequency = 0` they are resolved. The swing at 5.8 Hz is faster than steps of 0.2 s
+    and goes on: its displacements are not small.
+    """
+    ready, ends, taken = repository / "tests/packages/robot-import", [], []
+    for solver in ({"rtol": 1e-7, "cutoff_frequency": 0.0}, {"cutoff_frequency": 0.0}, {}):
+        case = tubes(repository, motors, **solver)
+        sim = pm.simulate(case, "tubes", out=tmp_path, packages=ready)
+        path = []
+        for k in range(count):
+            torques = np.array([20, 20, 10, 0.2, 0.2, 0.02]) * np.sin(0.01 * k + np.arange(6))
+            sim.step(dt, torques if motors else None)
+            path.append(list(sim.signals.values()))
+        ends.append(np.array(path))
+        taken.append(sim._stepper._integrator.counters.steps / count)  # type: ignore[union-attr]
+    size = np.ptp(ends[0], axis=0).max()
+    errors = [np.abs(path - ends[0]).max() for path in ends]
+    assert size > 4e-3
+    assert errors[2] < 2e-5  # rtol is 1e-5, of an arm of 1.2 m
+    assert taken[2] < most < least < taken[1]
+
+
 def test_the_accuracy_is_that_of_the_case_whatever_the_inputs_at_the_start(
     arm: pm.Simulation,
 ) -> None:

@@ -193,6 +193,16 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         ("<robot", "<sdf><robot", r"no XML"),
         (
             '<box size="0.4 0.06 0.05"/>',
+            '<box size="0.4 -0.06 0.05"/>',
+            r":16: link upper arm, <box>: -0.06; expected sizes of 0 or above \[m\]",
+        ),
+        (
+            'xyz="1 0 1"',
+            'xyz="1, 0 1"',
+            r':50: joint slide, <axis xyz>: "1, 0 1"; expected 3 numbers with spaces between',
+        ),
+        (
+            '<box size="0.4 0.06 0.05"/>',
             '<mesh filename="no.stl"/>',
             r"<mesh>: .*no.stl: no such file",
         ),

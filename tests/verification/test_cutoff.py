@@ -73,6 +73,10 @@ def test_the_filter_solves_its_equations(spring):
     found = workspace.cutoff.error[model.n_pos : model.n_pos + n]
     np.testing.assert_allclose(found, x, atol=1e-7 * np.abs(x).max())
     assert np.abs(x).max() > 1e-2
+    both = workspace.cutoff.error.copy()
+    filter_error(model, workspace.cutoff, -w_c, error)  # velocities alone
+    np.testing.assert_array_equal(workspace.cutoff.error[model.n_pos :], both[model.n_pos :])
+    np.testing.assert_array_equal(workspace.cutoff.error[: model.n_pos], error[: model.n_pos])
 
 
 def test_rigid_bodies_do_not_notice_a_cutoff():

@@ -288,7 +288,7 @@ class _Reader:
             values = []
         if len(values) != count or not all(map(math.isfinite, values)):
             shown = "missing" if text is None else f'"{printable(text)}"'
-            what = "a number" if count == 1 else f"{count} numbers"
+            what = "a number" if count == 1 else f"{count} numbers with spaces between"
             self._say(element.line, f"{where}, <{element.tag} {key}>: {shown}; expected {what}")
             return np.array(default if default is not None else (1.0,) * count)
         return np.array(values)
@@ -353,6 +353,9 @@ class _Reader:
                 for key, count in SIZES[child.tag].items()
                 for size in self._numbers(where, child, key, count, default)
             ]
+            if child.tag != MESH and min(sizes) < 0.0:
+                text = f"{where}, <{child.tag}>: {min(sizes):g}; expected sizes of 0 or above [m]"
+                self._say(child.line, text)
             file = child.attributes.get("filename", "")
             if child.tag == MESH and not file:
                 self._of(child, f" of {where}: expected a filename")

@@ -60,13 +60,19 @@ def start_filter(model: Model, frozen: Frozen, cutoff: Cutoff, w_c: float) -> No
 
 @lean
 def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
-    """Fill cutoff.error (n,) with e (n,), less its parts above w_c [rad/s]."""
+    """Fill cutoff.error (n,) with e (n,), less its parts above |w_c| [rad/s].
+
+    With w_c < 0 velocities alone lose theirs, and positions keep all.
+    """
     plan, pencil, held, out = model.plan, cutoff.pencil, cutoff.held, cutoff.error
     x, load, n_pos = pencil.x, pencil.load, model.n_pos
     for k in range(n_pos + model.n_vel, out.shape[0] - 1):
         out[k] = e[k]  # auxiliary states
     out[out.shape[0] - 1] = 0.0  # the work: a quadrature, that of vibrations is not resolved
-    for part in range(2):
+    first = 0 if w_c > 0.0 else 1
+    for k in range(n_pos if first else 0):
+        out[k] = e[k]
+    for part in range(first, 2):
         for i in range(model.n_body):
             a, j = model.pos_start[i], n_pos + model.vel_start[i]
             if part == 1:

@@ -282,7 +282,7 @@ def _estimate_error(
         real.delta[n - 1] = 0.0
         error = norm(options, real.delta, workspace.weight)
         ringing = error > 1.0
-        if w_c > 0.0:
+        if w_c != 0.0:
             if again == 0:
                 start_filter(model, frozen, workspace.cutoff, w_c)
             filter_error(model, workspace.cutoff, w_c, real.delta)
@@ -367,7 +367,7 @@ def _shorter(workspace: RadauWorkspace, h: float, factor: float, failures: int) 
         factor = max(MIN_FACTOR, min(1.0, factor))
         if trouble == TOO_ROUGH:
             clock[ROUGH] = h
-            rough = workspace.cutoff.error if clock[CUTOFF] > 0.0 else workspace.real.delta
+            rough = workspace.cutoff.error if clock[CUTOFF] != 0.0 else workspace.real.delta
             blamed[largest_component(rough, workspace.weight)] += 1
     return factor
 

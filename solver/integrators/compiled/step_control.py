@@ -11,8 +11,9 @@ from ...math.compiled import inlined, structure
 # What a call comes back with; and, of an attempt refused, that a shorter one follows.
 ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
 # Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence; step
-# of the last iteration that failed; frequency above which errors do not count [rad/s], 0: none;
-# last step that was too rough; growth of the limit with the next step, after an iteration failed.
+# of the last iteration that failed; frequency above which errors do not count [rad/s], 0: none,
+# below 0: those of velocities alone; last step that was too rough; growth of the limit with the
+# next step, after an iteration failed.
 TIME, NEXT, TAKEN = 0, 1, 2
 ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH, GROWTH = 3, 4, 5, 6, 7, 8
 # Of the choice of Newton's matrix (tension.py): whether tension is in it; attempts under judgement,
