@@ -202,7 +202,7 @@ shell-speed: $(FENICSX) ## Shells of 10 k triangles: time relative to the eigenv
 
 ##@ Tests
 
-# The lowest version that the compiler knows (solver/math/compiled/units.py), and a NumPy for it.
+# The lowest version that the compiler knows (solver/math/compiled/__init__.py), and a NumPy for it.
 LOWEST_NUMBA := 0.62.1
 build/numba-$(LOWEST_NUMBA)/installed: | $(EMPTY)
 	$(INSTALL) $(PY) --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"

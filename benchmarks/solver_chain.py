@@ -17,11 +17,11 @@ from solver_runs import solve
 from solver_time import rounds_until
 from tqdm import tqdm
 
-from plymotion.solver.dynamics.elements.constraints.treatment import treated
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.integrators.table import treatment_of
+from plymotion.solver.mechanism.assembly import treated
 from plymotion.solver.mechanism.build import build
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)

@@ -86,8 +86,8 @@ def planned(draw: Draw, folder: Path) -> tuple[float, ...]:
     """A driven pendulum of one or two beams with [fidelity]: bar and error of what is delivered."""
     from samples.fidelity_samples import pendulum, planned_run, true_signals
 
+    from plymotion.solver.studies.fidelity.comparison import difference, scales
     from plymotion.solver.studies.fidelity.execution import checked, plan_of
-    from plymotion.solver.studies.fidelity.motions import difference, scales
 
     scene = pendulum(
         links=int(draw.integers(1, 3)),

@@ -65,7 +65,8 @@ def ours(file: Path) -> dict[str, list[float | None]]:
     """Largest |x| of the cart by method, None where the integrator stops."""
     from samples.constraint_runs import new_run
 
-    from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
+    from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
+    from plymotion.solver.mechanism.assembly import treated
     from plymotion.solver.run.execution import read_run
     from plymotion.solver.run.preparation import prepare
 

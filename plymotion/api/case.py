@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from ..solver.errors import InputError, counted, nearest
-from ..solver.inputs.case.load import Case as CheckedCase
+from ..solver.inputs.case.design import Case as CheckedCase
 from ..solver.inputs.case.load import checked_case
 from ..solver.inputs.case.record import case_file, case_name
 from ..solver.inputs.case.tables.schema import split_key

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..solver.errors import InputError, counted, few, nearest
-from ..solver.inputs.case.load import Case as CheckedCase
+from ..solver.inputs.case.design import Case as CheckedCase
 from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.math.compiled import tell_if_slow

@@ -14,7 +14,7 @@ from ..dynamics.model.model import SLIP, SPIN, Model
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
-from ..math.expressions.program import Programs
+from ..math.expressions.operations import Programs
 from ..math.expressions.ranges import bound_parts
 from .breakpoints import JUMPING, JUMPS, SPLIT, VARIES
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
+Triple = tuple[float, float, float]
 
 REGULAR = 1e-13  # smallest eigenvalue of a definite matrix of unit diagonal
 

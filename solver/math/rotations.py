@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Array
+from .arrays import Array, Triple
 from .compiled import inlined, lean
-
-Triple = tuple[float, float, float]
 
 
 @inlined

@@ -12,6 +12,7 @@ from ..dynamics.elements.added_inertia import (
     missing_inertia,
     of_one_length,
 )
+from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.elements.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.elements.forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
 from ..dynamics.elements.joints.table import CONSTRAINTS, COUPLED, KINDS, NAMES, ROWS
@@ -425,3 +426,23 @@ def _numbered(tables: Sequence[JointTable] | Sequence[ForceTable], laws: list[La
         if table.law is not None:
             laws.append(table.law)
     return np.array(numbers, dtype=np.int64)
+
+
+def treated(model: Model, treatment: Treatment) -> Model:
+    """Return the model with the parameters of a treatment."""
+    alpha = beta = penalty = 0.0
+    if treatment.name == "baumgarte":
+        alpha, beta = treatment.alpha, treatment.beta
+    elif treatment.name == "augmented-lagrangian":
+        alpha, beta = treatment.ratio * treatment.frequency, treatment.frequency
+        penalty = treatment.penalty
+    elif treatment.name == "projection":
+        # The same solution, which handles singular positions, without feedback.
+        penalty = treatment.penalty
+    return model._replace(
+        alpha=float(alpha),
+        beta=float(beta),
+        penalty=float(penalty),
+        multiplier_tolerance=float(treatment.multiplier_tolerance),
+        multiplier_iterations=int(treatment.multiplier_iterations),
+    )

@@ -12,7 +12,7 @@ from ..checks.monitors import Monitors
 from ..checks.singularity import SingularityMonitor
 from ..checks.stability import BucklingMonitor, SpinMonitor
 from ..dynamics.analysis.recovery import scales
-from ..dynamics.elements.constraints.treatment import Treatment, treated
+from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.elements.forces.bearing import COEFFICIENT, JAMMING
 from ..dynamics.evaluation.accelerations import derivative
 from ..dynamics.model.model import Model
@@ -24,6 +24,7 @@ from ..integrators.generic.advice import Stall
 from ..integrators.generic.drive import Solution, Watch, integrate
 from ..integrators.table import treatment_of
 from ..math.arrays import Array
+from ..mechanism.assembly import treated
 from ..mechanism.build import build, used_packages
 from ..mechanism.built import BuiltMechanism
 from ..mechanism.consistent import redundancy

@@ -17,7 +17,7 @@ from ..package.common.files import refuse_foreign, refuse_link
 from ..system.platform import POSIX, locked
 
 if TYPE_CHECKING:
-    from ..inputs.case.load import Case
+    from ..inputs.case.design import Case
 
 # Which case, which of its runs and sweeps, which folder: for all commands with a case file.
 

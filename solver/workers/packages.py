@@ -17,7 +17,7 @@ from .executors import Executor, Local
 from .launch import Line, make_all, start_of
 
 if TYPE_CHECKING:
-    from ..inputs.case.load import Case
+    from ..inputs.case.design import Case
 
 LOGGER = logging.getLogger(__name__)
 Entry = dict[str, Any]  # file and digests of a package, as a run file has them

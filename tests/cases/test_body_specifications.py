@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.inputs.case.load import Case, load_case
+from plymotion.solver.inputs.case.design import Case
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.plain_data import check_form
 from plymotion.solver.package.specification import BeamSpecification, ShellSpecification

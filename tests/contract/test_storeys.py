@@ -14,7 +14,7 @@ MOST_ROOMS, MOST_LEVELS = 20, 10
 MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it has contract.py)
 # Folders above that limit, and what they have: no number here may grow.
 LARGE = {}
-LONGEST_CHAIN = {"solver": 38, "preprocess": 24}  # of imports, file by file; may not grow either
+LONGEST_CHAIN = {"solver": 25, "preprocess": 24}  # of imports, file by file; may not grow either
 Graph = dict[str, set[str]]
 
 

@@ -9,7 +9,7 @@ from samples.mechanism_samples import Sample
 from scipy_integrators import SCIPY
 
 from plymotion.solver.checks.singularity import SingularityMonitor
-from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment, treated
+from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import (
     assemble,
     by_blocks,
@@ -24,6 +24,7 @@ from plymotion.solver.integrators.generic.drive import Solution, Steps, integrat
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
 from plymotion.solver.integrators.table import new_integrator
+from plymotion.solver.mechanism.assembly import treated
 from plymotion.solver.mechanism.consistent import consistent_state, redundancy
 
 

@@ -301,7 +301,7 @@ def test_no_numba_at_all(tmp_path):
     assert _found(done.stdout) == (16.0, False, 0, 0, [])
 
 
-VERSIONS = "from plymotion.solver.math.compiled import units; "
+VERSIONS = "import plymotion.solver.math.compiled as units; "
 INTERNALS = "import plymotion.solver.math.compiled.{0} as module; module.{1} = None"
 
 

@@ -7,7 +7,7 @@ from samples.flexible_samples import random_mechanism, random_state
 from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.analysis.projection import _dense_project, projected
-from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import (
     accelerations,
     assemble,
@@ -19,7 +19,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import (
 from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.step_loop import right_hand_side
-from plymotion.solver.mechanism.assembly import assemble_model
+from plymotion.solver.mechanism.assembly import assemble_model, treated
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 # Closed loops with surplus rows, of bodies with inertia about every axis.

@@ -5,9 +5,10 @@ import pytest
 from samples.constraint_runs import new_run
 from samples.crane_samples import rigid_crane
 
-from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, treated
+from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.compiled import step_control as codes
 from plymotion.solver.integrators.compiled.tension import SHARE, TAUT, WINDOW, count_refusal, judge
+from plymotion.solver.mechanism.assembly import treated
 from plymotion.solver.run.preparation import prepare
 
 DRIVE = "drive = { smooth_step = { value = 1.0, duration = 1.0 } }"

@@ -3,10 +3,11 @@
 import pytest
 from samples.mechanism_samples import pendulum
 
-from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment, treated
+from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.solver import Solver
 from plymotion.solver.integrators.table import treatment_of
+from plymotion.solver.mechanism.assembly import treated
 
 
 def solver(**keys):

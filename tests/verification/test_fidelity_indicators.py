@@ -6,10 +6,10 @@ from samples.fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.dynamics.evaluation.variations import residuals
 from plymotion.solver.mechanism.build import build
+from plymotion.solver.studies.fidelity.comparison import difference, scales
 from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.indicators.loaded import without_second_order
 from plymotion.solver.studies.fidelity.indicators.response import samples
-from plymotion.solver.studies.fidelity.motions import difference, scales
 from plymotion.solver.studies.fidelity.plan import with_values
 
 

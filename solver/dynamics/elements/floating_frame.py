@@ -12,10 +12,9 @@ by bodies and their products with the constraint Jacobian.
 
 import numpy as np
 
-from ...math.arrays import Array
+from ...math.arrays import Array, Triple
 from ...math.compiled import COMPILED, inlined, jit, lean
 from ...math.rotations import (
-    Triple,
     column,
     cross3,
     dot3,
@@ -27,6 +26,7 @@ from ...math.rotations import (
     turned_back,
 )
 from ..model.model import Model, Work
+from ..model.motion import bend_marker, contract
 
 
 @inlined
@@ -68,31 +68,6 @@ def largest(a: Array) -> float:
         if abs(x) > found or x != x:
             found = abs(x)
     return found
-
-
-@lean
-def contract(T: Array, start: int, q: Array, q_d: Array, slope: Array) -> Triple:
-    """Contract a table symmetric in two modes: return q T q, q T q_d, q_d T q_d.
-
-    Parameters
-    ----------
-    T : flat, the table (m, m) from `start` on
-    q, q_d : (m,)
-    slope : (m,) gets T q added
-    """
-    by_q, mixed, by_q_d = 0.0, 0.0, 0.0
-    row = start
-    for i in range(q.shape[0]):
-        one, two = 0.0, 0.0
-        for j in range(q.shape[0]):
-            one += T[row + j] * q[j]
-            two += T[row + j] * q_d[j]
-        row += q.shape[0]
-        slope[i] += one
-        by_q += one * q[i]
-        mixed += one * q_d[i]
-        by_q_d += two * q_d[i]
-    return by_q, mixed, by_q_d
 
 
 @lean
@@ -183,7 +158,9 @@ def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
     for p in range(model.carried_start[i], model.carried_start[i + 1]):
         k, mass = model.carried_marker[p], model.carried_mass[p]
         J_m, s = work.J_m[k], model.marker_start[k]
-        e, e_d, e_dd = bend_marker(model, k, 0, q, q_d, J_m)
+        e, e_d, e_dd = bend_marker(
+            model.marker_H, model.marker_second[k], model.marker_H_used[k], 0, q, q_d, J_m
+        )
         u = (0.0, 0.0, 0.0)
         u_d = (0.0, 0.0, 0.0)
         for n in range(m):
@@ -219,35 +196,6 @@ def add_modal_inertia(model: Model, work: Work, i: int, q: Array, q_d: Array) ->
     """Add the second-order terms to M_qq and f of body i, which have the linear terms."""
     three, four = model.third_start[i], model.fourth_start[i]
     add_elastic(work.M[i], work.f[i], q, q_d, model.G3, three, model.G4, four)
-
-
-@inlined
-def bend_marker(
-    model: Model, k: int, row: int, q: Array, q_d: Array, J_m: Array
-) -> tuple[Triple, Triple, Triple]:
-    """Return the second-order terms of a vector of marker k and of its rates.
-
-    1/2 q' H q, q' H q_d and q_d' H q_d of the translation (`row` 0) or of the rotation vector
-    (`row` 3), body components. The columns of the modes in J_m (6, n) become H q there.
-    """
-    m = q.shape[0]
-    h = model.marker_second[k] + row * m * m
-    used = model.marker_H_used[k]
-    x = y = z = (0.0, 0.0, 0.0)
-    for a in range(row, row + 3):
-        for n in range(6, 6 + m):
-            J_m[a, n] = 0.0
-    if used[row]:
-        x = contract(model.marker_H, h, q, q_d, J_m[row, 6 : 6 + m])
-    if used[row + 1]:
-        y = contract(model.marker_H, h + m * m, q, q_d, J_m[row + 1, 6 : 6 + m])
-    if used[row + 2]:
-        z = contract(model.marker_H, h + 2 * m * m, q, q_d, J_m[row + 2, 6 : 6 + m])
-    return (
-        (0.5 * x[0], 0.5 * y[0], 0.5 * z[0]),
-        (x[1], y[1], z[1]),
-        (x[2], y[2], z[2]),
-    )
 
 
 def second_order_first_moment(model: Model, i: int, q: Array) -> Array:

@@ -33,10 +33,10 @@ from ..model.motion import (
     SPIN,
     SPIN_RATE,
     VELOCITY,
+    bend_marker,
     put,
     stand,
 )
-from .floating_frame import bend_marker
 
 
 class Marker(NamedTuple):
@@ -109,13 +109,15 @@ def move_marker(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Ar
     t0, t1, t2 = 0.0, 0.0, 0.0
     u0, u1, u2 = 0.0, 0.0, 0.0
     b_dd = theta_dd = (0.0, 0.0, 0.0)  # of second order, at steady modal rates
-    bends = model.marker_second[k] >= 0
+    second = model.marker_second[k]
+    bends = second >= 0
     if bends:
         modes, rates = y[i + 7 : i + 7 + m], y[j + 6 : j + 6 + m]
-        h, h_d, b_dd = bend_marker(model, k, 0, modes, rates, J_m)
+        H, used = model.marker_H, model.marker_H_used[k]
+        h, h_d, b_dd = bend_marker(H, second, used, 0, modes, rates, J_m)
         b0, b1, b2 = sum3((b0, b1, b2), h)
         d0, d1, d2 = h_d
-        (t0, t1, t2), (u0, u1, u2), theta_dd = bend_marker(model, k, 3, modes, rates, J_m)
+        (t0, t1, t2), (u0, u1, u2), theta_dd = bend_marker(H, second, used, 3, modes, rates, J_m)
     for n in range(m):
         q, q_d = y[i + 7 + n], y[j + 6 + n]
         p0 = model.marker_phi[s + n]

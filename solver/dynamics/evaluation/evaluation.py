@@ -9,11 +9,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...math.arrays import Array
+from ...math.arrays import Array, Triple
 from ...math.compiled import inlined, lean
 from ...math.expressions.program import NO_SEED, evaluated
 from ...math.laws import Hermite
-from ...math.rotations import Triple, cross3, dot3, minus3, rotation_into, sum3, times3, triple
+from ...math.rotations import cross3, dot3, minus3, rotation_into, sum3, times3, triple
 from ..elements.floating_frame import (
     evaluate_bodies,
     inflate,

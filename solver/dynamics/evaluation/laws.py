@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray, Triple
 from ...math.compiled import inlined, lean
 from ...math.expressions.program import BY_TIME, NO_SEED, evaluated
 from ...math.laws import N_COEFFICIENT, law_value
-from ...math.rotations import Triple, cross3, dot3, minus3, sum3, times3
+from ...math.rotations import cross3, dot3, minus3, sum3, times3
 from ..model.model import (
     DISPLACEMENT,
     DISTANCE,

@@ -23,9 +23,9 @@ Skewed inflow takes the factor of Pitt and Peters.
 
 import numpy as np
 
-from ...math.arrays import Array
+from ...math.arrays import Array, Triple
 from ...math.compiled import inlined, lean
-from ...math.rotations import Triple, cross3, dot3, minus3, sum3, times3
+from ...math.rotations import cross3, dot3, minus3, sum3, times3
 from ..elements.forces.contract import Wrench
 from ..model.model import (
     AIR_DENSITY,

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from ...math.arrays import Array
 from ...math.compiled import lean, structure
-from ...math.expressions.program import Programs
-from .motion import N_MOTION, stand
+from ...math.expressions.operations import Programs
+from .motion import N_ELEMENT_ROW, N_MOTION, stand
 from .plan import Order, Plan
 
 IntArray = NDArray[np.int64]
@@ -209,9 +209,6 @@ def state_size(model: Model) -> int:
 # A constraint row: coefficients C of v_1, w_1, v_2, w_2 in global components, then these.
 PHI, PHI_T, GAMMA = 12, 13, 14
 N_ROW = 15
-# A row of a force element (forces/contract.py): coefficients C as above, then these.
-STIFFNESS, DAMPING, FORCE = 12, 13, 14
-N_ELEMENT_ROW = 15
 
 
 @structure

@@ -1,7 +1,9 @@
-"""The studies of `[design]`: parameters found in the mechanism, designs as members of a sweep."""
+"""A checked case, and the studies of its `[design]`: parameters found in the mechanism, designs as
+members of a sweep."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -11,12 +13,12 @@ from ...math.arrays import Array
 from ...package.specification import ModeKind
 from ..common.table import plain_table
 from ..common.units import LENGTHS
-from .bodies.specifications import BodySpecs, rich_bodies
+from .bodies.specifications import BodySpec, BodySpecs, rich_bodies
 from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, number_at, unit_at
 from .tables.beams import BeamBody
 from .tables.bodies import RigidBody
 from .tables.design import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
-from .tables.schema import Mechanism, Sweep, Variation, split_key
+from .tables.schema import CaseFile, Mechanism, Sweep, Variation, split_key
 
 UNITS = {"angle": "deg", "thickness": "m"}  # of the keys of a kind
 VIBRATIONS = get_args(ModeKind)
@@ -102,6 +104,32 @@ class CheckedStudy:
             return table
 
         return replace(self, _merged_of=merged_of)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A checked case.
+
+    Attributes
+    ----------
+    name : of its folder; of the file, unless that is case.toml
+    file : where it comes from
+    top : what is beside the mechanism
+    runs : mechanism by run
+    bodies : specifications of the flexible bodies by run and name
+    varied : a further sweep of its runs, checked; messages name it by the first argument
+    sweeps : those that were asked for, with all their members
+    studies : of the design
+    """
+
+    name: str
+    file: Path
+    top: CaseFile
+    runs: dict[str, Mechanism]
+    bodies: dict[str, dict[str, BodySpec]]
+    varied: Callable[[str, Sweep], CheckedSweep]
+    sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
+    studies: dict[str, CheckedStudy] = field(default_factory=dict)
 
 
 def check_study(

@@ -1,9 +1,8 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, get_args
@@ -16,7 +15,7 @@ from ..common.text_file import read_toml
 from ..section.description import shape
 from .bodies.specifications import BodySpec, BodySpecs
 from .checks import check_elsewhere, in_parts
-from .design import CheckedStudy, check_study
+from .design import Case, CheckedStudy, check_study
 from .expressions import drives, law
 from .messages import Findings
 from .record import case_name
@@ -82,32 +81,6 @@ RESERVED = {
 
 
 _APART = ("sweeps", "design")  # of [coarse]: not keys of a mechanism
-
-
-@dataclass(frozen=True)
-class Case:
-    """A checked case.
-
-    Attributes
-    ----------
-    name : of its folder; of the file, unless that is case.toml
-    file : where it comes from
-    top : what is beside the mechanism
-    runs : mechanism by run
-    bodies : specifications of the flexible bodies by run and name
-    varied : a further sweep of its runs, checked; messages name it by the first argument
-    sweeps : those that were asked for, with all their members
-    studies : of the design
-    """
-
-    name: str
-    file: Path
-    top: CaseFile
-    runs: dict[str, Mechanism]
-    bodies: dict[str, dict[str, BodySpec]]
-    varied: Callable[[str, Sweep], CheckedSweep]
-    sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
-    studies: dict[str, CheckedStudy] = field(default_factory=dict)
 
 
 def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> Case:

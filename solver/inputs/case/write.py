@@ -24,7 +24,7 @@ from typing import Any
 from ...errors import InputError
 from ...package.common.files import refuse_link, write_text
 from .bodies.specifications import BodySpec, model_and_check
-from .load import Case
+from .design import Case
 from .record import needed, seal
 from .sweeps import CheckedSweep, Members
 from .tables.bodies import PackageBody

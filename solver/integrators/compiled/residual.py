@@ -20,16 +20,13 @@ from ...dynamics.evaluation.evaluation import (
 )
 from ...dynamics.model.coordinates import rates_into
 from ...dynamics.model.model import (
-    DAMPING,
-    FORCE,
     GAMMA,
-    N_ELEMENT_ROW,
     PHI,
     PHI_T,
-    STIFFNESS,
     Model,
     Work,
 )
+from ...dynamics.model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 

@@ -25,9 +25,9 @@ from ...dynamics.elements.forces.table import FIRST_LOAD
 from ...dynamics.evaluation.evaluation import force_wrench, n_coupling
 from ...dynamics.model.model import Model, Work
 from ...dynamics.model.motion import place
-from ...math.arrays import Array
+from ...math.arrays import Array, Triple
 from ...math.compiled import inlined, lean
-from ...math.rotations import Triple, column, cross3, turned_back
+from ...math.rotations import column, cross3, turned_back
 from .residual import element_rows_at
 from .step_control import OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED
 

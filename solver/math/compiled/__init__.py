@@ -7,20 +7,41 @@ A `lean` function is a unit: compiled once, to object code that all its callers 
 one becomes code of its callers. Both take numbers, contiguous arrays, tuples of numbers and named
 tuples marked as `structure`, make no arrays, and use no negative index. What is compiled is kept
 under the digest of its content. README.md says what this gains and what it depends on.
+
+Where Numba is of another version than the machinery is written for, numba.njit compiles instead.
+It is slow: every function is compiled again with each one that calls it.
 """
 
+import json
 import logging
 import os
+import platform
+import re
+import shutil
+import sys
+import time
+import warnings
 from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
+from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar
 
-from . import units
-from .doors import structure
-from .parts import Part, numba_version, statistics
-from .units import note, noted
+from ..disk_cache import DiskCache, sources_sha256
+from . import doors
+from .doors import array_head_is_known, parse, structure
+from .parts import (
+    FAST_MATH,
+    Part,
+    Service,
+    Unit,
+    digest,
+    import_numba,
+    numba_version,
+    part_named,
+    statistics,
+)
 
 __all__ = [
     "COMPILED",
@@ -47,11 +68,243 @@ SLOW = (
 )
 
 
+LOWEST, NEWEST = (0, 62), (0, 68)  # versions of Numba that the tests were run with
+MOST_FILES = 2000  # of about 20 kB
+_CODE = DiskCache("code", MOST_FILES)
+
+
+class UnsupportedError(Exception):
+    """Functions are left to numba.njit."""
+
+
+def check_choice() -> None:
+    """Raise UnsupportedError if the user wants numba.njit."""
+    if os.environ.get("PLYMOTION_COMPILED") == "njit":
+        raise UnsupportedError("PLYMOTION_COMPILED=njit")
+
+
+@cache
+def check_versions() -> None:
+    """Raise UnsupportedError for a Numba, or arrays of NumPy, that the machinery does not know."""
+    version = numba_version()
+    numbers = tuple(int(n) for n in re.findall(r"\d+", version)[:2])
+    if not LOWEST <= numbers <= NEWEST:
+        low, high = (".".join(map(str, v)) for v in (LOWEST, NEWEST))
+        raise UnsupportedError(f"Numba {version}: fast compilation knows {low} to {high}")
+    if not array_head_is_known():
+        raise UnsupportedError("arrays of this NumPy are laid out in another way than expected")
+
+
+@cache
+def environment() -> str:
+    """Return the digest of what all functions are compiled by and for."""
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
+    return digest(
+        numba_version(),
+        llvmlite.__version__,
+        sys.version,
+        platform.machine(),
+        llvm.get_default_triple(),
+        llvm.get_host_cpu_name(),
+        llvm.get_host_cpu_features().flatten(),
+        *settings,
+        sources_sha256("solver/math/compiled", apart=("solver/math/compiled/README.md",)),
+    )
+
+
+def unit(part: Part, text: str) -> Unit:
+    """Return the unit of a part for argument types, loaded."""
+    return _loaded(part, text) or _compiled(part, text)
+
+
+def door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
+    """Return what takes words and arguments of such kinds to compiled code."""
+    begin = time.process_time()
+    try:
+        return _door(part, arguments, kinds)
+    finally:
+        statistics.load_s += time.process_time() - begin
+
+
+def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
+    text = None if kinds is None else doors.text(kinds)
+    if text is None or len(arguments) != part.function.__code__.co_argcount:
+        return lambda words, arguments: part.function(*arguments)
+    try:
+        check_choice()
+        found = part.unit(text)
+        address = _door_address(found)
+    except Exception as error:
+        return _fallback(part, error)
+    return doors.door(address, kinds, parse(found.result))
+
+
+def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
+    """Return what calls the function as numba.njit compiles it."""
+    statistics.fallbacks.append(part.name)
+    if len(statistics.fallbacks) == 1:
+        warnings.warn(
+            f"{part.name}: {error}\nnumba.njit compiles it instead, which takes minutes.",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+    slow = dispatcher(part, folder())
+    return lambda words, arguments: slow(*arguments)
+
+
+def _symbol(part: Part, text: str) -> str:
+    return f"plymotion_{digest(part.name, text)}"
+
+
+def _key(part: Part, text: str) -> str:
+    return digest(part.name, part.content(), text, environment())
+
+
+def _loaded(part: Part, text: str) -> Unit | None:
+    """Load a unit from the cache, after what it needs; None if it is not there."""
+    from . import machine
+
+    kept = _read(_key(part, text))
+    if kept is None:
+        return None
+    description, code = kept
+    for name, arguments, result in description["units"]:
+        needed = part_named(name)
+        if needed is None or needed.unit(arguments).result != result:
+            return None
+    if not all(machine.available(symbol) for symbol in description["symbols"]):
+        return None
+    machine.load(code, _symbol(part, text))
+    statistics.loaded.append(part.name)
+    return Unit(part, text, description["result"], _symbol(part, text))
+
+
+def _compiled(part: Part, text: str) -> Unit:
+    check_versions()
+    import_numba()
+    from . import building, machine
+
+    symbol = _symbol(part, text)
+    result, code, needs = building.compiled_unit(part, text, symbol)
+    machine.load(code, symbol)
+    statistics.compiled.append(part.name)
+    description = {"name": part.name, "result": result, **needs}
+    statistics.kept &= _write(_key(part, text), description, code)
+    return Unit(part, text, result, symbol)
+
+
+def _door_address(found: Unit) -> int:
+    """Return the address of a unit's door for Python."""
+    from . import machine
+
+    symbol = f"{found.symbol}_door"
+    key = digest("door", found.symbol, found.result, environment())
+    kept = _read(key)
+    if kept is not None:
+        return machine.load(kept[1], symbol)
+    import_numba()
+    from . import building
+
+    code = building.compiled_door(found.arguments, found.result, found.symbol, symbol)
+    _write(key, {"name": f"{found.part.name} from Python"}, code)
+    return machine.load(code, symbol)
+
+
+def folder() -> Path | None:
+    """Return the folder of compiled code, made if missing; None if that is not possible."""
+    return _CODE.made()
+
+
+def _read(key: str) -> tuple[dict[str, Any], bytes] | None:
+    """Return the description and the object code kept under `key`; None if there is none."""
+    content = _CODE.read(key)
+    if content is None:
+        return None
+    head, _, code = content.partition(b"\n")
+    return json.loads(head), code
+
+
+def _write(key: str, description: dict[str, Any], code: bytes) -> bool:
+    """Keep object code; tell whether that was possible."""
+    return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
+
+
+def noted(*texts: str) -> bool:
+    """Tell whether `note` was called with the same texts, in this environment."""
+    return _read(digest(*texts, environment())) is not None
+
+
+def note(name: str, *texts: str) -> None:
+    """Keep a note that has no code, under texts and the environment."""
+    _write(digest(name, *texts, environment()), {"name": name}, b"")
+
+
+_KEPT_CACHES = 4
+_dispatchers: dict[str, Any] = {}
+
+
+def dispatcher(part: Part, folder: Path | None) -> Any:
+    """Return Numba's dispatcher for a part, whose callees are dispatchers as well.
+
+    `folder` is that of our own cache; beside it there is one for Numba's.
+    """
+    if part.name not in _dispatchers:
+        numba = _numba(folder)
+        function = part.function
+        known = dict(function.__globals__)
+        plain: Any = FunctionType(
+            function.__code__, known, function.__name__, function.__defaults__, function.__closure__
+        )
+        _dispatchers[part.name] = numba.njit(
+            cache=bool(numba.config.CACHE_DIR),
+            error_model="numpy",
+            fastmath=FAST_MATH,
+            forceinline=part.inline,
+        )(plain)
+        for name in function.__code__.co_names:
+            if isinstance(known.get(name), Part):
+                known[name] = dispatcher(known[name], folder)
+    return _dispatchers[part.name]
+
+
+def _numba(folder: Path | None) -> Any:
+    """Return Numba, set up to keep code in a folder named after the content of all sources.
+
+    Numba looks at the file of a function but not at the files of what it calls: without this, an
+    edit of a callee would leave stale machine code.
+    """
+    # Loops are over few modes and rows: ready for vectors they are slower.
+    os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
+    numba = import_numba()
+
+    config: Any = numba.config
+    if _dispatchers or folder is None:
+        return numba
+    sources = sources_sha256("solver/math", "solver/dynamics", "solver/integrators")
+    cache = folder.parent / f"numba-{sources[:16]}"
+    try:
+        cache.mkdir(mode=0o700, exist_ok=True)
+    except OSError:  # compile in every process
+        return numba
+    config.CACHE_DIR = str(cache)
+    siblings = [p for p in cache.parent.glob("numba-*") if p != cache]
+    siblings.sort(key=lambda p: p.stat().st_mtime, reverse=True)
+    for old in siblings[_KEPT_CACHES - 1 :]:
+        shutil.rmtree(old, ignore_errors=True)
+    return numba
+
+
 @cache
 def tell_if_slow() -> None:
     """Log once that Numba is missing, unless the user has chosen to compute without it."""
     if _WANTED and not COMPILED:
         LOGGER.warning("warning: %s", SLOW)
+
+
+_SERVICE = Service(unit, door, doors.described)
 
 
 def lean(function: Function) -> Function:
@@ -70,7 +323,7 @@ def inlined(function: Function) -> Function:
 def _part(function: Any, *, inline: bool) -> Any:
     if not COMPILED:
         return function
-    return Part(function, inline=inline, service=units)
+    return Part(function, inline=inline, service=_SERVICE)
 
 
 def rebound(function: Function, **names: Any) -> Function:

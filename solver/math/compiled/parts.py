@@ -8,7 +8,6 @@ import functools
 import hashlib
 import inspect
 import os
-import platform
 import sys
 import warnings
 from collections.abc import Callable
@@ -16,12 +15,9 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from types import CodeType, ModuleType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
-
-from ..disk_cache import sources_sha256
-from . import doors
 
 
 def digest(*texts: str | bytes) -> str:
@@ -49,15 +45,15 @@ def numba_version() -> str:
     return importlib.metadata.version("numba")
 
 
-def import_numba() -> None:
-    """Import Numba without .numba_config.yaml of the current folder.
+def import_numba() -> Any:
+    """Return Numba, imported without .numba_config.yaml of the current folder.
 
     Numba reads it when it is imported and before each compilation. The file could name the
     folder of Numba's cache, which holds pickles. Variables NUMBA_... of the user count. Nothing is
-    done where a script of the user has imported Numba before.
+    done to one that a script of the user has imported before.
     """
     if "numba" in sys.modules:
-        return
+        return sys.modules["numba"]
     absent = object()
     yaml = sys.modules.get("yaml", absent)
     sys.modules["yaml"] = None  # type: ignore[assignment]  # Numba then warns and does not read it
@@ -70,26 +66,7 @@ def import_numba() -> None:
         if yaml is not absent:
             sys.modules["yaml"] = yaml  # type: ignore[assignment]
     config._config_fname = os.devnull  # type: ignore[attr-defined]
-
-
-@cache
-def environment() -> str:
-    """Return the digest of what all functions are compiled by and for."""
-    import llvmlite
-    import llvmlite.binding as llvm
-
-    settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
-    return digest(
-        numba_version(),
-        llvmlite.__version__,
-        sys.version,
-        platform.machine(),
-        llvm.get_default_triple(),
-        llvm.get_host_cpu_name(),
-        llvm.get_host_cpu_features().flatten(),
-        *settings,
-        sources_sha256("solver/math/compiled", apart=("solver/math/compiled/README.md",)),
-    )
+    return sys.modules["numba"]
 
 
 def content_of(function: Any) -> str:
@@ -180,14 +157,19 @@ class Unit(NamedTuple):
     symbol: str
 
 
-class Service(Protocol):
-    """What makes machine code of parts."""
+class Service(NamedTuple):
+    """What makes machine code of parts.
 
-    def unit(self, part: "Part", text: str) -> Unit:
-        """Return the unit of a part for argument types."""
+    Attributes
+    ----------
+    unit : returns the unit of a part for argument types
+    door : returns what takes words and arguments of some kinds to compiled code
+    described : returns kinds and words of arguments (doors.py)
+    """
 
-    def door(self, part: "Part", arguments: Any, kinds: Any) -> Callable[..., Any]:
-        """Return what takes words and arguments of such kinds to compiled code."""
+    unit: Callable[["Part", str], Unit]
+    door: Callable[["Part", tuple[Any, ...], Any], Callable[..., Any]]
+    described: Callable[[tuple[Any, ...]], tuple[Any, Any]]
 
 
 _parts: dict[str, "Part"] = {}
@@ -202,7 +184,7 @@ class Part:
     Parameters
     ----------
     inline : it becomes code of its callers
-    service : compiles and loads (units.py)
+    service : compiles and loads
     """
 
     def __init__(
@@ -243,7 +225,7 @@ class Part:
         """Call compiled code; compile it first if need be."""
         if keywords:
             arguments = inspect.signature(self.function).bind(*arguments, **keywords).args
-        kinds, words = doors.described(arguments)
+        kinds, words = self._service.described(arguments)
         door = self._doors.get(kinds)
         if door is None:
             door = self._doors[kinds] = self._service.door(self, arguments, kinds)

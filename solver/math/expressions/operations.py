@@ -1,4 +1,9 @@
-"""Operations of an expression: their numbers in a program, and their names in a case file."""
+"""Operations of an expression: their numbers, names in a case file, and programs as arrays."""
+
+from typing import NamedTuple
+
+from ..arrays import Array, IntArray
+from ..compiled import structure
 
 (
     CONSTANT,
@@ -68,3 +73,15 @@ FUNCTIONS = {
     "min": (MINIMUM, 2),
     "max": (MAXIMUM, 2),
 }
+
+
+@structure
+class Programs(NamedTuple):
+    """Expressions one after the other, and the curves that they read."""
+
+    start: IntArray  # (n + 1,) first operation of each
+    code: IntArray  # operations
+    argument: Array  # number of a constant; place of a quantity or curve
+    curve_start: IntArray  # (n_curve + 1,) as the laws of time of math/laws.py
+    curve_place: Array
+    curve_coefficient: Array  # (n_piece, N_COEFFICIENT)

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, IntArray
-from ..compiled import lean, structure
+from ..arrays import Array
+from ..compiled import lean
 from ..laws import N_COEFFICIENT, Law, NamedCurve, law_value
 from . import operations as op
+from .operations import Programs
 
 
 @dataclass(frozen=True)
@@ -167,18 +167,6 @@ def depth(node: Node) -> int:
 # Seeds of derivatives: a quantity by its number, or one of these.
 NO_SEED, BY_TIME = -1, -2
 N_NUMBER = 4  # of each entry of the stack: value, two first derivatives, a second one
-
-
-@structure
-class Programs(NamedTuple):
-    """Expressions one after the other, and the curves that they read."""
-
-    start: IntArray  # (n + 1,) first operation of each
-    code: IntArray  # operations
-    argument: Array  # number of a constant; place of a quantity or curve
-    curve_start: IntArray  # (n_curve + 1,) as the laws of time of math/laws.py
-    curve_place: Array
-    curve_coefficient: Array  # (n_piece, N_COEFFICIENT)
 
 
 def programs(

@@ -13,7 +13,8 @@ from ..arrays import Array, IntArray
 from ..compiled import inlined, lean
 from ..laws import N_COEFFICIENT
 from . import operations as op
-from .program import Programs, unary
+from .operations import Programs
+from .program import unary
 
 # Arguments of tanh at which it bends, for a step that is long beside its rise: where it begins, and
 # where it is steep, as a step of rk5 from one flat side to the steep part was off by 30 tolerances.

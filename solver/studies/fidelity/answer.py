@@ -12,7 +12,7 @@ from ...errors import counted
 from ...math.arrays import Array
 from ...run.inputs import RunSpec
 from .indicators.beam_theory import beam_theory
-from .indicators.indicators import Study
+from .indicators.loaded import Study
 from .plan import Plan
 from .trial import Share, Trial, attempted
 

@@ -10,7 +10,7 @@ from ...math.arrays import Array
 from ...run.timing import work_s
 from .answer import REACTION, Answer, not_compared
 from .choice import accuracy_over_rtol
-from .motions import kind_of_signal
+from .comparison import kind_of_signal
 from .plan import (
     STATIC,
     TIGHTER,

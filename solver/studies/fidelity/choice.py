@@ -16,7 +16,7 @@ from ...math.arrays import Array
 from ...package.common.files import write_text
 from ...package.common.plain_data import toml_text
 from ...run.inputs import plan_sha256, text_sha256
-from .indicators.indicators import Indicators
+from .indicators.response import Indicators
 from .plan import LEAST_RTOL, MOST_RTOL, BodyPlan, Plan, Rich
 from .plan import rows as rows_of
 

@@ -14,10 +14,10 @@ from ...run.timing import Stopwatch, work_s
 from .answer import Answer, beyond_theory, entry, remarks
 from .checking import Checking
 from .choice import chosen, kept_plan, write_plan
+from .comparison import kind_of_signal
 from .indicators.indicators import study
-from .indicators.loaded import loaded
+from .indicators.loaded import base_motion, loaded
 from .ladder import tried_models
-from .motions import base_motion, kind_of_signal
 from .plan import (
     STATIC,
     BodyPlan,

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...math.arrays import Array, front
 from .answer import Answer
-from .motions import difference
+from .comparison import difference
 from .plan import BodyPlan, Plan, kind_of, vibration_labels
 from .trial import Trial
 

@@ -16,7 +16,7 @@ from ...run.outcome import collect
 from ...run.preparation import Prepared, complete, prepare
 from ...run.timing import work_s
 from ...signals import Recording
-from .motions import difference, relatives, scales
+from .comparison import difference, relatives, scales
 from .plan import LEAST_RTOL, Plan, Rich, kind_of, planned, with_values
 
 

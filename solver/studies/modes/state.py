@@ -9,7 +9,8 @@ import numpy as np
 from ...dynamics.model.coordinates import Spin
 from ...dynamics.model.model import Model
 from ...errors import InputError, PackageError
-from ...inputs.case.load import Case, load_case
+from ...inputs.case.design import Case
+from ...inputs.case.load import load_case
 from ...inputs.case.record import case_file
 from ...inputs.case.write import write_case
 from ...math.arrays import Array

@@ -15,7 +15,7 @@ from ...integrators.generic.drive import Steps, StopRequest
 from ...integrators.radau import Radau
 from ...math.arrays import Array
 from ...math.expressions import operations as op
-from ...math.expressions.program import Programs
+from ...math.expressions.operations import Programs
 from ...results import Derivative, RunResult
 from ...run.coupled import Stepper
 from ...run.execution import Progress

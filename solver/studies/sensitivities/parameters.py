@@ -8,15 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...dynamics.elements.constraints.treatment import treated
 from ...dynamics.model.model import Model
 from ...errors import InputError, few, nearest, refuse
-from ...inputs.case.load import Case, checked_case
+from ...inputs.case.design import Case
+from ...inputs.case.load import checked_case
 from ...inputs.case.sweeps import CheckedSweep, Misplaced, number_at
 from ...inputs.case.tables.schema import Sweep
 from ...integrators.breakpoints import breaks
 from ...integrators.table import treatment_of
 from ...math.arrays import Array
+from ...mechanism.assembly import treated
 from ...mechanism.build import build, used_packages
 from ...mechanism.built import BuiltMechanism
 from ...mechanism.equilibrium import given_spin

@@ -7,7 +7,6 @@ import numpy as np
 
 from ....errors import did_you_mean
 from ....math.arrays import Array
-from ...model.model import Model
 
 IMPLICIT = ("ggl", "index3")  # solved within the step, by integrators that say so
 # In the order of docs/constraints.md.
@@ -78,26 +77,6 @@ class Treatment:
             frequency=solver.frequency,
             ratio=solver.ratio,
         )
-
-
-def treated(model: Model, treatment: Treatment) -> Model:
-    """Return the model with the parameters of a treatment."""
-    alpha = beta = penalty = 0.0
-    if treatment.name == "baumgarte":
-        alpha, beta = treatment.alpha, treatment.beta
-    elif treatment.name == "augmented-lagrangian":
-        alpha, beta = treatment.ratio * treatment.frequency, treatment.frequency
-        penalty = treatment.penalty
-    elif treatment.name == "projection":
-        # The same solution, which handles singular positions, without feedback.
-        penalty = treatment.penalty
-    return model._replace(
-        alpha=float(alpha),
-        beta=float(beta),
-        penalty=float(penalty),
-        multiplier_tolerance=float(treatment.multiplier_tolerance),
-        multiplier_iterations=int(treatment.multiplier_iterations),
-    )
 
 
 def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:

@@ -36,7 +36,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
-from ....math.arrays import Array
+from ....math.arrays import Array, Triple
 from ....math.catalogue import (
     Code,
     Curve,
@@ -47,8 +47,7 @@ from ....math.catalogue import (
     OfTime,
     Three,
 )
-from ....math.rotations import Triple
-from ...model.model import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
+from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
 Key = Direction | Number | Three | OfTime
 # Entry of the values of a `CoordinateForce`: whether its coordinate is the angle (True) or the

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ....math.arrays import Array
+from ....math.arrays import Array, Triple
 from ....math.compiled import jit
-from ....math.rotations import Triple, cross3, dot3, minus3, times3
+from ....math.rotations import cross3, dot3, minus3, times3
 from ...model.motion import axis, spin
 from .contract import DAMPING, FORCE, STIFFNESS, Direction, Element, Number, OfTime, Wrench
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ....math.arrays import Array
+from ....math.arrays import Array, Triple
 from ....math.compiled import jit
-from ....math.rotations import Triple, dot3, minus3, times3
+from ....math.rotations import dot3, minus3, times3
 from ...model.motion import place, velocity
 from .contract import DAMPING, FORCE, STIFFNESS, Element, Number, OfTime, Wrench
 

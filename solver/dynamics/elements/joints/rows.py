@@ -6,9 +6,9 @@ gamma* = everything of the acceleration equation that is free of coordinate
 accelerations, moved to the right. Paper: Eq. (10), Eq. (11).
 """
 
-from ....math.arrays import Array
+from ....math.arrays import Array, Triple
 from ....math.compiled import jit
-from ....math.rotations import Triple, cross3, dot3, minus3, sum3
+from ....math.rotations import cross3, dot3, minus3, sum3
 from ...model.model import GAMMA, PHI, PHI_T
 from ...model.motion import acceleration, axis, place, spin_rate, velocity
 from ...model.motion import spin as spin_of

@@ -5,7 +5,6 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -26,76 +25,19 @@ from ....dynamics.elements.forces.table import FORCES
 from ....dynamics.elements.joints.contract import FREEDOMS, Angle, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.catalogue import (
-    Code,
-    Curve,
-    Direction,
-    Expression,
-    Expressions,
     Number,
-    OfTime,
-    Three,
 )
 from ...common.table import Axis, Name, Table, entry, optional
-from .laws import CurveTable, LoadLaw, PythonCode, RotationDrive, TranslationDrive
+from .laws import LoadLaw, field_of
 from .signals import JointCoordinate
 
 Kind = TypeVar("Kind", bound=Table)
 ALONG = "m or rad"  # unit of keys that are lengths or angles, as the coordinate of a force is
 CURVE = "force_displacement.x"
-Z = [0.0, 0.0, 1.0]
-NONE = [0.0, 0.0, 0.0]
-
-
-def _not_zero(value: float | None) -> float | None:
-    if value == 0.0:
-        raise ValueError("expected a number other than 0")
-    return value
-
-
 START = (
     "coordinate at the start, from the given positions: bodies are moved so that the joints close "
     "with it; without a drive of it. With solver.start = equilibrium the search begins there"
 )
-Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
-
-
-Key = Number | Three | Direction | DrivenBy | OfTime | Expression | Expressions | Curve | Code
-# Types of keys other than numbers and drives.
-TYPES: dict[type, Any] = {
-    Three: Constants,
-    Direction: Axis,
-    OfTime: LoadLaw,
-    Expression: str,
-    Expressions: list[str],
-    Curve: CurveTable,
-    Code: PythonCode,
-}
-
-
-def field_of(key: Key) -> tuple[Any, Any]:
-    """Return type and field of a key, as `create_model` takes them."""
-    default = getattr(key, "default", None)
-    unit = getattr(key, "unit", "")
-    bounds: dict[str, object] = {}
-    required = isinstance(key, Expressions | Code) or getattr(key, "required", False)
-    if isinstance(key, Number):
-        kind: Any = int if key.integer else float
-        bounds = {"gt": key.above, "ge": key.least, "le": key.most}
-    elif isinstance(key, DrivenBy):
-        kind = RotationDrive if isinstance(key.drive.coordinate, Angle) else TranslationDrive
-    else:
-        kind = TYPES[type(key)]
-    if isinstance(key, Three):
-        default = NONE
-    elif isinstance(key, Expressions):
-        bounds = {"min_length": 1}
-    elif isinstance(key, Direction):
-        unit, default = "-", None if key.absent else Z
-    if default is None and not required:
-        kind = kind | None
-    if isinstance(key, Number) and key.not_zero:
-        kind = Annotated[kind, AfterValidator(_not_zero)]
-    return kind, entry(key.meaning, unit, ... if required else default, **bounds)
 
 
 def table_of(base: type[Kind], group: str, kind: Joint | Coupling | ForceElement) -> type[Kind]:

@@ -2,6 +2,8 @@
 
 A run file holds all that a run needs, the points of its tables too. Columns that come from a file
 and are long are kept as text (math/rows.py), in memory too.
+
+`field_of` makes fields of the keys that kinds of joints, forces and integrators declare.
 """
 
 from array import array
@@ -10,13 +12,31 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PlainSerializer, ValidationInfo, WrapValidator, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    PlainSerializer,
+    ValidationInfo,
+    WrapValidator,
+    model_validator,
+)
 
+from ....dynamics.elements.joints.contract import Angle, DrivenBy
 from ....errors import printable
 from ....math import laws
+from ....math.catalogue import (
+    Code,
+    Curve,
+    Direction,
+    Expression,
+    Expressions,
+    Number,
+    OfTime,
+    Three,
+)
 from ....math.laws import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import PREFIX, Packed, column, packed
-from ...common.table import FilePath, Table, entry, optional
+from ...common.table import Axis, FilePath, Table, entry, optional
 from ...common.text_file import lines_of, read_text
 from ...common.units import LENGTHS, unit_of
 
@@ -326,3 +346,55 @@ class TablePoints(Table):
             raise ValueError("expected `x` and `y`, or `file`")
         curve_of_table(column(self.x), column(self.y), self.interpolation, self.extrapolation)
         return self
+
+
+Z = [0.0, 0.0, 1.0]
+NONE = [0.0, 0.0, 0.0]
+
+
+def _not_zero(value: float | None) -> float | None:
+    if value == 0.0:
+        raise ValueError("expected a number other than 0")
+    return value
+
+
+Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
+
+
+Key = Number | Three | Direction | DrivenBy | OfTime | Expression | Expressions | Curve | Code
+# Types of keys other than numbers and drives.
+TYPES: dict[type, Any] = {
+    Three: Constants,
+    Direction: Axis,
+    OfTime: LoadLaw,
+    Expression: str,
+    Expressions: list[str],
+    Curve: CurveTable,
+    Code: PythonCode,
+}
+
+
+def field_of(key: Key) -> tuple[Any, Any]:
+    """Return type and field of a key, as `create_model` takes them."""
+    default = getattr(key, "default", None)
+    unit = getattr(key, "unit", "")
+    bounds: dict[str, object] = {}
+    required = isinstance(key, Expressions | Code) or getattr(key, "required", False)
+    if isinstance(key, Number):
+        kind: Any = int if key.integer else float
+        bounds = {"gt": key.above, "ge": key.least, "le": key.most}
+    elif isinstance(key, DrivenBy):
+        kind = RotationDrive if isinstance(key.drive.coordinate, Angle) else TranslationDrive
+    else:
+        kind = TYPES[type(key)]
+    if isinstance(key, Three):
+        default = NONE
+    elif isinstance(key, Expressions):
+        bounds = {"min_length": 1}
+    elif isinstance(key, Direction):
+        unit, default = "-", None if key.absent else Z
+    if default is None and not required:
+        kind = kind | None
+    if isinstance(key, Number) and key.not_zero:
+        kind = Annotated[kind, AfterValidator(_not_zero)]
+    return kind, entry(key.meaning, unit, ... if required else default, **bounds)

@@ -11,7 +11,7 @@ from ....math.arrays import Array
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
 from ..plan import BodyPlan, Rich, kind_of
-from .indicators import Indicators
+from .response import Indicators
 
 if TYPE_CHECKING:
     from ....inputs.case.tables.schema import Mechanism

@@ -1,11 +1,9 @@
 """Indicators of a plan: what the omission of modes, static shapes and stiffening costs."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property, partial
+from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from ....checks.stability import Loading, SpinMonitor, geometric_stiffness
 from ....dynamics.analysis.recovery import extent, shape_sizes
@@ -17,10 +15,9 @@ from ....package.body.selection import vibrations
 from ....run.inputs import RunSpec
 from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
-from ..motions import base_motion, difference, kind_of_signal, relatives, scales
-from ..plan import Base, Rich
-from .loaded import Loaded, loaded
-from .response import Effects, Response, effects, elastic_columns, response
+from ..comparison import kind_of_signal, relatives, scales
+from .loaded import Study, base_motion, loaded
+from .response import Effects, Indicators, Mode, Response, effects, elastic_columns, response
 
 PARALLEL = 1.0 - 1e-12  # cosine of axes that are the same
 
@@ -93,85 +90,6 @@ def amplified_errors(found: Response, parts: Effects, scale: Array) -> Array:
             added = np.abs(parts.response[:, :, mine].sum(axis=2)).max(axis=1) / scale
             worst = np.maximum(worst, added * size / moved)
     return worst
-
-
-@dataclass(frozen=True)
-class Mode:
-    """A mode of a rich package: body, label, and whether it is a vibration."""
-
-    body: str
-    label: str
-    vibration: bool
-
-
-@dataclass(frozen=True)
-class Indicators:
-    """Losses by mode and kind.
-
-    Attributes
-    ----------
-    names : signals
-    scale : (o,) size of each signal
-    modes : m of the modes that respond
-    effects : their contributions
-    stiffening : (o,) loss without geometric stiffening, of the scale
-    spin : largest spin over the first frequency of the clamped body, by body
-    amplified : (o,) error of each signal over the tolerance that causes it
-    quiet : (o,) the signals that are rounding; their scale is the size of what they are near
-    """
-
-    names: list[str]
-    metric: str
-    scale: Array
-    modes: list[Mode]
-    effects: Effects
-    stiffening: Array
-    spin: dict[str, float]
-    amplified: Array
-    quiet: npt.NDArray[np.bool_]
-
-    def loss(self, lost: Array) -> Array:
-        """Return the error (..., o) that lost contributions (..., o, k) cause, of the scale."""
-        whole = self.effects.whole
-        return difference(self.metric, whole, whole - lost) / self.scale
-
-    def worth(self, static: Mapping[str, bool]) -> Array:
-        """Return the loss of each mode alone, the largest of all signals, (m,)."""
-        lost = self.effects.response - self.effects.static * self._has(static)
-        size = np.abs(lost).max(axis=1) / self.scale[:, None]
-        return np.asarray(size.max(axis=0, initial=0.0))
-
-    def _has(self, static: Mapping[str, bool]) -> Array:
-        return np.array([float(static.get(mode.body, False)) for mode in self.modes])
-
-    def ranked(self, body: str) -> tuple[str, ...]:
-        """Return the labels of the vibrations of a body, largest loss first."""
-        worth = self.worth({})
-        order = np.argsort(-worth, kind="stable")
-        mine = [self.modes[i] for i in order.tolist()]
-        return tuple(mode.label for mode in mine if mode.body == body and mode.vibration)
-
-
-@dataclass(frozen=True)
-class Study:
-    """The base motion, the rich packages with their quasi-static response, the indicators.
-
-    Attributes
-    ----------
-    of_check : returns the rich packages of the check, which indicators do not need
-    cpu : seconds of the base motion and of the indicators
-    """
-
-    base: Base
-    model: dict[str, Rich]
-    of_check: Callable[[], Loaded]
-    indicators: Indicators
-    cpu: dict[str, float]
-
-    @cached_property
-    def check(self) -> dict[str, Rich]:
-        """The rich packages of the check."""
-        return self.of_check().rich
 
 
 def study(

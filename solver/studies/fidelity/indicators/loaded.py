@@ -1,24 +1,82 @@
-"""Modes that respond to loads; rich packages with the quasi-static response of a base motion."""
+"""The base motion of a plan, as rigid as its mechanism allows; modes that respond to its loads, and
+rich packages with their quasi-static response."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
+from ....dynamics.evaluation import series
 from ....dynamics.evaluation.variations import residuals
 from ....dynamics.model.model import Model
+from ....errors import InputError
 from ....math.arrays import Array, IntArray
 from ....mechanism.build import build
 from ....mechanism.built import BuiltMechanism
 from ....package import ModalPackage
-from ....package.body.selection import changed_basis, rigid
+from ....package.body.selection import (
+    axial_load,
+    changed_basis,
+    inertia_loads,
+    interface_load,
+    rigid,
+    vibrations,
+    with_statics,
+)
+from ....package.specification import DIRECTIONS
 from ....run.inputs import RunSpec
-from ..plan import FAINT, Base, Rich, energy, with_values
-from .response import elastic_columns, embedded, modal_loads, samples
+from ....run.preparation import complete, prepare
+from ..plan import DAMPED, FAINT, Base, Rich, energy, with_solver, with_values
+from .response import Indicators, elastic_columns, embedded, modal_loads, samples
 
+BASE_RTOL = 1e-4
 Packages = Mapping[str, ModalPackage]
+
+
+def base_motion(spec: RunSpec, names: list[str]) -> Base:
+    """Return the motion with rigid bodies `names`; if that cannot move, with their least flexible.
+
+    Raises
+    ------
+    InputError
+        The mechanism cannot move with flexible bodies either.
+    """
+    try:
+        found, reason = _motion(spec, {name: rigid(spec.packages[name]) for name in names})
+    except InputError as error:
+        found, reason = None, str(error).splitlines()[0]
+    if found is not None:
+        return found
+    least = {name: least_flexible(spec.packages[name]) for name in names}
+    found, why = _motion(spec, least)
+    if found is None:
+        raise InputError(f"fidelity: no motion to plan from, rigid or flexible: {why}")
+    return replace(found, reason=reason)
+
+
+def _motion(spec: RunSpec, packages: dict[str, ModalPackage]) -> tuple[Base | None, str]:
+    mechanism = with_solver(spec.mechanism, BASE_RTOL, stiffening=False, on_invalid="warn")
+    prepared = prepare(mechanism, {**spec.packages, **packages})
+    solution = complete(prepared).solution
+    if solution.status != "finished":
+        return None, f"{solution.status} at t = {solution.t[-1]:.4g} s: {solution.message}"
+    rates, multipliers = series.along_solution(prepared.model, solution.t, solution.y)
+    n, m = prepared.model.n_pos, prepared.model.n_vel
+    return Base(prepared.built, solution.t, solution.y, rates[:, n : n + m], multipliers), ""
+
+
+def least_flexible(package: ModalPackage) -> ModalPackage:
+    """Return a body with its lowest vibration and the damped static shapes of all loads."""
+    loads = [inertia_loads(package).T, axial_load(package)[None]]
+    loads += [
+        interface_load(package, place.name, direction)[None]
+        for place in package.interfaces
+        for direction in DIRECTIONS
+    ]
+    columns = np.concatenate(loads).T
+    return with_statics(package, vibrations(package)[:1], columns, (), DAMPED)
 
 
 def responding(packages: Packages, loads: Mapping[str, Array]) -> dict[str, IntArray]:
@@ -211,3 +269,25 @@ def loaded(spec: RunSpec, base: Base, packages: Packages, names: list[str]) -> L
 
     rich = {name: Rich(name, packages[name], eta[name], further) for name in names}
     return Loaded(rich, built, stiffened, modes, p)
+
+
+@dataclass(frozen=True)
+class Study:
+    """The base motion, the rich packages with their quasi-static response, the indicators.
+
+    Attributes
+    ----------
+    of_check : returns the rich packages of the check, which indicators do not need
+    cpu : seconds of the base motion and of the indicators
+    """
+
+    base: Base
+    model: dict[str, Rich]
+    of_check: Callable[[], Loaded]
+    indicators: Indicators
+    cpu: dict[str, float]
+
+    @cached_property
+    def check(self) -> dict[str, Rich]:
+        """The rich packages of the check."""
+        return self.of_check().rich

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from ....dynamics.analysis.recovery import Recording
 from ....dynamics.evaluation import series
@@ -13,6 +14,7 @@ from ....dynamics.model.coordinates import move_rows
 from ....dynamics.model.model import Model, modal_matrix, state_size
 from ....math.arrays import Array, IntArray
 from ....signals import Sensor
+from ..comparison import difference
 from ..plan import Base
 
 RESOLVED = 0.15  # frequency times step up to which Newmark's method keeps a vibration
@@ -339,3 +341,60 @@ def _slopes(
     i = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
     share = ((t - known[i]) / (known[i + 1] - known[i]))[:, None]
     return np.asarray((1.0 - share) * values[:, i] + share * values[:, i + 1])
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode of a rich package: body, label, and whether it is a vibration."""
+
+    body: str
+    label: str
+    vibration: bool
+
+
+@dataclass(frozen=True)
+class Indicators:
+    """Losses by mode and kind.
+
+    Attributes
+    ----------
+    names : signals
+    scale : (o,) size of each signal
+    modes : m of the modes that respond
+    effects : their contributions
+    stiffening : (o,) loss without geometric stiffening, of the scale
+    spin : largest spin over the first frequency of the clamped body, by body
+    amplified : (o,) error of each signal over the tolerance that causes it
+    quiet : (o,) the signals that are rounding; their scale is the size of what they are near
+    """
+
+    names: list[str]
+    metric: str
+    scale: Array
+    modes: list[Mode]
+    effects: Effects
+    stiffening: Array
+    spin: dict[str, float]
+    amplified: Array
+    quiet: npt.NDArray[np.bool_]
+
+    def loss(self, lost: Array) -> Array:
+        """Return the error (..., o) that lost contributions (..., o, k) cause, of the scale."""
+        whole = self.effects.whole
+        return difference(self.metric, whole, whole - lost) / self.scale
+
+    def worth(self, static: Mapping[str, bool]) -> Array:
+        """Return the loss of each mode alone, the largest of all signals, (m,)."""
+        lost = self.effects.response - self.effects.static * self._has(static)
+        size = np.abs(lost).max(axis=1) / self.scale[:, None]
+        return np.asarray(size.max(axis=0, initial=0.0))
+
+    def _has(self, static: Mapping[str, bool]) -> Array:
+        return np.array([float(static.get(mode.body, False)) for mode in self.modes])
+
+    def ranked(self, body: str) -> tuple[str, ...]:
+        """Return the labels of the vibrations of a body, largest loss first."""
+        worth = self.worth({})
+        order = np.argsort(-worth, kind="stable")
+        mine = [self.modes[i] for i in order.tolist()]
+        return tuple(mode.label for mode in mine if mode.body == body and mode.vibration)

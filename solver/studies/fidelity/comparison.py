@@ -1,4 +1,4 @@
-"""The base motion of a plan, as rigid as its mechanism allows, and how two histories compare."""
+"""How the histories of two runs compare: differences, sizes, and signals that are rounding."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -8,71 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...dynamics.analysis.recovery import extent
-from ...dynamics.evaluation import series
-from ...errors import InputError
 from ...inputs.case.record import KINDS, parts
 from ...math.arrays import Array
 from ...mechanism.built import BuiltMechanism
-from ...package.body.schema import ModalPackage
-from ...package.body.selection import (
-    axial_load,
-    inertia_loads,
-    interface_load,
-    rigid,
-    vibrations,
-    with_statics,
-)
-from ...package.specification import DIRECTIONS
-from ...run.inputs import RunSpec
-from ...run.preparation import complete, prepare
 from ...signals import Sensor, sensors
-from .plan import DAMPED, FAINT, Base, with_solver, with_values
-
-BASE_RTOL = 1e-4
-
-
-def base_motion(spec: RunSpec, names: list[str]) -> Base:
-    """Return the motion with rigid bodies `names`; if that cannot move, with their least flexible.
-
-    Raises
-    ------
-    InputError
-        The mechanism cannot move with flexible bodies either.
-    """
-    try:
-        found, reason = _motion(spec, {name: rigid(spec.packages[name]) for name in names})
-    except InputError as error:
-        found, reason = None, str(error).splitlines()[0]
-    if found is not None:
-        return found
-    least = {name: least_flexible(spec.packages[name]) for name in names}
-    found, why = _motion(spec, least)
-    if found is None:
-        raise InputError(f"fidelity: no motion to plan from, rigid or flexible: {why}")
-    return replace(found, reason=reason)
-
-
-def _motion(spec: RunSpec, packages: dict[str, ModalPackage]) -> tuple[Base | None, str]:
-    mechanism = with_solver(spec.mechanism, BASE_RTOL, stiffening=False, on_invalid="warn")
-    prepared = prepare(mechanism, {**spec.packages, **packages})
-    solution = complete(prepared).solution
-    if solution.status != "finished":
-        return None, f"{solution.status} at t = {solution.t[-1]:.4g} s: {solution.message}"
-    rates, multipliers = series.along_solution(prepared.model, solution.t, solution.y)
-    n, m = prepared.model.n_pos, prepared.model.n_vel
-    return Base(prepared.built, solution.t, solution.y, rates[:, n : n + m], multipliers), ""
-
-
-def least_flexible(package: ModalPackage) -> ModalPackage:
-    """Return a body with its lowest vibration and the damped static shapes of all loads."""
-    loads = [inertia_loads(package).T, axial_load(package)[None]]
-    loads += [
-        interface_load(package, place.name, direction)[None]
-        for place in package.interfaces
-        for direction in DIRECTIONS
-    ]
-    columns = np.concatenate(loads).T
-    return with_statics(package, vibrations(package)[:1], columns, (), DAMPED)
+from .plan import FAINT, with_values
 
 
 def difference(metric: str, one: Array, two: Array) -> Array:
