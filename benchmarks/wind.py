@@ -4,8 +4,9 @@
 
 `plymotion blade FILE --rotor` writes the case of IEA-15-240-RWT of the package windIO. It runs 80 s
 at 12 wind speeds, with three blades of the full 6x6, tower and controller; numbers are means over
-the last whole revolutions of 30 s. The least pitch is that of the reference. Deflections of the tip
-are compared with those of OpenFAST with BeamDyn. Then a step of the wind by 2 m/s.
+the last whole revolutions of 30 s. The least pitch is that of the reference. Then the same at the
+speed and pitch of HAWC2, and of OpenFAST with BeamDyn, which the controller has no part in: power,
+thrust and deflection of the tip. Then a step of the wind by 2 m/s.
 """
 
 import argparse
@@ -26,7 +27,10 @@ from plymotion.solver.run.execution import execute, read_run
 
 REFERENCE = Path("tests/reference/dynamics/iea15_hawcstab2.toml")
 SIGNALS = ("power", "thrust", "pitch", "speed", "flap", "edge")
+COMPARED = ("pitch_deg", "speed", "power", "thrust", "flap")  # with programs, at their points
 T_END, LAST = 80.0, 30.0  # [s]
+T_HELD = 50.0  # [s]
+HOLD = 1e9  # [N m s] of a generator that holds a speed
 
 
 def command(*words: str) -> None:
@@ -44,11 +48,18 @@ def means(result, speed: float) -> dict[str, float]:
     return found | {"pitch_swing": float(np.ptp(values["pitch"]))}
 
 
-def prepared(folder: Path, name: str, parameters: dict[str, float]):
-    """Return a run of the case with other parameters, on which starting values depend."""
+def prepared(folder: Path, name: str, parameters: dict[str, float], induction: str, law: str = ""):
+    """Return a run of the case with other parameters, on which starting values depend.
+
+    law : of the generator, in place of that of the case
+    """
     text = (folder / "turbine/rotor.toml").read_text()
     for key, value in parameters.items():
         text = re.sub(rf"(?m)^{key} = \S+", f"{key} = {value!r}", text, count=1)
+    table = 'polar_table = "polars.csv"\n'
+    text = text.replace(table, f'{table}induction = "{induction}"\n')
+    if law:
+        text = re.sub(r'(?m)(joint = "shaft"\nexpression = ).*', rf'\1"{law}"', text)
     case = folder / "turbine/point.toml"
     case.write_text(text)
     command("check", str(case), "--out", str(folder / "out"))
@@ -67,20 +78,43 @@ def run(spec, t_end: float):
     return result, cost
 
 
+def held(folder: Path, wind: float, induction: str, known: dict[str, float]) -> dict[str, float]:
+    """Return a run at the speed and pitch of a program, compared with it."""
+    pitch, torque = math.radians(known["pitch_deg"]), known["power"] / known["speed"]
+    start = {
+        "wind": wind,
+        "speed": known["speed"],
+        "pitch_deg": known["pitch_deg"],
+        "fine_pitch": pitch,
+        "rated_speed": 10.0,  # so that the pitch stays the least
+    }
+    law = f"-{torque!r} - {HOLD:g} * (v - speed)"
+    result, _ = run(prepared(folder, "steady", start, induction, law), T_HELD)
+    point = {"wind": wind, **means(result, known["speed"])}
+    for key in ("power", "thrust", "flap", "speed"):
+        point[f"{key}_error"] = point[key] / known[key] - 1.0
+    point["pitch_error_deg"] = math.degrees(point["pitch"]) - known["pitch_deg"]
+    point["flap_difference"] = point["flap"] - known["flap"]
+    return point
+
+
+def shown(point: dict[str, float]) -> dict[str, float]:
+    """Print a row and return it."""
+    print("  ".join(f"{key} {value:.4g}" for key, value in point.items()), flush=True)
+    return point
+
+
 def main() -> None:
     """Write the file."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("turbine", type=Path, help="windIO file of IEA-15-240-RWT")
     parser.add_argument("--out", type=Path, default=Path("build/benchmarks/wind.json"))
     parser.add_argument("--stations", default="21")
-    parser.add_argument("--induction", default="buhl", help="madsen: as the reference has it")
+    parser.add_argument("--induction", default="buhl", help="of the runs with the controller")
     options = parser.parse_args()
     folder = options.out.with_suffix("")
     words = ["--stations", options.stations, "--no-estimate", "--rotor", "--quiet"]
     command("blade", str(options.turbine), *words, "-o", str(folder / "turbine"))
-    case = folder / "turbine/rotor.toml"
-    table = 'polar_table = "polars.csv"\n'
-    case.write_text(case.read_text().replace(table, f'{table}induction = "{options.induction}"\n'))
     reference = tomllib.loads(REFERENCE.read_text())
     points = []
     with (folder / "turbine/operation.csv").open() as file:
@@ -95,15 +129,21 @@ def main() -> None:
             "pitch_deg": pitch,
             "fine_pitch": math.radians(pitch) if below_rated else 0.0,
         }
-        result, cost = run(prepared(folder, "steady", start), T_END)
+        result, cost = run(prepared(folder, "steady", start, options.induction), T_END)
         point = {"wind": row["wind_m_s"], **means(result, start["speed"]), "cpu_s_per_s": cost}
         for key in ("power", "thrust", "speed"):
             point[f"{key}_error"] = point[key] / reference[key][k] - 1.0
         point["pitch_error_deg"] = math.degrees(point["pitch"]) - reference["pitch_deg"][k]
-        point["flap_error"] = point["flap"] / reference["tip"]["flap"][k] - 1.0
-        points.append(point)
-        print("  ".join(f"{key} {value:.4g}" for key, value in point.items()), flush=True)
-    result, cost = run(prepared(folder, "step", {}), 100.0)
+        points.append(shown(point))
+    programs = {}
+    for name in ("hawc2", "beamdyn"):
+        table = reference[name]
+        print(name)
+        programs[name] = [
+            shown(held(folder, wind, table["induction"], {key: table[key][k] for key in COMPARED}))
+            for k, wind in enumerate(reference["wind"])
+        ]
+    result, cost = run(prepared(folder, "step", {}, options.induction), 100.0)
     values = {s.name: s.values for s in result.signals}
     after = result.t > 60.0
     step = {
@@ -114,7 +154,7 @@ def main() -> None:
     }
     print(step)
     machine = {"cores": os.cpu_count(), "load": os.getloadavg()[0]}
-    text = json.dumps({"points": points, "step": step, "machine": machine}, indent=1)
+    text = json.dumps({"points": points, **programs, "step": step, "machine": machine}, indent=1)
     options.out.write_text(text + "\n")
 
 

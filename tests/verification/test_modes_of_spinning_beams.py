@@ -4,6 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from peers.spinning_beam import flap
 from samples.beam_samples import CLAMPED, reduced
 from samples.case_samples import run_text
 from samples.modes_samples import modes_at, rates
@@ -74,6 +75,24 @@ def test_flap_over_speed(modes, table, tmp_path, capsys):
         np.testing.assert_allclose(branch["angular_frequency"], known, rtol=table["tolerance"])
     assert all(x["harmonic"] > 1 for x in found["crossings"])
     assert found["least_overlap"] > 0.8
+
+
+def test_the_table_is_that_of_power_series(table):
+    """A route without trial functions, exact to round-off."""
+    known = table["no-hub"]
+    for row in (1, 4, 9):
+        wanted = [known[f"flap_{k}"][row] for k in (1, 2, 3)]
+        assert flap(known["mu"][row], 0.0, 3) == pytest.approx(wanted, abs=6e-7)
+    known = table["hub"]
+    assert flap(known["mu"][-1], 1.0, 1) == pytest.approx(known["flap_1"][-1:], abs=6e-6)
+
+
+def test_three_flap_modes_on_a_hub(tmp_path, capsys):
+    modes = [{"kind": "spinning-xz", "count": 3}, {"kind": "bending-xz", "count": 4}]
+    found = campbell(tmp_path, capsys, modes, "spin=0:10:5", 1.0, "--count", "3")
+    for row, speed in enumerate(found["speeds"]):
+        values = [branch["angular_frequency"][row] for branch in found["branches"]]
+        np.testing.assert_allclose(values, flap(speed, 1.0, 3), rtol=1e-4)
 
 
 def test_flap_on_a_hub_crosses_its_harmonics(table, tmp_path, capsys):
