@@ -261,6 +261,7 @@ def signals_section(stories: list[Story]) -> str:
     the signal, of a strength ratio the minimum.
     """
     descriptions = {s.name: s.description for story in stories for s in story.result.signals}
+    barred = any("error_bars" in story.summary for story in stories)
     rows: list[Row] = []
     for name, words in descriptions.items():
         for story in stories:
@@ -280,9 +281,12 @@ def signals_section(stories: list[Story]) -> str:
                     figures(found.get("rms"), 4),
                 ]
             )
+            if barred:
+                rows[-1].append(figures(found.get("error_bar"), 2))
     if not rows:
         return ""
-    found = table("Final values and extremes of signals", HEAD, rows)
+    head = [*HEAD, "error bar"] if barred else HEAD
+    found = table("Final values and extremes of signals", head, rows)
     if left_out := max(story.left_out for story in stories):
         found += (
             f"<p>{left_out} more signals are not shown; their values are in "

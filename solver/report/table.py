@@ -33,8 +33,10 @@ def summary_table(summaries: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _values(signal: Mapping[str, Any]) -> list[str]:
-    """Return final, smallest and largest value as text."""
-    return [number(measure(signal, key), digits) for key, digits in VALUES.items()]
+    """Return final, smallest and largest value as text, and the error bar behind the first one."""
+    final, *ends = [number(measure(signal, key), digits) for key, digits in VALUES.items()]
+    bar = signal.get("error_bar")
+    return [final if bar is None else f"{final} +- {number(bar, 1)}", *ends]
 
 
 ROUNDING = 1e-12  # of the largest value of a signal

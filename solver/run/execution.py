@@ -5,6 +5,7 @@ import logging
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,8 @@ from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.codes import Finding
 from ..results.live import Copies
-from ..system.interrupts import completing
+from ..system.interrupts import completing, stop_requested
+from .error_bars import with_error_bars
 from .inputs import RunSpec, inputs_sha256, still
 from .outcome import collect, disk_note, nearest_folder
 from .preparation import Prepared, histories_of, integrated, prepare
@@ -328,6 +330,10 @@ def run_file(
         digest, progress = ("", False) if copies.is_copy else (digest, progress)
         with completing(patience_s):  # what is computed is kept
             found = _collected(spec, *solved, solving, disk, progress, patience_s)
+            if spec.mechanism.solver.error_bars and found[1]["completed"]:
+                again = partial(execute, progress=progress, folder=disk, allow_python=allow_python)
+                with_error_bars(found[1], spec, found[0], again)
+                digest = "" if stop_requested() else digest  # the bars are not complete
             target = copies.out
             return _written(target, spec, *found, digest, clock, import_s, progress, patience_s)
 

@@ -185,9 +185,23 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         from .fidelity.answer import fidelity_line
 
         text.append(f"  {fidelity_line(summary['fidelity'])}")
+    if "error_bars" in summary:
+        text.append(f"  {error_bars_line(summary)}")
     text += [f"  {line}" for line in damping_lines(summary["damping"])]
     text += [f"  {w['level']} [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
+
+
+def error_bars_line(summary: dict[str, Any]) -> str:
+    """Return the error bars of a run as a line."""
+    found = summary["error_bars"]
+    bars = [
+        f"{name} {signal['error_bar']:.2g} {signal['unit']}"
+        for name, signal in summary["signals"].items()
+        if signal["error_bar"] is not None
+    ]
+    without = f"without {', '.join(found['not_contained'])}" if found["not_contained"] else ""
+    return f"error bars: {few([found['reason']] if found['reason'] else bars)} ({without})"
 
 
 def _here(tasks: list[_Task]) -> Iterator[Outcome]:

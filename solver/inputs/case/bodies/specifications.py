@@ -184,6 +184,8 @@ def check_fidelity(mechanism: Mechanism) -> list[str]:
             )
     if not mechanism.signals:
         found.append("fidelity: expected at least one signal in the case")
+    if mechanism.solver.error_bars:
+        found.append("solver.error_bars: expected false with [fidelity], which states errors")
     for name, body in mechanism.bodies.items():
         if isinstance(body, Reducible) and body.reduced is not None:
             found.append(

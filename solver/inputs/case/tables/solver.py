@@ -77,6 +77,11 @@ class _Integration(Table):
         ge=1e-15,
         le=0.1,
     )
+    error_bars: bool = entry(
+        "state an error of each signal, from a second run that is coarser in everything "
+        "(accuracy.md); of runs, not of the members of sweeps",
+        default=False,
+    )
     atol_position: float | None = optional(
         "absolute tolerance of positions and modal coordinates; default: rtol times their scales",
         gt=0,

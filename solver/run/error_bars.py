@@ -1,0 +1,107 @@
+"""Error bars of signals: their differences from a second run that is coarser in everything.
+
+The second run has LOOSER times the tolerance, a third fewer vibrations of each kind in each body,
+and geometric stiffening whether the run has it or not. docs/accuracy.md has bars beside true
+errors. Mesh, section and theory are the same in both runs: no bar contains them.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..math.rows import spans
+from ..results import RunResult, Signal
+from .inputs import RunSpec
+
+# Thresholds are those of the scenes drawn at random in benchmarks/arena/coverage.py (adr/0077).
+LOOSER = 5.0  # tolerance of the second run over that of the run
+# Runs of few steps have the same steps with both tolerances: the second run has a tighter one.
+FEW_STEPS, TIGHTER = 100, 25.0
+# Of the vibrations of a kind, rounded up. The displacement of a beam under a force has an error of
+# n^-3 with n vibrations; that of two thirds of them is 3.4 times as large.
+FEWER = 1.0 / 3.0
+# The error is the difference where the second run does not have it, as that of stiffening. Of rigid
+# bodies with five times the tolerance it is about a quarter.
+SAFETY, SAFETY_RIGID = 1.2, 0.5
+
+# Integrates a run and returns its result and summary.
+Execute = Callable[[RunSpec], tuple[RunResult, dict[str, Any]]]
+
+
+def with_error_bars(
+    summary: dict[str, Any], spec: RunSpec, result: RunResult, execute: Execute
+) -> None:
+    """Add `error_bar` to the signals of the summary of a finished run, and the entry `error_bars`.
+
+    A bar is the largest difference over all output times, in the unit of the signal, times a factor
+    of safety. It is None, with a `reason`, where the second run does not end as the first one did.
+    """
+    begin, reason, known = time.process_time(), "", {}
+    few = summary["cost"]["steps"] < FEW_STEPS
+    safety = SAFETY if few or spec.packages else SAFETY_RIGID
+    try:
+        rough, other = execute(coarser(spec, 1.0 / TIGHTER if few else LOOSER))
+        if np.array_equal(rough.t, result.t):
+            known = {signal.name: signal for signal in rough.signals}
+        else:
+            reason = f"the coarser run ended early: {other['message']}"
+    except InputError as error:
+        reason = f"the coarser run: {error}"
+    for one in result.signals:
+        bar = safety * largest_difference(one, known[one.name]) if known else None
+        summary["signals"][one.name]["error_bar"] = bar
+    summary["error_bars"] = {
+        "not_contained": not_contained(spec),
+        "reason": reason,
+        "cpu_s": time.process_time() - begin,
+    }
+
+
+def largest_difference(one: Signal, other: Signal) -> float:
+    """Return the largest difference of two signals of equal times; NaN if one is not finite."""
+    largest = 0.0
+    for first, end in spans(len(one.values), 1):
+        gap = np.abs(np.asarray(one.values[first:end]) - np.asarray(other.values[first:end]))
+        largest = float(np.maximum(largest, gap.max(initial=0.0)))  # keeps NaN
+    return largest
+
+
+def coarser(spec: RunSpec, factor: float) -> RunSpec:
+    """Return the run that error bars compare with, with `factor` times the tolerances."""
+    solver = spec.mechanism.solver
+    changes: dict[str, Any] = {"solver.rtol": min(factor * solver.rtol, 0.1)}
+    for key in ("atol_position", "atol_velocity"):
+        if (value := getattr(solver, key)) is not None:
+            changes[f"solver.{key}"] = factor * value
+    if any(package.second_order is not None for package in spec.packages.values()):
+        changes["solver.geometric_stiffening"] = True
+    for name in spec.packages:
+        if (tables := _requests(spec, name)) is not None:
+            left = [table for table in map(_fewer, tables) if table.get("count") != 0]
+            changes[f"bodies.{name}." + ("reduced" if left else "rigid")] = left or True
+    return replace(spec.changed(changes), run=f"{spec.run}, error bars")
+
+
+def not_contained(spec: RunSpec) -> list[str]:
+    """Return what the error bars of a run do not contain."""
+    found = ["mesh", "section", "theory of beams and shells"] if spec.packages else []
+    unknown = [name for name in spec.packages if _requests(spec, name) is None]
+    return [*found, *(f"modes of {name}" for name in unknown)]
+
+
+def _requests(spec: RunSpec, name: str) -> list[dict[str, Any]] | None:
+    """Return the modes that the case asks for; None of bodies whose packages it only names."""
+    body: Any = spec.mechanism.bodies[name]
+    if body.rigid:
+        return None
+    tables = body.reduced or getattr(body, "modes", None)
+    return None if tables is None else [dict(vars(table)) for table in tables]
+
+
+def _fewer(table: dict[str, Any]) -> dict[str, Any]:
+    count = table.get("count", 0)
+    return {**table, "count": count - int(np.ceil(FEWER * count))} if count else table
