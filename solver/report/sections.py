@@ -279,10 +279,9 @@ def signals_section(stories: list[Story]) -> str:
                     figures(measure(found, "max"), 4),
                     _jump(story, name, found, "max"),
                     figures(found.get("rms"), 4),
+                    *([figures(found.get("error_bar"), 2)] if barred else []),
                 ]
             )
-            if barred:
-                rows[-1].append(figures(found.get("error_bar"), 2))
     if not rows:
         return ""
     head = [*HEAD, "error bar"] if barred else HEAD
