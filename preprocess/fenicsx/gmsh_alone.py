@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from ...solver.system.platform import POSIX, context
-from .stack import gmsh
+from .stack import MeshError, gmsh
 
+STILL = 30.0  # [s] by the clock, twice without processor time: a process waits for ever
 FINEST = 1e-7  # size of cells over that of the model, below which no mesh is meant
 NAMED = re.compile(r"\b(Merge|Include)\s*[\"']([^\"'\n]+)[\"']")
 COMPUTED = re.compile(r"\b(?:Merge|Include)\b(?!\s*[\"'])")
@@ -33,11 +34,12 @@ class GmshEndedError(Exception):
 
 
 def apart(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Return the value of a function from a process of its own, a copy of this one on Linux.
+    """Return the value of a function of a file in a process of its own, a copy on Linux.
 
     Raises
     ------
     GmshEndedError : a signal, or the end of Python, of that process
+    MeshError : it takes no processor time: a copy waits for a lock of a thread that is not copied
     others : as of the function
     """
     copies = context()
@@ -45,7 +47,13 @@ def apart(function: Callable[..., Any], *arguments: Any) -> Any:
     copy = copies.Process(target=_send, args=(there, function, arguments))
     copy.start()
     there.close()
+    spent, still = -1.0, 0
     try:
+        while not here.poll(STILL):
+            now = _processor_time(copy.pid)
+            spent, still = now, still + 1 if now == spent else 0
+            if still == 2:  # one alone may be a command that was stopped and goes on
+                raise MeshError(f"{arguments[0]}: gmsh waits without end; start the command again")
         found = here.recv()
     except EOFError:
         copy.join()
@@ -56,6 +64,14 @@ def apart(function: Callable[..., Any], *arguments: Any) -> Any:
     if isinstance(found, Exception):
         raise found
     return found
+
+
+def _processor_time(pid: int) -> float:
+    """Processor time of another process [s]; NaN where it cannot be read."""
+    try:
+        return time.clock_gettime(~pid << 3 | 2)  # as clock_getcpuclockid of Linux
+    except (AttributeError, OSError):
+        return float("nan")
 
 
 def _send(there: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:

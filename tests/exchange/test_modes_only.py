@@ -126,6 +126,29 @@ def test_a_universal_file_that_is_cut_is_refused(folder: Path, tmp_path: Path) -
         read(Files(table, tmp_path, "arm.toml"))
 
 
+def test_the_lowest_modes_of_a_file_in_any_order(
+    folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Three of eight that stand in the file from the highest to the lowest; none is refused."""
+    mark = "    -1\n"
+    parts = (folder / "arm.uff").read_text("ascii").split(mark)[1::2]
+    modes = [part for part in parts if part.split()[0] == "55"]
+    others = [part for part in parts if part.split()[0] != "55"]
+    text = "".join(f"{mark}{part}{mark}" for part in [*others, *modes[::-1]])
+    (tmp_path / "arm.uff").write_text(text, "ascii")
+    (tmp_path / "arm_masses.csv").write_text((folder / "arm_masses.csv").read_text())
+    before = read_package(folder / "arm.vtkhdf")
+    file, out = tmp_path / "arm.toml", tmp_path / "arm.vtkhdf"
+    n = int(before.node_ids[-1])
+    words = TABLE.format(source="uff", root=n - 1, tip=n)
+    file.write_text(words.replace("count = 8", "count = 3"))
+    assert main(["import", str(file), "-o", str(out), "--quiet"]) == 0
+    np.testing.assert_allclose(read_package(out).frequencies, before.frequencies[:3], rtol=1e-5)
+    file.write_text(words.replace("count = 8", "count = 0"))
+    assert main(["import", str(file), "-o", str(out), "--quiet"]) == 2
+    assert f"{file}: modes: 0 of 8 modes requested" in capfd.readouterr().err
+
+
 SHELL_DECK = """\
 *NODE, NSET=ALL
 10, 0., 0., 0.
@@ -171,4 +194,4 @@ def test_modes_of_a_calculix_shell(tmp_path: Path) -> None:
         "interfaces": {"tip": {"nodes": [20, 35], "link": "average"}},
     }
     package = imported(reduction, tmp_path, "plate.toml")
-    np.testing.assert_allclose(package.frequencies, 2.0 * np.pi * np.array([40.0]))
+    np.testing.assert_allclose(package.frequencies, 2.0 * np.pi * np.array([10.0]))

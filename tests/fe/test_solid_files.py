@@ -1,6 +1,7 @@
 """Solids from STEP files: inertia as OpenCASCADE computes it, materials, interfaces, refusals."""
 
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ from samples.solid_samples import (
     two_solids,
 )
 
-from plymotion.preprocess.fenicsx import gmsh_session
+from plymotion.preprocess.fenicsx import MeshError, gmsh_alone, gmsh_session
 from plymotion.preprocess.solid.analysis import free_hertz
 from plymotion.preprocess.solid.mesh import SolidError
 from plymotion.preprocess.solid.model import SolidModel
@@ -406,3 +407,20 @@ def test_faces_that_intersect_are_refused(tmp_path: Path) -> None:
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(SolidError, match=r"no\.step.*no such file"):
         model_of(tmp_path / "no.step", 0.01)
+
+
+def waits(file: str, works: float) -> float:
+    """Compute for some time [s], then wait without end, as for a lock that nobody gives back."""
+    while time.process_time() < works:
+        pass
+    time.sleep(0.0 if file == "ends" else 1e6)
+    return works
+
+
+@pytest.mark.one_end
+def test_a_process_of_gmsh_that_waits_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the clock, because it takes no processor time. One that computes may take longer."""
+    monkeypatch.setattr(gmsh_alone, "STILL", 0.2)
+    with pytest.raises(MeshError, match=r"^waits: gmsh waits without end; start the command again"):
+        gmsh_alone.apart(waits, "waits", 0.0)
+    assert gmsh_alone.apart(waits, "ends", 0.6) == 0.6

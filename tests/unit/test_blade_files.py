@@ -18,6 +18,7 @@ from samples.blade_samples import (
 )
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.extras.blade.analysis import thin_masses
 from plymotion.solver.extras.blade.shape import contour, edge_angle
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
@@ -444,9 +445,25 @@ def test_stations_are_compared_with_the_matrices_of_the_file(fenicsx, tmp_path, 
         values["K33"][1] /= 3.0
         values["K34"][1] = values["K35"][1] = 0.0
 
-    (line,) = with_own(less)
+    line, whole = with_own(less)
     code = "differs-from-file"
     assert line.startswith(f"warning [{code}] {file}: station r = 1: mass ")
     assert re.search(
         r"mass [\d.]+ kg/m, elastic_properties [\d.]+ \(x 2\); EA \S+ N, .* \(x 3\)", line
     )
+    # Two stations: the tip has half of its mass.
+    root, tip = given["mass"]
+    ratio = (root + tip) / (root + 0.5 * tip)
+    assert whole.startswith(
+        f"warning [{code}] {file}: the blade has {10.0 * (root + tip):.5g} kg, "
+    )
+    assert f"(x {ratio:.3f}); thickness times arc of the outer surface" in whole
+
+
+def test_masses_of_thin_walled_codes_at_a_round_station(tmp_path):
+    """A circle of 1 m: all arcs are those of the outer surface, the web is a chord."""
+    arc, web = 2.0 * np.pi, 2.0 * np.sin(0.36 * np.pi)
+    shell = 1900.0 * (0.006 + 0.02 * 0.16) + 100.0 * 0.015 * 0.23
+    expected = shell * arc + (1900.0 * 0.003 + 100.0 * 0.012) * web
+    found = thin_masses(read_blade(write_blade(tmp_path)), [0.0, 0.05])
+    np.testing.assert_allclose(found, expected, rtol=5e-4)

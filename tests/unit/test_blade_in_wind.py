@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import shutil
 import subprocess
 import tomllib
@@ -16,6 +17,7 @@ from samples.case_samples import computed_file
 from samples.rotor_samples import ANGLES, polar
 from scipy.integrate import solve_ivp
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.blade.aerodynamics import ANGLES as GRID
 from plymotion.solver.extras.blade.aerodynamics import strips
@@ -286,3 +288,25 @@ def test_messages_of_what_is_missing(tmp_path):
     blade = read_blade(write_blade(tmp_path, table))
     with pytest.raises(InputError, match=r"rotor_orientation: 'downwind'; expected 'upwind'"):
         write_rotor(blade, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("hub", r"components\.hub\.elastic_properties: missing"),
+        ("drivetrain", r"components\.drivetrain\.elastic_properties\.mass"),
+        ("airfoils", r"airfoils\.thin\.polars"),
+    ],
+)
+def test_what_a_rotor_lacks_is_said_before_the_stations(tmp_path, capsys, key, words):
+    table = whole()
+    if key == "airfoils":
+        del table["airfoils"][1]["polars"]
+    elif key == "hub":
+        del table["components"]["hub"]["elastic_properties"]
+    else:
+        del table["components"]["drivetrain"]["elastic_properties"]["mass"]
+    file, out = write_blade(tmp_path, table), tmp_path / "out"
+    assert main(["blade", str(file), "--rotor", "--check", "-o", str(out)]) == 2
+    assert re.search(words, capsys.readouterr().err)
+    assert not out.exists()

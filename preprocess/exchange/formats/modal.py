@@ -66,7 +66,7 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
         raise InputError(
             f'{body.where}: modes: expected kind = "lowest": the source has modes only'
         )
-    if wanted > len(body.hertz):
+    if not 0 < wanted <= len(body.hertz):
         raise InputError(f"{body.where}: modes: {wanted} of {len(body.hertz)} modes requested")
     masses = _masses(body, files, length, mass)
     total = table.get("total_mass")
@@ -80,7 +80,7 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
         name: interface_rows(metres, entry, length, f"{body.where}: interfaces.{name}")
         for name, entry in table["interfaces"].items()
     }
-    order = np.argsort(body.hertz[:wanted], kind="stable")
+    order = np.argsort(body.hertz, kind="stable")[:wanted]
     hertz, shapes = body.hertz[order] / time, body.shapes[order].copy()
     shapes[..., 3:] *= length  # a rotation per unit of the same shape
     if not hertz.min(initial=1.0) > 0.0:

@@ -45,9 +45,8 @@ def run_blade(options: argparse.Namespace) -> int:
         place = f"{options.file}: station r = {r:g}"
         print(f"error: {error if wrong else f'{place}: {report(error)}'}", file=sys.stderr)
 
-    meshed = read_and_mesh(
-        options.file, out, count=options.stations, at=options.at or (), failed=failed
-    )
+    places = {"count": options.stations, "at": options.at or ()}
+    meshed = read_and_mesh(options.file, out, **places, rotor=options.rotor, failed=failed)
     if options.check or not meshed.meshes:
         print(f"{out}/stations: {len(meshed.meshes)} stations")
         return worst(codes)

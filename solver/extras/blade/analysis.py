@@ -9,25 +9,29 @@ import numpy as np
 
 from ...errors import InputError
 from ...inputs.case.record import CASE_FILE
+from ...math.laws import lengths_along
 from ...package.common.files import refuse_foreign, write_text
-from .layers import StationMesh
-from .operation import write_rotor
-from .station import write_station
+from .layers import StationMesh, with_face
+from .operation import AERO, OPERATION, POLARS, read_rotor, write_rotor
+from .shape import contour
+from .station import bands_of, webs_of, write_station
 from .stations import (
     Station,
     analysed,
     body_csv,
     complete,
+    line_of,
     station_csv,
-    write_blade_case,
     write_for,
 )
-from .turbine import write_turbine
+from .turbine import BLADED, ROTOR_CASE, TOWER, Machine, write_blade_case, write_turbine
 from .windio import Blade, differences, read_blade
 
 LOGGER = logging.getLogger(__name__)
 REMOVED = 0.02  # share of the layers' area without room, above which a warning says so
+WHOLE = 0.02  # between the masses of a blade and of its file, above which a warning says so
 TABLE, BODY = "blade.csv", "beam.csv"
+OF_ROTOR = (AERO, POLARS, OPERATION, ROTOR_CASE, TOWER, BLADED)
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,7 @@ def read_and_mesh(
     *,
     count: int | None = None,
     at: Sequence[float] = (),
+    rotor: bool = False,
     failed: Callable[[str, float, Exception], None],
 ) -> Meshed:
     """Read a windIO file and write folder/stations: a mesh and a description of each station.
@@ -81,6 +86,7 @@ def read_and_mesh(
     ----------
     count : stations at equal distances from root to tip
     at : places r of 0 to 1; neither: the grid of the file's chord
+    rotor : the file must have what `write_whole` needs for its rotor
     failed : called with each station that cannot be meshed; the others are
 
     Raises
@@ -88,6 +94,8 @@ def read_and_mesh(
     InputError : the file is wrong, both `count` and `at`, stations at one place, foreign files.
     """
     blade = read_blade(file)
+    if rotor:
+        Machine(blade, read_rotor(blade)[0])
     for words in blade.left_out:
         _warning("not-modelled", f"{file}: {words}")
     for words in blade.doubtful:
@@ -102,7 +110,7 @@ def read_and_mesh(
     meshed = Meshed(blade, folder, {f"r{round(1e4 * r):05d}": r for r in places})
     if len(meshed.places) < len(places):
         raise InputError("blade: stations closer than 1e-4 of the span")
-    for written in (TABLE, BODY, CASE_FILE):
+    for written in (TABLE, BODY, CASE_FILE, *(OF_ROTOR if rotor else ())):
         refuse_foreign(folder / written)  # before the work
     for name, r in meshed.places.items():
         try:
@@ -132,8 +140,40 @@ def collected(meshed: Meshed, failed: Container[str]) -> list[Station]:
             place = f"{blade.file}: station r = {station.r:g}"
             if found:
                 _warning("differs-from-file", f"{place}: {'; '.join(found)}")
+    _compare_masses(blade, complete(stations))
     write_text(meshed.folder / TABLE, station_csv(blade, stations))
     return stations
+
+
+def _compare_masses(blade: Blade, stations: Sequence[Station]) -> None:
+    """Warn of stations from root to tip whose mass is not that of the file [kg]."""
+    r = [station.r for station in stations]
+    if blade.given is None or not {0.0, 1.0} <= set(r):
+        return
+    s = lengths_along(line_of(blade, r))
+    theirs = [blade.given.at(x).get("mass", np.nan) for x in r]
+    sums = [one.results.M[0, 0] for one in stations if one.results], theirs, thin_masses(blade, r)
+    own, known, thin = (float(np.trapezoid(row, s)) for row in sums)
+    if abs(own / known - 1.0) > WHOLE:
+        words = f"{own:.5g} kg, elastic_properties {known:.5g} kg (x {own / known:.3f}); thickness"
+        words += f" times arc of the outer surface, as thin-walled codes count, {thin:.5g} kg"
+        _warning("differs-from-file", f"{blade.file}: the blade has {words} (x {thin / known:.3f})")
+
+
+def thin_masses(blade: Blade, places: Sequence[float]) -> list[float]:
+    """Thickness times arc of the outer surface, and webs between its points, at r [kg/m]."""
+    found, rho = [], {name: material["rho"] for name, material in blade.materials.items()}
+    for r in places:
+        bands = bands_of(blade, r)
+        points, _ = with_face(contour(blade, r), bands)
+        s = lengths_along(points)
+        mass = s[-1] * sum(rho[b.material] * b.thickness * (b.end - b.start) for b in bands)
+        for web in webs_of(blade, r):
+            ends = np.array([web.start, web.end]) * s[-1]
+            height = np.hypot(*(np.diff(np.interp(ends, s, x))[0] for x in points.T))
+            mass += height * sum(rho[b.material] * b.thickness for b in web.layers)
+        found.append(float(mass))
+    return found
 
 
 def write_whole(

@@ -267,12 +267,8 @@ def operation_csv(points: Sequence[Point]) -> str:
     return "\n".join([*rows, ""])
 
 
-def write_rotor(
-    blade: Blade, folder: Path
-) -> tuple[list[Path], list[Strip], RigidRotor, list[Point]]:
-    """Write strips and polars of a blade in the wind, and its steady operation.
-
-    Returns the files, strips, rotor and operating points.
+def read_rotor(blade: Blade) -> tuple[Turbine, list[Strip], Array]:
+    """Return what the file has of its rotor, its strips and their places (n, 3) [m].
 
     Raises
     ------
@@ -282,7 +278,18 @@ def write_rotor(
     turbine, r = read_turbine(tables, top), np.linspace(0.0, 1.0, DENSE)
     line = line_of(blade, r.tolist())
     found = strips(blade, tables, top, line, STRIPS)
-    places = np.column_stack([np.interp([s.r for s in found], r, column) for column in line.T])
+    at = [s.r for s in found]
+    return turbine, found, np.column_stack([np.interp(at, r, column) for column in line.T])
+
+
+def write_rotor(
+    blade: Blade, folder: Path
+) -> tuple[list[Path], list[Strip], RigidRotor, list[Point]]:
+    """Write strips and polars of a blade in the wind, and its steady operation.
+
+    Returns the files, strips, rotor and operating points. Raises as `read_rotor`.
+    """
+    turbine, found, places = read_rotor(blade)
     write_text(folder / AERO, section_csv(found))
     write_text(folder / POLARS, polar_csv(found))
     hub = blade.hub

@@ -2,12 +2,15 @@
 
 import math
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...errors import printable
+from ...inputs.case.record import CASE_FILE
 from ...inputs.case.tables.beams import COLUMNS, UPPER
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
@@ -15,12 +18,14 @@ from ...package.common.files import write_text
 from ...package.common.plain_data import toml_value
 from .aerodynamics import Strip
 from .materials import Materials
-from .operation import DENSE, Point, RigidRotor, blade_axes
+from .operation import DENSE, Point, RigidRotor, Turbine, blade_axes
 from .stations import Station, complete, elements_of, line_of
 from .tables import Tables
 from .windio import Blade, turbine_table
 
 ROTOR_CASE, TOWER = "rotor.toml", "tower.csv"
+MODES_ALONE = 10  # vibrations of a blade in a case of its own
+TIP_SPEED = 80.0  # [m/s] of its run
 MODES = 4  # lowest vibrations of a free blade, beside the static shapes
 TEMPLATES = Path(__file__).with_name("turbine_case.txt")
 BLADED, BLADED_TEXT = "bladed.py", Path(__file__).with_name("bladed.txt")
@@ -31,6 +36,89 @@ BEARING = 2.0 * math.pi * 10.0  # [rad/s] of a blade on its pitch drive
 ERROR = "gain(state('pitch')) * (state('measured') - rated_speed)"
 FREE = f"state('integral') + 2 * w * {ERROR}"
 DEMAND = f"clip({FREE}, fine_pitch, 1.57)"
+
+
+def write_blade_case(blade: Blade, stations: Sequence[Station], folder: Path) -> Path:
+    """Write the case of a blade whose table beam.csv is in `folder`; returns its file."""
+    count = len(complete(stations))
+    radius, cone = blade.hub.radius, blade.hub.cone_deg
+    angle = math.radians(cone)
+    length = float(blade.length.values[-1] - blade.length.values[0])
+    speed = TIP_SPEED / (radius + length)
+    file = folder / CASE_FILE
+    text = parts()["ALONE"].format(
+        file_name=printable(blade.file.name),
+        title=toml_value(f"Blade of {blade.file.name}"),
+        file=printable(shlex.quote(str(file))),
+        speed=speed,
+        step=speed / 8.0,
+        tip=TIP_SPEED,
+        stations=count,
+        root=[radius * math.cos(angle), 0.0, -radius * math.sin(angle) + 0.0],
+        elements=elements_of(count),
+        modes=MODES_ALONE,
+        radius=radius,
+        cone=cone,
+    )
+    write_text(file, f"{text}\n")
+    return file
+
+
+class Machine:
+    """What a windIO file has of a turbine besides its blades.
+
+    `centre` of the rotor [m]; `turn`: matrix of the tilt; `limit` of the rate of the pitch and
+    frequency of the `actuator` [rad/s]; `own`: numbers of the hub; `below`: text of the case below
+    the rotor; `tower`: its table, empty if there is none.
+
+    Raises
+    ------
+    InputError : the file lacks numbers of the hub, of the nacelle or of the tower.
+    """
+
+    def __init__(self, blade: Blade, t: Turbine) -> None:
+        tables, top = Tables(blade.file), turbine_table(blade.file)
+        components, control = (tables.table(top, key) for key in ("components", "control"))
+
+        def number(parent: Mapping[str, Any], path: str, default: float | None = None) -> float:
+            if default is not None and parent.get(path.rpartition(".")[2]) is None:
+                return default
+            return float(tables.numbers(parent, path, 1)[0])
+
+        drive = components.get("drivetrain") or {}
+        outer = drive.get("outer_shape") or {}
+        path = "components.drivetrain"
+        self.tilt = number(outer, f"{path}.outer_shape.uptilt", 0.0)
+        self.height = number(tables.table(top, "assembly"), "assembly.hub_height")
+        overhang = number(outer, f"{path}.outer_shape.overhang", 0.0)
+        self.centre = np.array([-overhang, 0.0, self.height])
+        self.turn = vector_to_matrix(np.array([0.0, math.radians(self.tilt), 0.0]))
+        self.ratio = float((drive.get("gearbox") or {}).get("gear_ratio") or 1.0)
+        self.own = _hub(tables, components, drive, self.ratio)
+        rate = number(control, "control.max_pitch_rate", math.degrees(0.1 * t.rated))
+        self.limit = math.radians(rate)
+        self.actuator = number(control, "control.pitch_actuator_frequency", 4.0 * t.rated)
+        self.tower, self.below = "", parts()["ON_GROUND"].format(hub=_list(self.centre))
+        if "tower" not in components:
+            return
+        foot, self.tower = _tower(tables, components["tower"], Materials(tables, top))
+        tt = self.height - number(outer, f"{path}.outer_shape.distance_tt_hub")
+        nacelle = tables.table(drive, f"{path}.elastic_properties")
+        where = f"{path}.elastic_properties"
+        self.below = parts()["ON_TOWER"].format(
+            foot=_list(foot),
+            top=_list([0.0, 0.0, tt]),
+            shaft=_list(self.centre - [0.0, 0.0, tt]),
+            mass=number(nacelle, f"{where}.mass"),
+            centre=_list(tables.numbers(nacelle, f"{where}.location", 3)),
+            inertia=_symmetric(tables.numbers(nacelle, f"{where}.inertia", 6)),
+        )
+
+
+def parts() -> dict[str, str]:
+    """Return the parts of the template of a case by name."""
+    text = TEMPLATES.read_text("utf-8")
+    return dict(re.findall(r"%% (\w+)\n(.*?)(?=\n%% |\Z)", text, re.DOTALL))
 
 
 def write_turbine(
@@ -49,30 +137,11 @@ def write_turbine(
     points : steady operation over the wind
     controller : a library with the interface of Bladed, and its input file; else our own
 
-    Raises
-    ------
-    InputError : the file lacks numbers of the hub, of the nacelle or of the tower.
+    Raises InputError as `Machine`.
     """
-    tables, top = Tables(blade.file), turbine_table(blade.file)
-    t, components = rotor.turbine, tables.table(top, "components")
-    control = tables.table(top, "control")
-
-    def number(parent: Mapping[str, Any], path: str, default: float | None = None) -> float:
-        if default is not None and parent.get(path.rpartition(".")[2]) is None:
-            return default
-        return float(tables.numbers(parent, path, 1)[0])
-
-    drive = components.get("drivetrain") or {}
-    outer = drive.get("outer_shape") or {}
-    part = dict(re.findall(r"%% (\w+)\n(.*?)(?=\n%% |\Z)", TEMPLATES.read_text("utf-8"), re.DOTALL))
-    path = "components.drivetrain"
-    tilt = number(outer, f"{path}.outer_shape.uptilt", 0.0)
-    height = number(tables.table(top, "assembly"), "assembly.hub_height")
-    overhang = number(outer, f"{path}.outer_shape.overhang", 0.0)
-    centre = np.array([-overhang, 0.0, height])
-    turn = vector_to_matrix(np.array([0.0, math.radians(tilt), 0.0]))
+    t, machine, part = rotor.turbine, Machine(blade, rotor.turbine), parts()
+    own, centre, turn = machine.own, machine.centre, machine.turn
     n = turn[:, 0]
-    own = _hub(tables, components, drive)
     J_pitch, J_blade = _inertia(blade, stations)
     inertia = own["hub_inertia"][0][0] + t.blades * J_blade
     # Near the rated wind the torque changes little by pitch, but flexible blades turn further.
@@ -82,22 +151,10 @@ def write_turbine(
     w = 0.25 * t.rated
     steady = min(points, key=lambda p: abs(p.wind - 10.0))
     step = next((p for p in points if p.pitch > p.fine + 0.1), points[-1])
-    files, below = [folder / ROTOR_CASE], part["ON_GROUND"].format(hub=_list(centre))
-    if "tower" in components:
-        foot, text = _tower(tables, components["tower"], Materials(tables, top))
-        write_text(folder / TOWER, text)
+    files = [folder / ROTOR_CASE]
+    if machine.tower:
+        write_text(folder / TOWER, machine.tower)
         files.append(folder / TOWER)
-        tt = np.array([0.0, 0.0, height - number(outer, f"{path}.outer_shape.distance_tt_hub")])
-        nacelle = tables.table(drive, f"{path}.elastic_properties")
-        where = f"{path}.elastic_properties"
-        below = part["ON_TOWER"].format(
-            foot=_list(foot),
-            top=_list(tt),
-            shaft=_list(centre - tt),
-            mass=number(nacelle, f"{where}.mass"),
-            centre=_list(tables.numbers(nacelle, f"{where}.location", 3)),
-            inertia=_symmetric(tables.numbers(nacelle, f"{where}.inertia", 6)),
-        )
     own_law = not controller
     text = "".join(part[k] for k in ("HEAD", "CONTROL" if own_law else "BLADED", "HUB")).format(
         bladed=BLADED, sample=SAMPLE, start_torque=steady.torque,
@@ -105,15 +162,13 @@ def write_turbine(
         wind=steady.wind, speed=steady.speed, pitch=steady.pitch, fine=math.radians(steady.fine),
         rated=t.rated, slowest=t.slowest or 0.2 * t.rated, torque=t.rated_torque,
         best=rotor.best(), w=w, low_pass=10.0 * w,
-        limit=math.radians(number(control, "control.max_pitch_rate", math.degrees(0.1 * t.rated))),
-        axis=_list(n), blades=toml_value(rotor.blades), height=height,
+        limit=machine.limit, axis=_list(n), blades=toml_value(rotor.blades), height=machine.height,
         pitches=_list([p for p, _ in gained]), gains=_list([g for _, g in gained]),
         error=ERROR, free=FREE, demand=DEMAND,
-        actuator=number(control, "control.pitch_actuator_frequency", 4.0 * t.rated),
-        shaft='"nacelle.shaft"' if "tower" in components else '"ground.hub"',
-        hub=_list(centre), tilt=tilt, **{**own, "hub_inertia": _rows(own["hub_inertia"])},
+        actuator=machine.actuator, shaft='"nacelle.shaft"' if machine.tower else '"ground.hub"',
+        hub=_list(centre), tilt=machine.tilt, **{**own, "hub_inertia": _rows(own["hub_inertia"])},
     )  # fmt: skip
-    parts, roots = [], ""
+    blades, roots = [], ""
     # Vibrations of a free blade hardly twist it: without these shapes the tips lack 0.04 rad.
     twisted = [strips[len(strips) // 2 - 1].name, strips[3 * len(strips) // 4 - 1].name]
     loaded = [("tip", ["z", "rx"]), *((name, ["rx"]) for name in twisted)]
@@ -121,9 +176,8 @@ def write_turbine(
     k = J_pitch * BEARING**2
     if controller:
         library, given = (str(file.resolve()) for file in controller)
-        ratio = _ratio(drive)
         program = BLADED_TEXT.read_text("utf-8").format(
-            library=library, input=given, sample=SAMPLE, blades=t.blades, ratio=ratio, k=k
+            library=library, input=given, sample=SAMPLE, blades=t.blades, ratio=machine.ratio, k=k
         )
         write_text(folder / BLADED, program)
         files.append(folder / BLADED)
@@ -137,7 +191,7 @@ def write_turbine(
         c, s = "cos(pitch_deg*pi/180)", "sin(pitch_deg*pi/180)"
         spin = [f"speed * {x:.15g}", f"speed * ({y:.15g}*{c} - ({z:.15g})*{s})",
                 f"speed * ({y:.15g}*{s} + ({z:.15g})*{c})"]  # fmt: skip
-        parts.append(
+        blades.append(
             part["BLADE"].format(
                 name=name, i=i + 1, elements=elements_of(len(complete(stations))), modes=MODES,
                 shapes=toml_value(shapes)[1:-1],
@@ -146,7 +200,7 @@ def write_turbine(
                 c=1.4 * k / BEARING, asked="state('pitch')" if own_law else "pitch_deg * pi / 180",
             )
         )  # fmt: skip
-        parts += [] if own_law else [part["DEMAND"].format(i=i + 1, bladed=BLADED, sample=SAMPLE)]
+        blades += [] if own_law else [part["DEMAND"].format(i=i + 1, bladed=BLADED, sample=SAMPLE)]
     tail = part["TAIL"].format(
         wind=steady.wind, step=step.wind, step_speed=step.speed,
         step_pitch=step.pitch, step_fine=math.radians(step.fine), step_torque=step.torque,
@@ -155,7 +209,7 @@ def write_turbine(
         pitches=_list([p.pitch for p in points]),
         fines=_list([math.radians(p.fine) for p in points]),
     )  # fmt: skip
-    write_text(folder / ROTOR_CASE, "\n".join([f"{text}\n{roots}", *parts, below, tail]))
+    write_text(folder / ROTOR_CASE, "\n".join([f"{text}\n{roots}", *blades, machine.below, tail]))
     return files
 
 
@@ -172,7 +226,9 @@ def _symmetric(six: Array) -> str:
     return _rows([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def _hub(tables: Tables, components: Mapping[str, Any], drive: Mapping[str, Any]) -> dict[str, Any]:
+def _hub(
+    tables: Tables, components: Mapping[str, Any], drive: Mapping[str, Any], ratio: float
+) -> dict[str, Any]:
     """Return mass, centre and inertia of the hub, with the rotating inertia of the generator."""
     path = "components.hub.elastic_properties"
     given = tables.table(tables.table(components, "components.hub"), path)
@@ -183,15 +239,10 @@ def _hub(tables: Tables, components: Mapping[str, Any], drive: Mapping[str, Any]
     inertia = np.diag(tables.numbers(given, f"{path}.inertia")[:3])
     machine = (drive.get("generator") or {}).get("elastic_properties")
     if machine:
-        ratio = _ratio(drive)
         where = "components.drivetrain.generator.elastic_properties.inertia"
         turning = ratio**2 * tables.numbers(machine, where)[0]
         inertia += turning * np.diag([1.0, 0.5, 0.5])  # a disc
     return {"hub_mass": mass, "hub_centre": centre, "hub_inertia": inertia.tolist()}
-
-
-def _ratio(drive: Mapping[str, Any]) -> float:
-    return float((drive.get("gearbox") or {}).get("gear_ratio") or 1.0)
 
 
 def _inertia(blade: Blade, stations: Sequence[Station]) -> tuple[float, float]:
