@@ -294,7 +294,7 @@ class _Writer:
     ) -> None:
         self._robot, self._heads, self._bodies = robot, heads, bodies
         self._names, self._way = dict(names), moved
-        self._notes: list[str] = []
+        self._notes = [*robot.notes]
         self._points: dict[str, Tables] = {head: {} for head in bodies}
         self._tables: Tables = {
             group: {} for group in ("bodies", "ground", "joints", "couplings", "forces", "signals")
@@ -341,7 +341,7 @@ class _Writer:
         whole = {
             **top,
             **{group: table for group, table in tables.items() if table},
-            "solver": {"t_end": 1.0, "output_step": 0.01},
+            "solver": {"t_end": 1.0, "output_step": 0.01, "start": "quasi-static"},
             "runs": {"base": {}},
         }
         return RobotCase(whole, named, self._names, self._notes)

@@ -6,7 +6,7 @@ know, or raise without a place in the file. Entities are refused, so that a file
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import StrEnum, auto
 from pathlib import Path
 from typing import TypeVar
@@ -169,6 +169,7 @@ class Robot:
     links: dict[str, Link]
     joints: dict[str, UrdfJoint]
     reductions: dict[str, float]  # of joints with a transmission, which may not be there
+    notes: list[str]  # transmissions that are left out
 
 
 def read_urdf(file: Path) -> Robot:
@@ -243,7 +244,8 @@ class _Reader:
         refuse(self._found)
         root, ordered = self._ordered(links, joints)
         name = self._root.attributes.get("name") or self._file.stem
-        return Robot(self._file, name, root, links, ordered, self._reductions())
+        notes: list[str] = []
+        return Robot(self._file, name, root, links, ordered, self._reductions(notes), notes)
 
     def _named(self, tag: str, read: Callable[[str, Element], Thing]) -> dict[str, Thing]:
         found: dict[str, Thing] = {}
@@ -475,7 +477,7 @@ class _Reader:
         refuse(self._found)
         return roots[0], ordered
 
-    def _reductions(self) -> dict[str, float]:
+    def _reductions(self, notes: list[str]) -> dict[str, float]:
         found: dict[str, float] = {}
         for transmission in self._root.all("transmission"):
             holders = [transmission, *transmission.all("joint"), *transmission.all("actuator")]
@@ -483,13 +485,18 @@ class _Reader:
             own = [e for holder in holders for e in holder.all("mechanicalReduction")]
             if not own:
                 continue
-            text = own[0].text or own[0].attributes.get("value", "")
-            element = replace(own[0], attributes={"value": text.strip()})
-            value = self._number(f"transmission of {', '.join(names)}", element, "value", 1.0)
-            if value == 0.0:
-                self._of(own[0], " = 0; expected another number")
+            text = (own[0].text or own[0].attributes.get("value", "")).strip()
+            try:
+                value = float(text)
+            except ValueError:
+                value = 0.0
+            if value == 0.0 or not math.isfinite(value):
+                notes.append(
+                    f"line {own[0].line}: transmission of {', '.join(names)}: left out: "
+                    f'<mechanicalReduction> "{printable(text)}"; expected a number other than 0'
+                )
+                continue
             found |= dict.fromkeys(names, value)
-        refuse(self._found)
         return found
 
 
