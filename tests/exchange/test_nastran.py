@@ -101,8 +101,8 @@ def test_bulk_data_is_refused(tmp_path: Path, line: str, message: str) -> None:
         read_bulk_data(deck, list(bulk_cards(deck)))
 
 
-def op4_bytes(A: np.ndarray, name: str, sparse: bool) -> bytes:
-    """A binary OUTPUT4 file of one matrix, by its description."""
+def op4_bytes(A: np.ndarray, name: str, sparse: bool, big: bool = False) -> bytes:
+    """A binary OUTPUT4 file of one matrix, by its description; `big`: with BIGMAT = TRUE."""
 
     def record(*parts: bytes) -> bytes:
         body = b"".join(parts)
@@ -113,27 +113,30 @@ def op4_bytes(A: np.ndarray, name: str, sparse: bool) -> bytes:
         return np.array(numbers, dtype="<i4").tobytes()
 
     rows, columns = A.shape
-    out = record(words(columns, rows, 2, 2), f"{name:8s}".encode())
+    out = record(words(columns, -rows if big else rows, 2, 2), f"{name:8s}".encode())
     for j in range(columns):
         used = np.flatnonzero(A[:, j])
         if sparse:
-            strings = [words(3 * 65536 + i + 1) + A[i, j].tobytes() for i in used]
-            out += record(words(j + 1, 0, 3 * len(used)), *strings)
+            heads = [words(3, i + 1) if big else words(3 * 65536 + i + 1) for i in used]
+            strings = [head + A[i, j].tobytes() for head, i in zip(heads, used, strict=True)]
+            out += record(words(j + 1, 0, (4 if big else 3) * len(used)), *strings)
         else:
             out += record(words(j + 1, 1, 2 * rows), A[:, j].tobytes())
     return out + record(words(columns + 1, 1, 2), np.ones(1).tobytes())
 
 
-@pytest.mark.parametrize("sparse", [False, True])
-def test_op4_of_any_writer(tmp_path: Path, sparse: bool) -> None:
+@pytest.mark.parametrize(
+    ("sparse", "big"), [(False, False), (True, False), (True, True)], ids=["dense", "sparse", "big"]
+)
+def test_op4_of_any_writer(tmp_path: Path, sparse: bool, big: bool) -> None:
     A = sp.random(12, 12, 0.3, random_state=3).toarray()
     B = sp.random(12, 12, 0.2, random_state=4).toarray()
     file = tmp_path / "a.op4"
-    file.write_bytes(op4_bytes(A, "KGG", sparse) + op4_bytes(B, "MGG", sparse))
+    file.write_bytes(op4_bytes(A, "KGG", sparse, big) + op4_bytes(B, "MGG", sparse, big))
     found = read_op4(file)
     np.testing.assert_array_equal(found["KGG"].toarray(), A)
     np.testing.assert_array_equal(found["MGG"].toarray(), B)
-    file.write_bytes(op4_bytes(A, "KGG", sparse)[:-60])
+    file.write_bytes(op4_bytes(A, "KGG", sparse, big)[:-60])
     with pytest.raises(InputError, match=r"damaged at byte|before its last column"):
         read_op4(file)
 

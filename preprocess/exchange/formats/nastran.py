@@ -35,6 +35,7 @@ Card = tuple[str, list[str]]  # name and fields
 EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 DOUBLE = {1: "f4", 2: "f8"}  # type of the matrix -> its numbers; complex ones are refused
 HEADER = (24, 32)  # bytes: name of 8 characters, or two words of a 64-bit writer
+BIG = 65536  # a sparse matrix of as many rows has BIGMAT, as one with its number of rows below 0
 NAMES = {"stiffness": ("KGG", "KAA"), "mass": ("MGG", "MAA")}
 NOTHING = 1e-12  # diagonal of a dof without stiffness and mass, relative to the largest
 SHELLS = {"CQUAD4": 4, "CTRIA3": 3}  # number of corners; then come an angle and an offset
@@ -153,7 +154,7 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
             at, first, _ = np.frombuffer(column[:12], f"{order}i4").tolist()
             if at > columns:
                 break
-            for row, values in _strings(column[12:], first, number, order):
+            for row, values in _strings(column[12:], first, number, order, not 0 < rows < BIG):
                 used = np.flatnonzero(values)
                 entries.append((row - 1 + used, np.full(len(used), at - 1), values[used]))
         else:
@@ -182,25 +183,25 @@ def _records(data: bytes, order: str, path: Path) -> Iterator[bytes]:
 
 
 def _strings(
-    data: bytes, first: int, number: np.dtype, order: str
+    data: bytes, first: int, number: np.dtype, order: str, big: bool
 ) -> Iterator[tuple[int, np.ndarray]]:
     """First row and values of each string of a column.
 
     A dense column is one string. A sparse one (first = 0) has a word before each: its length in
-    words plus one, times 65536, plus its first row.
+    words plus one, times 65536, plus its first row. These are two words in a `big` matrix.
     """
     if first > 0:
         yield first, np.frombuffer(data[: len(data) // number.itemsize * number.itemsize], number)
         return
-    place = 0
-    while place + 4 <= len(data):
-        word = int(np.frombuffer(data[place : place + 4], f"{order}i4")[0])
-        size, row = word // 65536 - 1, word % 65536
-        if size <= 0:
+    place, head = 0, 8 if big else 4
+    while place + head <= len(data):
+        words = np.frombuffer(data[place : place + head], f"{order}i4").tolist()
+        size, row = words if big else divmod(words[0], BIG)
+        if size <= 1:
             return
-        place += 4
-        yield row, np.frombuffer(data[place : place + 4 * size], number)
-        place += 4 * size
+        place, end = place + head, place + head + 4 * (size - 1)
+        yield row, np.frombuffer(data[place:end], number)
+        place = end
 
 
 def read(files: Files) -> FreeBody:
