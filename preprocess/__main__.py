@@ -81,13 +81,10 @@ def _guarded(options: argparse.Namespace) -> int:
     except OSError as error:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 2
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    except ImportError as error:
+    except (InputError, ImportError) as error:
         if not type(error).__module__.startswith("plymotion."):
             raise
-        print(f"error: {error}", file=sys.stderr)  # it states what is missing
+        print(f"error: {error}", file=sys.stderr)  # or what is missing of FEniCSx
         return 2
     except KeyboardInterrupt:
         print("interrupted: files finished before are kept", file=sys.stderr)
@@ -109,12 +106,7 @@ def _parser() -> argparse.ArgumentParser:
             "{}: modes, inertia.",
             BODY_EPILOG,
         ),
-        (
-            "section",
-            "analyse cross-sections",
-            sections,
-            SECTION_EPILOG.format(ranks=RANKS_EPILOG),
-        ),
+        ("section", "analyse cross-sections", sections, SECTION_EPILOG.format(ranks=RANKS_EPILOG)),
         (
             "section-batch",
             "analyse many cross-sections over the ranks of an MPI job",

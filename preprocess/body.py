@@ -12,14 +12,7 @@ from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
 from ..solver.package.section.schema import SectionFile, SectionRecovery
 from ..solver.package.section.stress import thinned
-from .beam.body import (
-    BeamModel,
-    beam_input,
-    beam_model,
-    beam_modes,
-    beam_package,
-    mode_warnings,
-)
+from .beam.body import BeamModel, beam_input, beam_model, beam_modes, beam_package, mode_warnings
 from .beam.sections import StationSection, analysed_section, given_section, is_given
 from .beam.spec import BeamSpec, read_spec
 from .design import Parameter, change_of_inputs, derivatives, read_parameters
@@ -90,10 +83,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     remarks = [] if spec.get("candidates") else mode_warnings(model, modes)
     provenance = body_provenance(
         spec,
-        {
-            "section": max(result.dofs for result in results),
-            "body": 6 * model.line.n_node,
-        },
+        {"section": max(result.dofs for result in results), "body": 6 * model.line.n_node},
         {"section": after_section - start, "modes": after_modes - after_section},
         [*(w for result in results for w in result.warnings), *remarks],
     )

@@ -140,8 +140,7 @@ def recovered(layups: Layups, nodes: Array, cells: Cells, shapes: Array, where: 
         found[own] = np.concatenate([A @ e + B @ k, B @ e + D @ k, Ds @ gamma], axis=1)
     data = (specs[name].data(name, stiffness[name], layups.materials) for name in specs)
     return Recovered(
-        tuple(data),
-        CellResultants(layups.cell, layups.laminate, layups.A_BE, rounded(found)),
+        tuple(data), CellResultants(layups.cell, layups.laminate, layups.A_BE, rounded(found))
     )
 
 
@@ -263,10 +262,7 @@ def free_body(
 
 
 def labelled_cells(
-    cells: Sequence[Sequence[int]] | None,
-    types: Sequence[int] | None,
-    ids: IntArray,
-    where: str,
+    cells: Sequence[Sequence[int]] | None, types: Sequence[int] | None, ids: IntArray, where: str
 ) -> Cells | None:
     """Cells from the labels of their nodes; types None: by the number of nodes."""
     if cells is None:

@@ -14,6 +14,7 @@ in other coordinates.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -33,12 +34,22 @@ class ModeError(Exception):
     """The model does not have the requested modes, or modes fail their checks."""
 
 
-def solve_indefinite(A: Any, B: Array) -> Array:
+# Of SuperLU, for matrices that need no row exchanges.
+WITHOUT_EXCHANGES: dict[str, Any] = {
+    **{"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0},
+    "options": {"SymmetricMode": True},
+}
+
+
+def solve_indefinite(A: Any, B: Array, **options: Any) -> Array:
     """Solve A X = B, A sparse symmetric and regular, one step of refinement included."""
     scale = sp.diags(1.0 / np.sqrt(np.abs(A.diagonal())))
-    factors = spla.splu((scale @ A @ scale).tocsc())
+    factors = spla.splu((scale @ A @ scale).tocsc(), **options)
     X = scale @ factors.solve(scale @ B)
     return np.asarray(X + scale @ factors.solve(scale @ (B - A @ X)))
+
+
+solve_definite = partial(solve_indefinite, **WITHOUT_EXCHANGES)
 
 
 class Algebra(NamedTuple):
@@ -260,28 +271,10 @@ def _massive(M: Any) -> int:
     return int(np.count_nonzero(np.abs(M).sum(axis=1)))
 
 
-def solve_definite(A: Any, B: Array) -> Array:
-    """Solve A X = B, A sparse symmetric positive definite, one step of refinement included."""
-    scale = sp.diags(1.0 / np.sqrt(A.diagonal()))
-    factors = spla.splu(
-        (scale @ A @ scale).tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    X = scale @ factors.solve(scale @ B)
-    return np.asarray(X + scale @ factors.solve(scale @ (B - A @ X)))
-
-
 def negative_pivots(A: Any) -> int:
     """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia)."""
     try:
-        factors = spla.splu(
-            A.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        factors = spla.splu(A.tocsc(), **WITHOUT_EXCHANGES)
         if np.array_equal(factors.perm_r, factors.perm_c):
             return int(np.count_nonzero(factors.U.diagonal() < 0.0))
     except RuntimeError:

@@ -246,10 +246,7 @@ def analyse(
         mesh=mesh_data(problem.mesh, problem.space, lay),
         warping=nodal_displacements(result.space, unit_warping(result.space, result)),
         recovery=section_recovery(
-            points,
-            lay_points,
-            points.team.stacked(strain),
-            dict(spec["materials"]),
+            points, lay_points, points.team.stacked(strain), dict(spec["materials"])
         ),
         warnings=tuple(warnings),
         design=of_design,

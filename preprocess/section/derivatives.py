@@ -37,14 +37,7 @@ from .space.layers import Layup
 from .space.space import SectionSpace
 from .space.strains import fixed, strain_in_section, volume
 from .spec import SectionError
-from .timoshenko import (
-    CLASSICAL,
-    SHEAR,
-    mass_centre,
-    mass_matrix,
-    shear_centre,
-    tension_centre,
-)
+from .timoshenko import CLASSICAL, SHEAR, mass_centre, mass_matrix, shear_centre, tension_centre
 from .warping import WarpingSolver, motions_of_beam, pinned_dofs, rigid_fields
 
 Operators = SectionSpace | TwistedStrains

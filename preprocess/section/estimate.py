@@ -249,12 +249,16 @@ def relative(energy: Array, K: Array) -> Array:
 
 def worst_cells(error: Array, share: float = SHARE) -> NDArray[np.bool_]:
     """The fewest cells that hold this share of the error, (c,)."""
+    marked = np.zeros(len(error), dtype=bool)
+    marked[_worst(error, share)] = True
+    return marked
+
+
+def _worst(error: Array, share: float) -> IntArray:
+    """Rows of the fewest cells that hold this share of the error, the worst first."""
     order = np.argsort(error)[::-1]
     held = np.cumsum(error[order])
-    count = int(np.searchsorted(held, share * held[-1])) + 1
-    marked = np.zeros(len(error), dtype=bool)
-    marked[order[:count]] = True
-    return marked
+    return order[: int(np.searchsorted(held, share * held[-1])) + 1]
 
 
 WIDEST = np.radians(30.0)  # element along the circle
@@ -275,9 +279,7 @@ def cell_exponents(mesh: CellMesh, C: Array, error: Array, regular: float) -> Ar
     error : (c,) indicator of the error; cells with little of it are not looked at
     """
     found = np.full(mesh.n_cell, regular)
-    order = np.argsort(error)[::-1]
-    held = np.cumsum(error[order])
-    looked = order[: int(np.searchsorted(held, HELD * held[-1])) + 1]
+    looked = _worst(error, HELD)
     stiffness = C.mean(axis=1)
     around = _corners_around(mesh)
     known: dict[tuple[float, ...], float] = {}

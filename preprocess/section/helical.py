@@ -159,11 +159,7 @@ class AlongAxis:
     """T = 0: one factorisation, good for small |k| h."""
 
     def __init__(
-        self,
-        strains: TwistedStrains,
-        C: Array,
-        kept: Restriction,
-        largest_growth: float,
+        self, strains: TwistedStrains, C: Array, kept: Restriction, largest_growth: float
     ) -> None:
         E = strains.E(C)
         team = strains.space.team
@@ -214,12 +210,7 @@ class Waves:
     """
 
     def __init__(
-        self,
-        strains: TwistedStrains,
-        C: Array,
-        kept: Restriction,
-        T: Array,
-        simple: AlongAxis,
+        self, strains: TwistedStrains, C: Array, kept: Restriction, T: Array, simple: AlongAxis
     ) -> None:
         self._simple = simple
         kappa = float(np.linalg.norm(strains.k))

@@ -212,10 +212,7 @@ class SectionProblem:
 
 
 def section_problem(
-    mesh_spec: Mapping[str, Any],
-    where: str,
-    degree: int | None,
-    team: fenicsx.Team = fenicsx.ALONE,
+    mesh_spec: Mapping[str, Any], where: str, degree: int | None, team: fenicsx.Team = fenicsx.ALONE
 ) -> SectionProblem:
     """The problem on the mesh of a description.
 

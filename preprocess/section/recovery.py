@@ -67,10 +67,7 @@ def unit_warping(space: SectionSpace, result: Result) -> Array:
 
 
 def section_recovery(
-    space: SectionSpace,
-    lay: Layup,
-    strain_B: Array,
-    materials: dict[str, dict[str, object]],
+    space: SectionSpace, lay: Layup, strain_B: Array, materials: dict[str, dict[str, object]]
 ) -> SectionRecovery:
     """Data for the recovery of ply stresses.
 

@@ -65,10 +65,7 @@ class HeldSolid:
         return _hertz(self._condition.lowest(count, self._solver.eigenpairs)[0])
 
     def case(
-        self,
-        loads: Mapping[str, Any],
-        unit_pressure: Callable[[str], Array],
-        where: str = "loads",
+        self, loads: Mapping[str, Any], unit_pressure: Callable[[str], Array], where: str = "loads"
     ) -> Case:
         """Static displacements under the loads of a case; `where`: its key, for messages.
 

@@ -109,12 +109,12 @@ def bulk_cards(path: Path) -> Iterator[Card]:
 def _fields(line: str) -> tuple[str, list[str]]:
     if "," in line:
         words = [word.strip() for word in line.split(",")]
-        name, data = words[0].upper(), words[1:9]
-        return name.rstrip("*") if name[:1] != "*" else name, data + [""] * (8 - len(data))
-    large = "*" in line[:8]
-    width, count = (16, 4) if large else (8, 8)
-    data = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
-    name = line[:8].strip().upper()
+        name, data = words[0], [*words[1:9], *[""] * (9 - len(words))]
+    else:
+        width, count = (16, 4) if "*" in line[:8] else (8, 8)
+        data = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
+        name = line[:8].strip()
+    name = name.upper()
     return name.rstrip("*") if name[:1] != "*" else name, data
 
 
@@ -149,7 +149,7 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
                 "expected a matrix with at least one number in each row"
             )
         number = np.dtype(f"{order}{DOUBLE[kind]}")
-        entries: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+        entries = [(np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
         for column in records:
             at, first, _ = np.frombuffer(column[:12], f"{order}i4").tolist()
             if at > columns:
@@ -159,12 +159,8 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
                 entries.append((row - 1 + used, np.full(len(used), at - 1), values[used]))
         else:
             raise InputError(f"{path}: matrix {name}: the file ends before its last column")
-        joined = [np.concatenate(part) for part in zip(*entries, strict=True)] if entries else None
-        shape = (abs(rows), columns)
-        if joined is None:
-            found[name] = sp.csr_matrix(shape)
-        else:
-            found[name] = sp.csr_matrix((joined[2].astype(float), (joined[0], joined[1])), shape)
+        row, place, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+        found[name] = sp.csr_matrix((value, (row, place)), (abs(rows), columns))
     if not found:
         raise InputError(f"{path}: no matrix; expected a binary OUTPUT4 file")
     return found
@@ -382,12 +378,7 @@ def _axes(corners: Array, name: str, fields: list[str], path: Path) -> Array:
     label = f"{name} {fields[0]}"
     if offset and real(offset, path, name):
         raise NotRead(f"{label}: ZOFFS")
-    turned = len(corners) == 4
-    e3 = (
-        np.cross(corners[2] - corners[0], corners[3] - corners[1])
-        if turned
-        else np.cross(corners[1] - corners[0], corners[2] - corners[0])
-    )
+    e3 = np.cross(corners[2] - corners[0], corners[-1] - corners[1])  # also of triangles
     e3 /= np.linalg.norm(e3)
     along = corners[1] - corners[0]
     angle = 0.0

@@ -27,11 +27,7 @@ from ..model.stiffeners import Stiffener
 
 
 def mass_stations(
-    mesh: ShellMesh,
-    regions: Sequence[Region],
-    stiffeners: Sequence[Stiffener],
-    u: Array,
-    form: str,
+    mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener], u: Array, form: str
 ) -> Stations:
     """Mass stations of a shell and their motion. Paper: Eq. (31).
 

@@ -82,8 +82,7 @@ def hybrid(q: Cell, curvature: list[Any]) -> Hybrid:
     N.append((y[5] - L[6][5] * N[0]) / L[5][5])
     N.append((y[4] - L[6][4] * N[0] - L[5][4] * N[1]) / L[4][4])
     k = sum(
-        (p.weight * k for p, k in zip(q.points, curvature, strict=True)),
-        as_vector((0.0, 0.0, 0.0)),
+        (p.weight * k for p, k in zip(q.points, curvature, strict=True)), as_vector((0.0, 0.0, 0.0))
     )
     strain = flexible * (as_vector(N[::-1]) - q.B * (k / q.area))
     whole = as_vector(y)

@@ -151,11 +151,7 @@ class Assembly:
     """
 
     def __init__(
-        self,
-        mesh: ShellMesh,
-        regions: Sequence[Region],
-        choice: Choice,
-        extra: int,
+        self, mesh: ShellMesh, regions: Sequence[Region], choice: Choice, extra: int
     ) -> None:
         self._mesh, self._choice, self._extra = mesh, choice, extra
         self._kinds = _by_corners(regions)

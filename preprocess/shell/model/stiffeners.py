@@ -281,12 +281,7 @@ def read_stiffeners(
 
 
 def _axes(
-    given: Any,
-    x1: Array,
-    ends: IntArray,
-    mesh: ShellMesh,
-    regions: Sequence[Region],
-    where: str,
+    given: Any, x1: Array, ends: IntArray, mesh: ShellMesh, regions: Sequence[Region], where: str
 ) -> Array:
     """Section axes of each edge, (l, 3, 3)."""
     if given is None:
