@@ -150,10 +150,10 @@ def beam_package(
     if not line.is_straight:  # places of users are along the line, not along its elements
         stretch = spec.length / line.along[-1]
         recovery = replace(recovery, station_x=recovery.station_x * stretch)
-    frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
     node_ids = np.arange(1, n + 1, dtype=np.int64)
     return ModalPackage(
+        **modes.of_package(spec.damping_ratio),
         body=spec.body,
         nodes_B=line.nodes_B,
         node_ids=node_ids,
@@ -161,11 +161,6 @@ def beam_package(
         offsets=np.arange(0, 2 * n - 1, 2, dtype=np.int64),
         cell_types=np.full(n - 1, VTK_LINE, dtype=np.int64),
         shapes_B=shapes_B,
-        mode_kinds=modes.kinds,
-        frequencies=frequencies,
-        mass=np.eye(m),
-        stiffness=np.diag(modes.values),
-        damping=np.diag(2.0 * spec.damping_ratio * frequencies),
         node_mass=node_mass,
         node_inertia_B=node_inertia_B,
         invariants=points.invariants(spec.mass_form),
@@ -177,7 +172,6 @@ def beam_package(
         sections=at_nodes,
         recovery=recovery,
         mode_labels=modes.labels,
-        compliance=modes.compliance,
         provenance=provenance,
         second_order=None
         if fields is None

@@ -295,10 +295,9 @@ def _package(
         )
         for link, label, motion in zip(every, labels, motions, strict=True)
     )
-    m = U.shape[1]
     plies = body.layups and recovered(body.layups, body.nodes, body.cells, shapes, body.where)
-    frequencies = np.sqrt(modes.values)
     return ModalPackage(
+        **modes.of_package(ratio),
         body=table["body"],
         nodes_B=np.vstack([body.nodes, *(link.position for link in every)]),
         node_ids=np.concatenate([body.node_ids, labels]),
@@ -306,18 +305,12 @@ def _package(
         offsets=body.cells.offsets,
         cell_types=body.cells.types,
         shapes_B=np.concatenate([shapes, *(motion.T[:, None] for motion in motions)], axis=1),
-        mode_kinds=modes.kinds,
-        frequencies=frequencies,
-        mass=np.eye(m),
-        stiffness=np.diag(modes.values),
-        damping=np.diag(2.0 * ratio * frequencies),
         node_mass=np.concatenate([sums.node_mass, np.zeros(ends)]),
         node_inertia_B=np.concatenate([sums.node_inertia, np.zeros((ends, 3, 3))]),
         invariants=sums.invariants,
         interfaces=interfaces,
         reference_condition=table["reference"]["kind"],
         mode_labels=modes.labels,
-        compliance=modes.compliance,
         laminates=plies.laminates if plies else (),
         cell_resultants=plies.cells if plies else None,
         provenance={

@@ -267,6 +267,14 @@ class Modes:
     static: StaticShapes | None = None
     combination: Array | None = None
 
+    def of_package(self, damping_ratio: float) -> dict[str, Any]:
+        """Fields of a `ModalPackage` that follow from the modes and the damping ratio of each."""
+        frequencies = np.sqrt(self.values)
+        damping = np.diag(2.0 * damping_ratio * frequencies)
+        modal = {"mass": np.eye(len(frequencies)), "stiffness": np.diag(self.values)}
+        found = {"mode_kinds": self.kinds, "frequencies": frequencies, "damping": damping}
+        return {**found, **modal, "compliance": self.compliance}
+
 
 def reduced_modes(
     condition: Condition,

@@ -202,8 +202,8 @@ def shell_package(
     node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
     for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
         whole[: mesh.n_node] = of_mesh
-    frequencies = np.sqrt(modes.values)
     return ModalPackage(
+        **modes.of_package(spec.damping_ratio),
         body=spec.body,
         nodes_B=found.nodes_B,
         node_ids=found.ids,
@@ -211,11 +211,6 @@ def shell_package(
         offsets=offsets,
         cell_types=types,
         shapes_B=node_shapes(mesh, links, found, u),
-        mode_kinds=modes.kinds,
-        frequencies=frequencies,
-        mass=np.eye(m),
-        stiffness=np.diag(modes.values),
-        damping=np.diag(2.0 * spec.damping_ratio * frequencies),
         node_mass=node_mass,
         node_inertia_B=node_inertia,
         invariants=stations.invariants(spec.mass_form),
@@ -224,7 +219,6 @@ def shell_package(
         laminates=laminates(problem),
         cell_resultants=cell_resultants(problem, u, exact),
         mode_labels=tuple(map(_label, modes.labels)),
-        compliance=modes.compliance,
         provenance=provenance,
         second_order=None if h is None else _second_order(model, stations, h),
     )

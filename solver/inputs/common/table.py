@@ -229,7 +229,7 @@ c: damping
 d kd: derivative
 i ki: integral
 p kp: proportional
-layup lay_up laminate plies: layup sections.description
+layup lay_up laminate plies: layup laminate sections.description
 loads: forces
 maximize: maximise
 minimize objective: minimise
