@@ -83,7 +83,7 @@ def shell(k: int, kind: str, name: str) -> None:
 def solid(cell: str) -> None:
     """Compile stiffness and mass of a solid."""
     from .fenicsx.assembly import SolidSpace
-    from .solid.forms import MASS_DEGREE, Elasticity, mass
+    from .solid.forms import MASS_DEGREE, Elasticity, mass, stiffness_rule
     from .solid.mesh import reference_nodes
 
     points = reference_nodes(cell)
@@ -92,5 +92,5 @@ def solid(cell: str) -> None:
     for degree in (2, 3):
         space = SolidSpace(plain, degree)
         C, rho = space.of_cells(np.eye(6)[None]), space.of_cells(np.ones(1))
-        space.matrix(Elasticity(C, cell, None, degree).stiffness(space.space))
+        space.matrix(Elasticity(C, stiffness_rule(cell, degree)).stiffness(space.space))
         space.matrix(mass(space.space, rho, MASS_DEGREE + 2 * (degree - 2)))

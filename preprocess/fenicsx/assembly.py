@@ -13,7 +13,7 @@ import ufl
 
 from ...solver.math.arrays import Array, IntArray
 from .kernels import Kernel, matrix_form
-from .plain import PlainMesh
+from .plain import PlainMesh, lagrange, quadrature
 from .spaces import (
     assembled,
     cell_dofs,
@@ -139,10 +139,15 @@ class SolidSpace:
         """A coefficient with a constant tensor in each cell of the plain mesh, (c, ...)."""
         return cell_function(self._mesh, np.asarray(values)[self._cells])
 
-    def of_nodes(self, values: Callable[[Array, IntArray], Array]) -> Any:
-        """A coefficient by its values (..., 3, 3) at points (c, k, 3) of some cells (c,)."""
-        points = self._plain.points[nodes_of_cells(self._mesh)]
-        return cell_function(self._mesh, values(points, self._cells), 2)
+    def at_points(self, values: Callable[[Array, IntArray], Array], rule: int) -> Any:
+        """A coefficient by its tensors at the points (c, q, 3) of integration of some cells (c,).
+
+        `rule` is the degree of the integration, and has to be that of its form.
+        """
+        cell = self._plain.cell
+        functions = lagrange(cell, 2, quadrature(cell, rule)[0])[0]
+        points = functions @ self._plain.points[nodes_of_cells(self._mesh)]
+        return cell_function(self._mesh, values(points, self._cells), rule)
 
     def _faces(
         self, owner: IntArray, corners: IntArray

@@ -61,6 +61,14 @@ def element_of(
     return ufl.TensorElement(family, on, degree, shape=shape)
 
 
+def element_of_rule(cell: str, degree: int, shape: tuple[int, ...], gdim: int) -> Any:
+    """Element of tensors at the points of the integration rule of a degree."""
+    if basix_ufl is not None:
+        return basix_ufl.quadrature_element(cell, shape, degree=degree)
+    on = ufl.Cell(cell, geometric_dimension=gdim)
+    return ufl.TensorElement("Quadrature", on, degree, shape=shape, quad_scheme="default")
+
+
 def dolfinx_mesh(plain: PlainMesh) -> Any:
     """Create a DOLFINx mesh on this process only."""
     gdim = plain.points.shape[1]
@@ -125,14 +133,18 @@ def _table(rows: Any) -> NDArray[np.int32]:
     return np.array(rows, dtype=np.int32)
 
 
-def cell_function(mesh: Any, values: Any, degree: int = 0) -> Any:
+def cell_function(mesh: Any, values: Any, rule: int | None = None) -> Any:
     """A function with one constant value (or tensor) in each cell, values (n_cell, ...).
 
-    Of a higher degree it has a value at each of the k nodes of a cell, values (n_cell, k, ...).
+    With a `rule`, the degree of one of integration, it has a tensor at each of its q points, values
+    (n_cell, q, ...).
     """
     table = np.asarray(values, dtype=float)
-    shape = table.shape[2 if degree else 1 :]
-    element = element_of(cell_name(mesh), degree, shape, mesh.geometry.dim, dg=True)
+    cell, gdim = cell_name(mesh), mesh.geometry.dim
+    if rule is None:
+        element = element_of(cell, 0, table.shape[1:], gdim, dg=True)
+    else:
+        element = element_of_rule(cell, rule, table.shape[2:], gdim)
     found = dolfinx.fem.Function(function_space(mesh, element))
     rows = cell_dofs(found.function_space).ravel()
     array = found.x.array.reshape(rows.size, -1)

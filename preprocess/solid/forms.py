@@ -14,30 +14,34 @@ STIFFNESS_DEGREE = {"tetrahedron": 2, "hexahedron": 4}
 MASS_DEGREE = 5
 
 
-class Elasticity:
-    """Stresses of strains: C (6, 6) in the axes `axes` (3, 3), whose columns are 1, 2 and 3.
+def stiffness_rule(cell: str, degree: int) -> int:
+    """Degree of the integration of the stiffness for displacements of a degree."""
+    return STIFFNESS_DEGREE[cell] + 2 * (degree - 2)
 
-    C and axes are UFL coefficients; without axes C is in the axes of the body.
+
+class Elasticity:
+    """Stresses of strains: C (6, 6), a UFL coefficient in the axes of the body.
+
+    `rule` is the degree of the integration.
     """
 
-    def __init__(self, C: Any, cell: str, axes: Any = None, degree: int = 2) -> None:
-        self.C, self.axes = C, axes
-        rule = STIFFNESS_DEGREE[cell] + 2 * (degree - 2)
+    def __init__(self, C: Any, rule: int) -> None:
+        self.C = C
         self._dx = ufl.dx(metadata={"quadrature_degree": rule})
 
     def work(self, one: Any, other: Any) -> Any:
         """Work of the stresses of one strain (3, 3) on another."""
-        return ufl.inner(self.C * self._column(one), self._column(other)) * self._dx
+        return ufl.inner(self.C * column(one), column(other)) * self._dx
 
     def stiffness(self, space: Any) -> Any:
         """Work of the stresses of u on the strains of v."""
         u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
         return self.work(strain(u), strain(v))
 
-    def _column(self, e: Any) -> Any:
-        if self.axes is not None:
-            e = self.axes.T * e * self.axes
-        return ufl.as_vector([e[0, 0], e[1, 1], e[2, 2], 2 * e[1, 2], 2 * e[0, 2], 2 * e[0, 1]])
+
+def column(e: Any) -> Any:
+    """Column of strains (3, 3)."""
+    return ufl.as_vector([e[0, 0], e[1, 1], e[2, 2], 2 * e[1, 2], 2 * e[0, 2], 2 * e[0, 1]])
 
 
 def strain(u: Any) -> Any:

@@ -9,7 +9,6 @@ import numpy as np
 from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import material_from_dict, rotated
-from ..fenicsx import PlainMesh
 from .mesh import SolidError, SolidMesh
 from .places import unit
 
@@ -98,12 +97,10 @@ class CellMaterials:
             out[own] = axes(points[own])
         return out
 
-    def C_B(self, plain: PlainMesh) -> Array:
-        """Stiffness (c, 6, 6) in the axes of the body, of axes that do not change within cells."""
-        if not self.axes_of:
-            return self.C_M
-        centres = plain.points[plain.cells].mean(axis=1)
-        return rotated(self.C_M, self.axes(centres, np.arange(len(centres))))
+    def C_B(self, points: Array, cells: IntArray) -> Array:
+        """Stiffness (..., 6, 6) in body axes at points (c, ..., 3) in some cells (c,) [Pa]."""
+        C = self.C_M[cells].reshape(len(cells), *(1,) * (points.ndim - 2), 6, 6)
+        return rotated(C, self.axes(points, cells)) if self.axes_of else C
 
 
 def cell_materials(

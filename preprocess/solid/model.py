@@ -16,7 +16,7 @@ from ..exchange.free_body import Cells, FreeBody
 from ..exchange.links import Constrained
 from ..fenicsx import PlainMesh
 from ..fenicsx.assembly import SolidSpace
-from .forms import MASS_DEGREE, Elasticity, mass, pressure
+from .forms import MASS_DEGREE, Elasticity, mass, pressure, stiffness_rule
 from .materials import CellMaterials, cell_materials
 from .mesh import CORNERS, VTK, SolidMesh, linear_weights, solid_mesh
 from .places import interface_faces
@@ -151,13 +151,13 @@ class SolidModel:
         return SolidSpace(self.mesh.plain)
 
     def elasticity(self, space: SolidSpace, degree: int = 2) -> Elasticity:
-        """Stresses of strains; material axes that change within cells are coefficients, too."""
-        C, axes, cell = self.materials.C_M, None, self.mesh.plain.cell
+        """Stresses of strains; where material axes change within cells, C is that of each point."""
+        plain, C_B = self.mesh.plain, self.materials.C_B
+        rule = stiffness_rule(plain.cell, degree)
         if self.materials.is_curved:
-            axes = space.of_nodes(self.materials.axes)
-        else:
-            C = self.materials.C_B(self.mesh.plain)
-        return Elasticity(space.of_cells(C), cell, axes, degree)
+            return Elasticity(space.at_points(C_B, rule), rule)
+        centres = plain.points[plain.cells].mean(axis=1)
+        return Elasticity(space.of_cells(C_B(centres, np.arange(len(centres)))), rule)
 
     @cached_property
     def body(self) -> FreeBody:

@@ -129,6 +129,19 @@ def model_of(file: Path, size: float, material: Any = ALUMINIUM, **more: Any) ->
     )
 
 
+def elastic(m: dict[str, Any]) -> list[str]:
+    """Lines of the constants; 1, 2, 3 of an orthotropic material are around, along z, outwards.
+
+    CalculiX's cylindrical axes are outwards, around, along z.
+    """
+    if m["kind"] == "isotropic":
+        return ["*ELASTIC", f"{m['E']!r},{m['nu']!r}"]
+    nu31, nu32 = m["nu13"] * m["E3"] / m["E1"], m["nu23"] * m["E3"] / m["E2"]
+    numbers = [m["E3"], m["E1"], m["E2"], nu31, nu32, m["nu12"], m["G13"], m["G23"], m["G12"], 293]
+    first, rest = (",".join(f"{x:.10e}" for x in part) for part in (numbers[:8], numbers[8:]))
+    return ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", first, rest]
+
+
 def calculix_deck(path: Path, model: SolidModel, material: dict[str, Any], count: int) -> None:
     """Write the same nodes and cells as C3D10, and a frequency step of the free solid."""
     body = model.body
@@ -138,7 +151,11 @@ def calculix_deck(path: Path, model: SolidModel, material: dict[str, Any], count
     # nodes of C3D10: edges 12, 23, 13, 14, 24, 34, as VTK's quadratic tetrahedron
     cells = body.cells.connectivity.reshape(-1, 10) + 1
     lines += [f"{i}," + ",".join(map(str, row)) for i, row in enumerate(cells.tolist(), 1)]
-    lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{material['E']!r},{material['nu']!r}"]
-    lines += ["*DENSITY", f"{material['rho']!r}", "*SOLID SECTION, ELSET=EALL, MATERIAL=M"]
+    section = "*SOLID SECTION, ELSET=EALL, MATERIAL=M"
+    lines += ["*MATERIAL, NAME=M", *elastic(material), "*DENSITY", f"{material['rho']!r}"]
+    if material["kind"] == "orthotropic":  # its axes turn about z
+        lines += ["*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL", "0,0,0,0,0,1"]
+        section += ", ORIENTATION=O"
+    lines.append(section)
     lines += ["*STEP", "*FREQUENCY", f"{count}", "*END STEP"]
     path.write_text("\n".join(lines) + "\n")
