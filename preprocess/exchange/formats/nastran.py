@@ -159,8 +159,8 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
                 entries.append((row - 1 + used, np.full(len(used), at - 1), values[used]))
         else:
             raise InputError(f"{path}: matrix {name}: the file ends before its last column")
-        row, place, value = (np.concatenate(part) for part in zip(*entries, strict=True))
-        found[name] = sp.csr_matrix((value, (row, place)), (abs(rows), columns))
+        at_rows, at_columns, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+        found[name] = sp.csr_matrix((value, (at_rows, at_columns)), (abs(rows), columns))
     if not found:
         raise InputError(f"{path}: no matrix; expected a binary OUTPUT4 file")
     return found
