@@ -1,6 +1,6 @@
 """`plymotion.sensitivities`: derivatives of the signals of a run by numbers of its case."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 from ..solver.math.arrays import Array
 from ..solver.results import RunResult
 from ..solver.studies.cases import folder_lock
+from ..solver.studies.design.gradient import compute_gradient, gradient_table
 from ..solver.studies.exit_codes import shown
 from ..solver.studies.sensitivities.work import (
     compute_sensitivities,
@@ -60,6 +61,18 @@ class Sensitivities:
         """
         return ByName("parameters", {one.parameter: one.value for one in self.data.sensitivities})
 
+    @property
+    def gradient(self) -> ByName[float]:
+        """Derivatives of the objective by key, in its unit per unit of the key.
+
+        >>> import plymotion as pm
+        >>> rms = {"signal": "angle", "of": "rms"}
+        >>> found = pm.sensitivities("pendulum.toml", of=["gravity.2"], objective=rms)
+        >>> list(found.gradient)
+        ['gravity.2']
+        """
+        return ByName("parameters", self.summary.get("objective", {}).get("derivatives", {}))
+
     @cached_property
     def derivatives(self) -> ByName[ByName[Array]]:
         """Derivatives (k,) by signal and key, in units of the signal per unit of the key.
@@ -87,10 +100,10 @@ class Sensitivities:
             return [Path(folder) / name for name in names]
 
     def __str__(self) -> str:
-        return sensitivity_table(self.data)
+        return gradient_table(self.summary) if self.gradient else sensitivity_table(self.data)
 
     def __repr__(self) -> str:
-        keys = ", ".join(self.parameters)
+        keys = ", ".join(self.parameters or self.gradient)
         return (
             f"<Sensitivities {self.data.case}/{self.data.run}: {len(self.data.signals)} signals "
             f"by {keys}>"
@@ -112,6 +125,7 @@ def sensitivities(
     packages: str | Path | None = None,
     coarse: bool = False,
     progress: bool = False,
+    objective: Mapping[str, Any] | None = None,
 ) -> Sensitivities:
     """Differentiate the signals of a run by numbers of its case.
 
@@ -119,6 +133,8 @@ def sensitivities(
     ----------
     case, run, packages, coarse, progress : as for `plymotion.run`
     of : keys of numbers, as in sweeps, and design parameters by which packages have derivatives
+    objective : one number in place of all signals, as in `minimise` of a study; its derivatives,
+        by the adjoint of the run, are the `gradient`
 
     Raises
     ------
@@ -137,15 +153,8 @@ gravity.3; known: 0, 1, 2
     case = as_case(case)
     _, run, folder = chosen(case, run, coarse=coarse)
     with shown(steps=progress), folder_lock(folder):
-        return Sensitivities(
-            *compute_sensitivities(
-                plain(case.table),
-                case._path,
-                run,
-                of,
-                build=folder,
-                packages=path_of(packages),
-                coarse=coarse,
-                progress=progress,
-            )
-        )
+        asked = plain(case.table), case._path, run, of
+        common: dict[str, Any] = {"build": folder, "packages": path_of(packages), "coarse": coarse}
+        if objective is not None:
+            return Sensitivities(*compute_gradient(*asked, plain(objective), **common))
+        return Sensitivities(*compute_sensitivities(*asked, **common, progress=progress))

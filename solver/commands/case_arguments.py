@@ -179,6 +179,9 @@ def add_sensitivities(parser: Any) -> None:
     summary.json, and prints which number has the most effect. Method and limits:
     docs/sensitivities.md
 
+    With --objective the derivatives are those of one number, by the adjoint of the run: for many
+    parameters. summary.json has them under `objective`.
+
     exit code: 0 done; 2 something is wrong with the input, or has no derivative; 130 interrupted.
 
     example:
@@ -187,6 +190,8 @@ def add_sensitivities(parser: Any) -> None:
     parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
     add(parser, "--of", "KEY", "keys of numbers", str, nargs="+", required=True)
+    text = 'one number in place of signals, as in studies: \'{ signal = "tip", of = "rms" }\''
+    parser.add_argument("--objective", metavar="TABLE", help=text)
     text = "folder of the case (default build/CASE); results go to DIR/sensitivities/RUN"
     parser.add_argument("--out", type=Path, metavar="DIR", help=text)
     add_case_options(parser)

@@ -1,17 +1,31 @@
 """The command `plymotion sensitivities`."""
 
 import argparse
+import tomllib
 from pathlib import Path
+from typing import Any
 
+from ..errors import InputError
 from ..inputs.case.load import checked_case
 from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
 from ..studies.cases import build_folder, chosen_run
+from ..studies.design.gradient import compute_gradient, gradient_table
 from ..studies.sensitivities.work import (
     compute_sensitivities,
     sensitivity_table,
     write_sensitivities,
 )
+
+
+def _objective(text: str) -> dict[str, Any]:
+    """Return the table of --objective, written as in a case file."""
+    try:
+        return tomllib.loads(f"objective = {text}")["objective"]
+    except (tomllib.TOMLDecodeError, TypeError) as error:
+        raise InputError(
+            f"--objective {text}: {error}; expected a table, as in `minimise` of a study"
+        ) from error
 
 
 def run_sensitivities(options: argparse.Namespace) -> int:
@@ -20,18 +34,14 @@ def run_sensitivities(options: argparse.Namespace) -> int:
     table = read_toml(file, "case file")
     run = chosen_run(checked_case(table, file, coarse=options.coarse, sweeps=()), options.run)
     build: Path = options.out or build_folder(file, coarse=options.coarse)
-    result, summary = compute_sensitivities(
-        table,
-        file,
-        run,
-        options.of,
-        build=build,
-        packages=options.packages,
-        coarse=options.coarse,
-        progress=not options.quiet,
-    )
+    where = (table, file, run, options.of)
+    common = {"build": build, "packages": options.packages, "coarse": options.coarse}
+    if options.objective is None:
+        result, summary = compute_sensitivities(*where, **common, progress=not options.quiet)
+    else:
+        result, summary = compute_gradient(*where, _objective(options.objective), **common)
     folder = build / "sensitivities" / run
     files = write_sensitivities(folder, result, summary)
-    print(sensitivity_table(result))
+    print(gradient_table(summary) if options.objective else sensitivity_table(result))
     print(f"{folder}: {', '.join(files)}")
     return 0

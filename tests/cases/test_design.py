@@ -224,6 +224,8 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
     values, found = exact.values(p), exact.slopes(p)
     assert not values.why
     assert "tangent" in exact.words_of_gradient()
+    assert not exact.values(np.array([90.0, 2.0])).why  # at bounds that the case may not pass
+    exact.values(p)
     # Packages without derivatives keep 21 bits of the strains of recovery (5e-7).
     plain = Trials(order)
     for one, other in zip(plain.values(p).values, values.values, strict=True):

@@ -1,5 +1,8 @@
 """Derivatives of runs: closed forms, six-point differences, refusals, the command and its file."""
 
+import shutil
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from samples.case_samples import HEAD, case_runs
@@ -16,8 +19,11 @@ from samples.sensitivity_scenes import (
     with_modulus,
 )
 
+import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
+from plymotion.solver.package import read_package, write_package
+from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.results import read_result
 from plymotion.solver.studies.sensitivities.execution import with_sensitivities
 from plymotion.solver.studies.sensitivities.parameters import design_parameter
@@ -111,6 +117,59 @@ def test_the_stiffness_of_a_flexible_body(repository, tmp_path):
         assert np.abs(one.values - values).max() < 1e-5 * np.abs(values).max(), one.signal
 
 
+def _rms(found: pm.Sensitivities, signal: str) -> tuple[float, dict[str, float]]:
+    """Root mean square of a signal and its derivatives by those of the signal."""
+    x, t = found.signals[signal].values, found.t
+    w = np.gradient(t)
+    w[[0, -1]] *= 0.5
+    value = np.sqrt((w * x**2).sum() / w.sum())
+    slopes = {
+        key: float((w * x * rate).sum() / w.sum() / value)
+        for key, rate in found.derivatives[signal].items()
+    }
+    return value, slopes
+
+
+@pytest.mark.parametrize("name", ["spring pendulum", "filtered pid", "drive", "elastic stop"])
+def test_adjoint_is_the_tangent_transposed(name, tmp_path):
+    scene = SCENES[name]
+    specification(scene, tmp_path, 1e-8)
+    case = tmp_path / "case.toml"
+    tangent = pm.sensitivities(case, of=scene.keys)
+    for signal in tangent.signals:
+        value, expected = _rms(tangent, signal)
+        found = pm.sensitivities(case, of=scene.keys, objective={"signal": signal, "of": "rms"})
+        assert found.summary["objective"]["value"] == pytest.approx(value, rel=1e-12)
+        size = 2e-8 * max(map(abs, expected.values()))
+        assert dict(found.gradient) == pytest.approx(expected, rel=0, abs=size), signal
+
+
+def test_many_parameters_of_a_body(repository, tmp_path):
+    """Sixty that change its stiffness in three ways: tangent and adjoint, beside one alone."""
+    packages = shutil.copytree(repository / "tests/packages/robot-arm", tmp_path / "packages")
+    file = packages / "upper.base.vtkhdf"
+    package, rng = read_package(file), np.random.default_rng(7)
+    root = np.linalg.cholesky(package.stiffness)
+    ways = [root @ np.diag(rng.uniform(size=len(root))) @ root.T for _ in range(3)]
+    design = tuple(
+        Derivative(f"g{k}", "number", (), {"modes/stiffness": sum(rng.normal() * w for w in ways)})
+        for k in range(60)
+    )
+    write_package(file, replace(package, design=design))
+    case = pm.load(repository / "cases/robot-arm/case.toml")
+    case, names = case.changed({"solver.t_end": 0.2}), [one.name for one in design]
+    objective = {"signal": "tip_z", "of": "rms"}
+    every = pm.sensitivities(case, "base", of=names, packages=packages)
+    adjoint = pm.sensitivities(case, "base", of=names, packages=packages, objective=objective)
+    one = pm.sensitivities(case, "base", of=["g7"], packages=packages)
+    for signal in ("tip_z", "elbow_torque"):
+        rates = every.derivatives[signal]["g7"], one.derivatives[signal]["g7"]
+        np.testing.assert_allclose(*rates, rtol=0, atol=1e-6 * np.abs(rates[1]).max())
+    expected = _rms(every, "tip_z")[1]
+    size = 1e-6 * max(map(abs, expected.values()))
+    assert dict(adjoint.gradient) == pytest.approx(expected, rel=0, abs=size)
+
+
 REFUSED = {
     "bend": (
         Scene(carriage(force("c", "controller", upper=5.0, **PID)), ("bodies.car.mass",)),
@@ -184,6 +243,10 @@ def test_the_command(tmp_path, monkeypatch, capsys):
         ("x", "bodies.rod.mass"),
     ]
     assert result.sensitivities[0].unit == "(m)/(m/s2)"
+    assert main([*words, "--objective", '{ signal = "x", of = "rms" }']) == 0
+    assert capsys.readouterr().out.startswith("signal x rms = ")
+    assert main([*words, "--objective", '{ signal = "y", of = "rms" }']) == 2
+    assert 'objective.signal = "y": no such signal' in capsys.readouterr().err
     text = (tmp_path / "case.toml").read_text()
     (tmp_path / "case.toml").write_text(text.replace('"radau"', '"rk8"'))
     assert main(words) == 2

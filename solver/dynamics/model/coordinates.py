@@ -57,7 +57,7 @@ def move_rows(model: Model, y: Array, steps: Array) -> None:
 def displaced(model: Model, y: Array, change: Array) -> Array:
     """Return states (n,) or (k, n) moved by changes (2 n_vel + n_aux,), or one for each."""
     found, n = np.atleast_2d(y).copy(), model.n_vel
-    change = np.atleast_2d(change)
+    change = np.broadcast_to(change, (len(found), np.shape(change)[-1]))
     found[:, model.n_pos : -1] += change[:, n:]
     move_rows(model, found, np.ascontiguousarray(change[:, :n]))
     return found.reshape(y.shape)

@@ -186,7 +186,7 @@ def check_study(
     sense = "maximise" if study.minimise is None else "minimise"
     for k, quantity in enumerate(study.quantities()):
         key = f"{where}.subject_to.{k - 1}" if k else f"{where}.{sense}"
-        found += _unknown_subject(key, quantity, base)
+        found += unknown_subject(key, quantity, base)
     refuse(found)
     checked = CheckedStudy(
         name, study, parameters, targets, base, np.array(start), merged, where, specs, merged_of
@@ -219,7 +219,7 @@ def _misplaced(
     return []
 
 
-def _unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
+def unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
     """Return what a quantity names and the run does not have, or cannot give."""
     name, end = quantity.name, base.solver.t_end
     for time, at in ((quantity.time, "time"), (quantity.low, "from")):

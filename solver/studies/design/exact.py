@@ -30,12 +30,17 @@ Specs = Mapping[str, BodySpec]
 Pair = tuple[RunSpec, RunSpec]
 
 
-def beside(p: Array, steps: Array) -> list[Array]:
-    """Return a design and those less and plus a step of each parameter: 1 + 2 p of them."""
-    return [
-        p,
-        *(p + s * h * e for h, e in zip(steps, np.eye(p.size), strict=True) for s in (-1, 1)),
-    ]
+def beside(p: Array, steps: Array, ranges: Array | None = None) -> list[Array]:
+    """Return a design and those less and plus a step of each parameter: 1 + 2 p of them.
+
+    With `ranges` (p, 2) those of a parameter at a bound are moved inwards: a case may not have an
+    angle beyond 90 degrees.
+    """
+    moved = np.zeros(p.size)
+    if ranges is not None:
+        moved = np.clip(p, ranges[:, 0] + steps, ranges[:, 1] - steps) - p
+    return [p, *(p + (m + s * h) * e for m, h, e in zip(moved, steps, np.eye(p.size), strict=True)
+                 for s in (-1, 1))]  # fmt: skip
 
 
 def with_targets(names: Sequence[str], specs: Sequence[Specs], steps: Array) -> dict[str, BodySpec]:

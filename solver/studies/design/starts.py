@@ -19,7 +19,7 @@ from .trials import Order, Trials
 
 QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
-TURN = 3.0  # [deg] out of a saddle
+TURN, TURNS = 3.0, 3  # [deg] out of a saddle; at most so many times
 
 
 class Known:
@@ -111,10 +111,15 @@ def search(
     """Go from free parameters (z,) to the best design; what becomes of it goes into `start`."""
     problem = problem_at(z0)
     _descend(problem, start, study)
-    turned = _beside_saddle(problem, study, start.number)
-    if turned is not None:
-        _descend(problem_at(turned), start, study)
+    for _ in range(TURNS):
+        turned, before = _beside_saddle(problem, study, start.number), start.best
+        if turned is None:
+            break
+        problem = problem_at(turned)
+        _descend(problem, start, study)
         start.left_saddle = True
+        if start.best is before:
+            break
     start.continuous = start.best
     if start.best is not None and any(problem.space.allowed):
         start.best = discrete(problem, study, start.best)

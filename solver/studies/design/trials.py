@@ -39,11 +39,13 @@ from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
 from ..sensitivities.execution import Trace, change_of
 from .exact import STEP, Pair, Traced, beside, made_beside, runs_beside, with_targets
+from .gradient import adjoint_slopes
 from .measures import Made, Measure, measure_of
 from .problem import Values
 
 LOGGER = logging.getLogger(__name__)
 LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)  # as in a sweep
+MANY = 100  # parameters, above which runs have derivatives by their adjoint
 BODIES = "bodies"  # folder of packages, a folder for each process
 STATE = 2  # version of what is kept of a design: raised when its numbers change their meaning
 
@@ -118,6 +120,12 @@ class Trials:
         assert self._last is not None
         _, made, raws = self._last
         weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
+        if self.exact and p.size > MANY:
+            pairs = [pair[self.study.table.run] for pair in self._beside]
+            names, steps = list(self.study.parameters), self.steps(STEP)
+            found = adjoint_slopes(self._traces, names, steps, pairs, self.measures, made)
+            if found is not None:
+                return found
         columns = self._columns(p)
         return [
             np.stack(
@@ -236,7 +244,8 @@ class Trials:
         """Return a design whose packages carry derivatives; of an invalid one, why."""
         names, steps = list(self.study.parameters), self.steps(STEP)
         try:
-            designs = self.study.designs(beside(p, steps))
+            ranges = np.array([q.range() for q in self.study.parameters.values()])
+            designs = self.study.designs(beside(p, steps, ranges))
             own, count = designs.own, 1 + 2 * p.size
             runs = {self.study.table.run: own, **designs.others}
             built: list[tuple[str, BodySpec]] = []

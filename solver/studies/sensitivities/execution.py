@@ -157,7 +157,7 @@ class Followed:
 
     def beside(self, p: int) -> Iterator[tuple[Variant, Recording]]:
         """Yield the mechanisms less and plus the h of a parameter, and the motions along S."""
-        yield from _beside(
+        yield from beside_motion(
             self.prepared, self.t, self.y, self.S[:, :, p], self.parameters[p].h, self.pairs[p],
             self.held,
         )  # fmt: skip
@@ -173,24 +173,44 @@ def followed(
     return Followed(prepared, parameters, follower.times, y, follower.S, pairs, {})
 
 
+def sides(
+    prepared: Prepared, parameters: Sequence[Parameter]
+) -> tuple[list[tuple[Variant, Variant]], list[Column], Array]:
+    """Return mechanisms less and plus h of each parameter, their models, and tangents of the start.
+
+    The tangents are (2 n_vel + n_aux, P).
+
+    Raises
+    ------
+    InputError
+        A parameter that changes more than numbers.
+    """
+    model, pairs, columns = prepared.model, list[tuple[Variant, Variant]](), list[Column]()
+    start = np.zeros((2 * model.n_vel + model.n_aux, len(parameters)))
+    for p, parameter in enumerate(parameters):
+        minus, plus = (variant(each, model) for each in (parameter.minus, parameter.plus))
+        for found in (minus, plus):
+            check_variant(parameter, found, model, prepared.mechanism.solver.t_end)
+        pairs.append((minus, plus))
+        columns.append(Column(minus.built.model, plus.built.model, parameter.h))
+        start[:, p] = start_tangent(model, prepared.y0, minus.y0, plus.y0, parameter.h)
+    return pairs, columns, start
+
+
+def cuts_of(prepared: Prepared) -> Array | None:
+    """Return instants between which laws of time are smooth; None where nobody knows [s]."""
+    laws = breaks(prepared.model, prepared.mechanism.solver.t_end)
+    cuts = np.concatenate([laws.kinks, laws.narrow, laws.jumps.ravel()])
+    return None if laws.unsearched else cuts
+
+
 def _following(
     prepared: Prepared, parameters: Sequence[Parameter]
 ) -> tuple[_Follower, list[tuple[Variant, Variant]]]:
     """Return what carries the tangent of a run, and the mechanisms beside it by parameter."""
-    model, y0, solver = prepared.model, prepared.y0, prepared.mechanism.solver
-    pairs, columns, S = [], [], []
-    for parameter in parameters:
-        minus, plus = (variant(each, model) for each in (parameter.minus, parameter.plus))
-        for found in (minus, plus):
-            check_variant(parameter, found, model, solver.t_end)
-        pairs.append((minus, plus))
-        columns.append(Column(minus.built.model, plus.built.model, parameter.h))
-        S.append(start_tangent(model, y0, minus.y0, plus.y0, parameter.h))
-    laws = breaks(model, solver.t_end)
-    cuts = np.concatenate([laws.kinks, laws.narrow, laws.jumps.ravel()])
-    tangent = Tangent(
-        model, columns, y0, np.array(S).T, bends_of(prepared), None if laws.unsearched else cuts
-    )
+    pairs, columns, S = sides(prepared, parameters)
+    y0, solver = prepared.y0, prepared.mechanism.solver
+    tangent = Tangent(prepared.model, columns, y0, S, bends_of(prepared), cuts_of(prepared))
     times = output_times(solver.t_end, solver.output_step)
     return _Follower(prepared, tangent, times, y0), pairs
 
@@ -295,7 +315,9 @@ def step_derivatives(stepper: Stepper) -> Array:
                 for by in (-h, h)
             )
             pair = Variant(low, y[0]), Variant(high, y[0])
-            changes = _of_signals(prepared, _beside(prepared, times[1:], y, part, h, pair, held), h)
+            changes = _of_signals(
+                prepared, beside_motion(prepared, times[1:], y, part, h, pair, held), h
+            )
             rows[:, k] += [changes[name][0] for name in stepper.outputs]
     return rows
 
@@ -381,7 +403,7 @@ def bends_of(prepared: Prepared) -> list[tuple[int, float]]:
     return found
 
 
-def _beside(
+def beside_motion(
     prepared: Prepared,
     t: Array,
     y: Array,

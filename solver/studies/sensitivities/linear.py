@@ -4,7 +4,7 @@ They are differentiated along free motions, and along motions of the constraint 
 move. See tangent.py for the equations.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,19 +49,15 @@ class Linearisation:
 
     Parameters
     ----------
-    columns : the parameters
+    partials : derivatives of the terms by the parameters
     units : (n_vel,) of velocity coordinates as shares of the mechanism's size, or angles
-
-    Attributes
-    ----------
-    changes : whether the parameters change anything
     """
 
-    def __init__(self, model: Model, columns: Sequence[Column], units: Array) -> None:
-        self.model, self._units = model, units
+    def __init__(
+        self, model: Model, partials: "Partials | Callable[..., Array]", units: Array
+    ) -> None:
+        self.model, self._partials, self._units = model, partials, units
         self._root = np.sqrt(model.inertia_scale)
-        self._partials = _Partials(model, columns)
-        self.changes = self._partials.changes
 
     def __call__(
         self, t: Array, y: Array, a: Array, multipliers: Array, *, last: bool
@@ -170,7 +166,7 @@ def partition(Phi_q: Array, rank: int) -> tuple[IntArray, IntArray, IntArray]:
     return rows, np.sort(order[:rank]), np.sort(order[rank:])
 
 
-class _Partials:
+class Partials:
     """Derivatives of the terms by all parameters at known states.
 
     Stiffness and damping of modes enter by their own derivatives, other numbers of the model by
@@ -208,17 +204,50 @@ class _Partials:
 
     def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, base: Array) -> Array:
         """Return (k, P, w) for P parameters; base (k, w) are the terms at the states."""
-        model, found = self._model, np.zeros((t.size, self._count, base.shape[1]))
+        found = np.zeros((t.size, self._count, base.shape[1]))
+        for p, partial in self._of_models(t, y, a, multipliers, base):
+            found[:, p] = partial
+        for j, K, modal in self._modal(y):
+            m = K.shape[2]
+            change = modal @ K.reshape(2 * m, -1)
+            found[:, :, j : j + m] -= change.reshape(t.size, self._count, m)
+        return found
+
+    @property
+    def rows(self) -> IntArray | None:
+        """Which terms change, if only modal forces do; else None: any may."""
+        if self._near:
+            return None
+        model = self._model
+        own = [model.vel_start[i] + 6 + np.arange(K.shape[2]) for i, K in self._stiffness]
+        return np.concatenate([np.zeros(0, dtype=np.int64), *own])
+
+    def summed(
+        self, t: Array, y: Array, a: Array, multipliers: Array, base: Array, weights: Array
+    ) -> Array:
+        """Return sums (P, v) of the same over states and terms with weights (k, w, v)."""
+        found = np.zeros((self._count, weights.shape[2]))
+        for p, partial in self._of_models(t, y, a, multipliers, base):
+            found[p] = np.tensordot(partial, weights)
+        for j, K, modal in self._modal(y):
+            both = np.tensordot(modal, weights[:, j : j + K.shape[2]], axes=(0, 0))
+            found -= np.tensordot(K, both, axes=((0, 2), (0, 1)))
+        return found
+
+    def _of_models(
+        self, t: Array, y: Array, a: Array, multipliers: Array, base: Array
+    ) -> Iterator[tuple[int, Array]]:
         at = t, y, a, multipliers
         for p, low, high, step in self._near:
             less, span = (base, step) if low is None else (terms(low, *at), 2.0 * step)
-            found[:, p] = (terms(high, *at) - less) / span
+            yield p, (terms(high, *at) - less) / span
+
+    def _modal(self, y: Array) -> Iterator[tuple[int, Array, Array]]:
+        """Yield for bodies whose modal forces change: where these are, changes, motion (k, 2 m)."""
         for i, K in self._stiffness:
-            m, j = K.shape[2], int(model.vel_start[i]) + 6
-            q, v = int(model.pos_start[i]) + 7, model.n_pos + j
-            moved = np.concatenate([y[:, q : q + m], y[:, v : v + m]], axis=1)
-            found[:, :, j : j + m] -= (moved @ K.reshape(2 * m, -1)).reshape(t.size, self._count, m)
-        return found
+            m, j = K.shape[2], int(self._model.vel_start[i]) + 6
+            q, v = int(self._model.pos_start[i]) + 7, self._model.n_pos + j
+            yield j, K, np.concatenate([y[:, q : q + m], y[:, v : v + m]], axis=1)
 
 
 def _arrays(model: Model) -> dict[str, Array]:

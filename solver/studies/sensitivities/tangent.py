@@ -13,10 +13,12 @@ and corrections onto the constraints add to the motion has the size of the toler
 docs/sensitivities.md.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ...dynamics.analysis.recovery import extent
@@ -29,7 +31,7 @@ from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
 from ..linearisation.differences import units_of
-from .linear import Column, Linearisation
+from .linear import Column, Linear, Linearisation, Partials
 
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
@@ -52,6 +54,23 @@ class Batch(NamedTuple):
         return (self.t[:-1, None] + np.diff(self.t)[:, None] * C).ravel()
 
 
+class Equations(NamedTuple):
+    """Equations of k steps: those at some states, and weights of these for all stages."""
+
+    t: Array  # (k + 1,) ends [s]
+    linear: Linear
+    weights: csr_array  # (3 k, nodes)
+
+    def at(self, part: Array, weights: csr_array | None = None) -> Array:
+        """Return values at stages of values at the nodes."""
+        values = (self.weights if weights is None else weights) @ part.reshape(len(part), -1)
+        return np.asarray(values.reshape(len(values), *part.shape[1:]))
+
+    def own(self, times: Array) -> NDArray[np.bool_]:
+        """Return which times are within the steps."""
+        return np.asarray((times > self.t[0]) & (times <= self.t[-1]))
+
+
 class Tangent:
     """Carries the derivatives of a state by P parameters along steps.
 
@@ -61,6 +80,7 @@ class Tangent:
     columns : the parameters
     y0 : (n,) start
     S : its derivatives
+    partials : derivatives of the terms instead of those by the parameters
     bends : numbers of coordinates, and values at which a force along them has a bend
     cuts : instants between which laws of time are smooth; without them equations are not
         interpolated [s]
@@ -79,20 +99,19 @@ class Tangent:
         S: Array,
         bends: Sequence[tuple[int, float]] = (),
         cuts: Array | None = None,
+        partials: Callable[..., Array] | None = None,
     ) -> None:
         self.model, self.columns, self.S, self._bends = model, columns, S, bends
         self._cuts = cuts
         self._size = extent(model, y0)
         self.units = units_of(model, self._size)
         n = model.n_vel
-        per_step = (2 * n + 4 * model.n_constraint + 10) * (3 * n + len(columns))
+        per_step = (2 * n + 4 * model.n_constraint + 10) * (3 * n + S.shape[1])
         self._batch = int(np.clip(BATCH // per_step, 1, 500))
-        self._linear = Linearisation(model, columns, self.units)
-
-    @property
-    def is_still(self) -> bool:
-        """Whether no parameter changes anything: S stays zero."""
-        return not self.S.any() and not self._linear.changes
+        own = Partials(model, columns)
+        self.is_still = not S.any() and not own.changes  # no parameter changes anything
+        self._partials = own
+        self._linear = Linearisation(model, partials or own, self.units)
 
     def follow(self, steps: Steps, times: Array) -> Array:
         """Carry S over steps without a jump between them.
@@ -101,26 +120,39 @@ class Tangent:
         (m, 2 n_vel + n_aux, P).
         """
         found = np.empty((times.size, *self.S.shape))
-        t, begin = steps.t, 0
-        parts, ends = self._bent(steps), {len(steps)}
+        for equations in self.equations(steps):
+            own = equations.own(times)
+            found[own] = self._over(equations, times[own])
+        return found
+
+    def equations(self, steps: Steps, *, backwards: bool = False) -> Iterator[Equations]:
+        """Yield the equations of steps without a jump between them, batch by batch."""
+        parts = self._bent(steps)
+        ends = {0, len(steps), *parts, *(i + 1 for i in parts)}
         if self._cuts is not None:
-            ends |= set(np.searchsorted(t, self._cuts * (1.0 - 1e-12)).tolist())
-        while begin < len(steps):
-            end = min(begin + self._batch, *(i for i in ends | parts.keys() if i > begin))
+            ends |= set(np.searchsorted(steps.t, self._cuts * (1.0 - 1e-12)).tolist())
+        edges = sorted(i for i in ends if i <= len(steps))
+        left = [
+            (i, min(i + self._batch, end))
+            for begin, end in pairwise(edges)
+            for i in range(begin, end, self._batch)
+        ]
+        left = left if backwards else left[::-1]
+        while left:
+            begin, end = left.pop()
             if begin in parts:
-                end = begin + 1
                 batch = self._split(steps, begin, parts[begin])
             else:
                 batch = self._taken(steps, begin, end)
-            own = (times > t[begin]) & (times <= t[end])
-            done = self._over(batch, times[own])
-            while done is None:  # other independent coordinates sooner
-                end = begin + (end - begin + 1) // 2
-                own = (times > t[begin]) & (times <= t[end])
-                done = self._over(self._taken(steps, begin, end), times[own])
-            found[own] = done
-            begin = end
-        return found
+            nodes, weights = self._nodes(batch)
+            at_nodes = (part[nodes] for part in (batch.at, batch.y, batch.a, batch.multipliers))
+            linear = self._linear(*at_nodes, last=end - begin <= 2)
+            if linear is None:  # other independent coordinates sooner
+                middle = begin + (end - begin + 1) // 2
+                halves = (begin, middle), (middle, end)
+                left += halves if backwards else halves[::-1]
+                continue
+            yield Equations(batch.t, linear, weights)
 
     def _taken(self, steps: Steps, begin: int, end: int) -> Batch:
         """Return the stages of some steps as the run has left them."""
@@ -201,22 +233,12 @@ class Tangent:
             x = np.linspace(x[k - 1], x[k], 65)
         return x[:1]
 
-    def _over(self, batch: Batch, times: Array) -> Array | None:
-        """Carry S over a batch; return it at times (m,), or None where no partition holds."""
-        t, h = batch.t, np.diff(batch.t)
+    def _over(self, equations: Equations, times: Array) -> Array:
+        """Carry S over a batch; return it at times (m,)."""
+        t, linear, weights = equations
+        h, at = np.diff(t), equations.at
         k = h.size
-        nodes, weights = self._nodes(batch)
-        at_nodes = (part[nodes] for part in (batch.at, batch.y, batch.a, batch.multipliers))
-        linear = self._linear(*at_nodes, last=k <= 2)
-        if linear is None:
-            return None
-
-        def at(part: Array, stages: csr_array) -> Array:
-            """Values at stages of values at the nodes."""
-            values = stages @ part.reshape(nodes.size, -1)
-            return np.asarray(values.reshape(len(values), *part.shape[1:]))
-
-        w = self._stages(at(linear.J, weights), at(linear.g, weights), h, linear.kept)
+        w = self._stages(at(linear.J), at(linear.g), h, linear.kept)
         i = np.clip(np.searchsorted(t, times) - 1, 0, k - 1)
         steps = np.unique(np.concatenate([[k - 1], i, i - 1]))
         steps = steps[steps >= 0]
@@ -288,12 +310,18 @@ class Tangent:
             S[2 * n :] = np.where(which, (high - low) / (2.0 * h), S[2 * n :])
             self.S[:, p] = S - late * rates[1]
 
+    @staticmethod
+    def _matrix(J: Array, h: Array) -> Array:
+        """Return the matrices of steps h (k,) for their stages together, (k, 3 m, 3 m)."""
+        k, m = h.size, J.shape[1]
+        rows = np.einsum("k,ab,kbij->kaibj", h, A, J.reshape(k, 3, m, m))
+        return np.asarray(np.eye(3 * m) - rows.reshape(k, 3 * m, 3 * m))
+
     def _stages(self, J: Array, g: Array, h: Array, kept: IntArray) -> Array:
         """Return the independent coordinates at the stages of steps h (k,), (3 k, m, P)."""
         k, m, columns = h.size, J.shape[1], g.shape[2]
-        J, g = J.reshape(k, 3, m, m), g.reshape(k, 3, m, columns)
-        hA = h[:, None, None] * A
-        matrix = np.eye(3 * m) - np.einsum("kab,kbij->kaibj", hA, J).reshape(k, 3 * m, 3 * m)
+        g = g.reshape(k, 3, m, columns)
+        hA, matrix = h[:, None, None] * A, self._matrix(J, h)
         load = np.einsum("kab,kbip->kaip", hA, g).reshape(k, 3 * m, columns)
         start = np.broadcast_to(np.tile(np.eye(m), (3, 1)), (k, 3 * m, m))
         answer = np.linalg.solve(matrix, np.concatenate([start, load], axis=2))

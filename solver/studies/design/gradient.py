@@ -1,0 +1,155 @@
+"""The gradient of one number of a run by many parameters, by the adjoint of its motion."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...dynamics.analysis.recovery import Recording
+from ...errors import InputError, refuse
+from ...inputs.case.design import unknown_subject
+from ...inputs.case.tables.design import Quantity
+from ...inputs.common.table import validated
+from ...math.arrays import Array
+from ...report.table import aligned
+from ...results import RunResult
+from ...run.outcome import collect
+from ...run.preparation import integrated, prepare
+from ..sensitivities.adjoint import Weights, gradients
+from ..sensitivities.execution import Trace, sensors_beside
+from ..sensitivities.parameters import Parameter, Variant
+from ..sensitivities.work import asked_of
+from .exact import Pair, Traced
+from .measures import Made, Measure, measure_of
+
+OBJECTIVE = "objective"  # of summary.json
+
+
+def by_adjoint(
+    traced: Traced, parameters: Sequence[Parameter], measures: Sequence[Measure], made: Made
+) -> list[Array]:
+    """Return derivatives (r, P) of the values of measures of one run by its parameters.
+
+    Raises
+    ------
+    InputError
+        As `gradients`.
+    """
+    raws = [m.raw(made) for m in measures]
+    own = [m.reduce(raw, made.t)[1] for m, raw in zip(measures, raws, strict=True)]
+    ends = np.cumsum([len(w) for w in own])
+    weights: Weights = [
+        (np.pad(w, [(end - len(w), ends[-1] - end), *[(0, 0)] * (w.ndim - 1)]), m.unit)
+        for w, end, m in zip(own, ends.tolist(), measures, strict=True)
+    ]
+
+    def read(each: Variant, recording: Recording) -> list[Array]:
+        sensors = sensors_beside(traced.prepared, each, recording, traced.signals)
+        finished = replace(traced.finished, built=each.built)
+        return [m.raw(Made(made.spec, finished, sensors, recording)) for m in measures]
+
+    y = np.asarray(traced.finished.solution.y[:])
+    found = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
+    return np.split(found.T, ends[:-1])
+
+
+def adjoint_slopes(
+    traced: Mapping[str, Traced],
+    names: Sequence[str],
+    steps: Array,
+    pairs: Sequence[Pair],
+    measures: Sequence[Measure],
+    made: Made,
+) -> list[list[list[float]]] | None:
+    """Return the slopes of all measures of a design; None where the adjoint does not serve.
+
+    Signals that read another run, and what `gradients` refuses, are left to the tangent.
+    """
+    if list(traced) != [made.spec.run]:
+        return None
+    parameters = [
+        Parameter(name, "", 0.0, h, *pair)
+        for name, h, pair in zip(names, steps.tolist(), pairs, strict=True)
+    ]
+    try:
+        of_run = [m for m in measures if m.runs]
+        found = iter(by_adjoint(traced[made.spec.run], parameters, of_run, made))
+    except InputError:
+        return None
+    slopes = []
+    for m in measures:
+        if m.runs:
+            slopes.append(next(found).tolist())
+            continue
+        beside = ([m.raw(Made(each, None, {}, None)) for each in pair] for pair in pairs)
+        rates = [(b - a) / (2.0 * h) for (a, b), h in zip(beside, steps, strict=True)]
+        w = m.reduce(m.raw(made), made.t)[1]
+        slopes.append(np.tensordot(w, np.stack(rates, axis=-1), axes=w.ndim - 1).tolist())
+    return slopes
+
+
+def compute_gradient(
+    table: dict[str, Any],
+    file: Path,
+    run: str,
+    keys: Sequence[str],
+    objective: Mapping[str, Any],
+    *,
+    build: Path,
+    packages: Path | None = None,
+    coarse: bool = False,
+) -> tuple[RunResult, dict[str, object]]:
+    """Return result and summary of a run; `objective` of the summary has value and derivatives.
+
+    Parameters
+    ----------
+    objective : a quantity of a run as in `minimise` of a study
+    table, file, run, keys, build, packages, coarse : as for `compute_sensitivities`
+
+    Raises
+    ------
+    InputError
+        As `compute_sensitivities`; an objective that a run does not have.
+    """
+    quantity = validated(Quantity, dict(objective), f"{file}: objective")
+    measure = measure_of(quantity)
+    if not measure.runs:
+        raise InputError(f"objective: {quantity.words()}: expected a signal, strength or energy")
+    spec, parameters, shares = asked_of(table, file, run, keys, build, packages, coarse=coarse)
+    refuse(unknown_subject("objective", quantity, spec.mechanism))
+    prepared = prepare(spec.mechanism, spec.packages)
+    trace = Trace(prepared)
+    finished = integrated(prepared, trace, stages=True)
+    solution = finished.solution
+    if solution.status == "interrupted":
+        raise KeyboardInterrupt
+    if solution.status != "finished":
+        raise InputError(f"{run}: an objective needs a run that finishes: {solution.message}")
+    recording = Recording(prepared.model, solution.t, np.asarray(solution.y[:]))
+    made = Made(spec, finished, prepared.measured, recording)
+    value = measure.shown(measure.raw(made), made.t)
+    kept = [quantity.name] if quantity.subject == "signal" else []
+    traced = Traced(prepared, finished, trace, kept)
+    rates = by_adjoint(traced, parameters, [measure], made)[0][0]
+    if quantity.subject == "strength":  # the values are exposures
+        rates = -rates * value**2
+    found = rates if shares is None else rates @ shares
+    result, summary = collect(spec, prepared.measured, finished, 0.0)
+    summary[OBJECTIVE] = {
+        "words": quantity.words(),
+        "value": value,
+        "unit": measure.unit,
+        "derivatives": dict(zip(keys, found.tolist(), strict=True)),
+    }
+    return result, summary
+
+
+def gradient_table(summary: Mapping[str, Any]) -> str:
+    """Return the value of an objective and its derivatives, the largest first."""
+    found = summary[OBJECTIVE]
+    rows = [[name, f"{rate:.6g}"] for name, rate in found["derivatives"].items()]
+    rows.sort(key=lambda row: -abs(float(row[1])))
+    head = f"{found['words']} = {found['value']:.6g} {found['unit']}"
+    return f"{head}\n{aligned([['parameter', 'derivative'], ['', ''], *rows], left=(0, 1))}"
