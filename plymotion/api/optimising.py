@@ -81,6 +81,19 @@ class Optimum:
             for start in self.data["starts"]
         ]
 
+    @property
+    def front(self) -> list[dict[str, Any]]:
+        """Designs of a study with `front` of which none is better in both numbers.
+
+        Values of the parameters `p`, and of the objective, limits and second number, `shown`.
+
+        >>> import plymotion as pm
+        >>> pm.optimise("pendulum.toml").front
+        []
+        """
+        found: list[dict[str, Any]] = self.data["front"]
+        return found
+
     def changed(self, case: Case) -> Case:
         """Return a case with the best design.
 
@@ -153,6 +166,16 @@ def optimise(
     Traceback (most recent call last):
     plymotion.solver.errors.InputError: pendulum: expected the name of a study; known: light
     """
+    order = order_of(case, study, out, coarse=coarse)
+    with shown(steps=progress), named(out), folder_lock(order.folder.parent.parent):
+        computed(order, Here if jobs == 1 else partial(Local, jobs), fresh=fresh, show=progress)
+        return Optimum(order.folder)
+
+
+def order_of(
+    case: Case | str | Path, study: str | None, out: str | Path | None, *, coarse: bool
+) -> Order:
+    """Return a study of a case. Raises InputError: the case has no such study, or several."""
     case = as_case(case)
     design = case.table.get("design", {})
     studies = list(design.get("studies", {}))
@@ -162,7 +185,4 @@ def optimise(
         hint = nearest(study, studies) if study and studies else known
         raise InputError(f"{case.name}: expected the name of a study{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    order = Order(plain(case.table), case._path, coarse, study, folder / "studies" / study)
-    with shown(steps=progress), named(out), folder_lock(folder):
-        computed(order, Here if jobs == 1 else partial(Local, jobs), fresh=fresh, show=progress)
-        return Optimum(order.folder)
+    return Order(plain(case.table), case._path, coarse, study, folder / "studies" / study)

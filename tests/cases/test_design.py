@@ -15,6 +15,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.studies.design.memory import FILE
 from plymotion.solver.studies.design.trials import Order, Trials
 from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, swung, tube
+from tests.samples.exchange_routes import PROGRAMS
 
 
 def _case(table: dict[str, Any], name: str = "case") -> pm.Case:
@@ -37,6 +38,46 @@ def test_spring_of_the_shortest_way_within_a_force(driver: str) -> None:
     assert way == pytest.approx(V0 * np.sqrt(M / BEST), rel=1e-3)
     assert force == pytest.approx(-F_MAX / M, rel=1e-3)
     assert found.data["optimum"]["violation"] < 1e-4
+
+
+def test_front_of_way_and_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    """x = v0 sqrt(m / k), F = v0 sqrt(m k): all stiffnesses have x F = m v0^2, none is better."""
+    monkeypatch.syspath_prepend(str(PROGRAMS / "optimisers"))
+    pytest.importorskip("pymoo")
+    second = {"signal": "a", "of": "min"}
+    study = {"driver": "genetic", "front": second, "iterations": 4, "starts": 1, "subject_to": []}
+    found = pm.optimise(_case(oscillator(**study)))
+    ways, accelerations = np.array([point["shown"] for point in found.front]).T
+    assert len(ways) > 20
+    np.testing.assert_allclose(-ways * accelerations, V0**2, rtol=3e-3)
+    assert (np.diff(ways) > 0.0).all()
+    assert (np.diff(accelerations) > 0.0).all()
+    page = (found.folder / "design.html").read_text("utf-8")
+    assert page.count("<circle") == len(ways)
+    with pytest.raises(InputError, match=r'driver = "slsqp": expected "genetic" with `front`'):
+        _case(oscillator(front=second)).check()
+
+
+def test_component_of_openmdao(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values and derivatives of the closed form; OpenMDAO's own check of partials."""
+    monkeypatch.syspath_prepend(str(PROGRAMS / "optimisers"))
+    om = pytest.importorskip("openmdao.api")
+    monkeypatch.setenv("OPENMDAO_REPORTS", "0")
+    table = oscillator(rtol=1e-10)
+    table["solver"] |= {"rtol": 1e-10, "output_step": 0.001}
+    problem = om.Problem(reports=False)
+    problem.model.add_subsystem("study", pm.openmdao_component(_case(table)), promotes=["*"])
+    problem.setup()
+    k = 140.0
+    problem.set_val("k", k)
+    problem.run_model()
+    x = V0 * np.sqrt(M / k)
+    assert problem.get_val("signal_x_max")[0] == pytest.approx(x, rel=1e-6)
+    rates = problem.compute_totals(of=["signal_x_max", "signal_a_min"], wrt=["k"])
+    assert rates["signal_x_max", "k"][0, 0] == pytest.approx(-x / (2.0 * k), rel=1e-5)
+    checked = problem.check_partials(out_stream=None, method="fd", form="central", step=0.1)
+    for each in checked["study"].values():
+        assert np.abs(each["J_fwd"] - each["J_fd"]).max() < 1e-5 * np.abs(each["J_fd"]).max()
 
 
 def test_slope_of_a_peak_is_that_of_the_closed_form() -> None:

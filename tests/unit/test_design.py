@@ -17,8 +17,10 @@ from plymotion.solver.studies.design.problem import Options, Problem, Values
 from plymotion.solver.studies.design.rules import broken, space_of
 from plymotion.solver.studies.design.starts import Start, first_points, search
 from tests.samples.design_samples import CARBON, angles, tube
+from tests.samples.exchange_routes import PROGRAMS
 
 T = np.linspace(0.0, 2.0, 81)
+OPTIMISERS = str(PROGRAMS / "optimisers")  # those of make exchange-programs
 
 
 def _measure(**keys: Any) -> Measure:
@@ -156,7 +158,8 @@ def _best() -> float:
 
 
 @pytest.mark.parametrize("driver", sorted(DRIVERS))
-def test_plate_of_plus_and_minus_theta(driver: str) -> None:
+def test_plate_of_plus_and_minus_theta(driver: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(OPTIMISERS)
     study = _study(1, angles(1), driver=driver)
     problem = _problem(study, np.array([30.0]))
     try:

@@ -84,6 +84,7 @@ def study_section(found: dict[str, Any]) -> str:
         _stacks(found["layups"]),
         _arrows(found),
         _history(found),
+        _front(found),
         f"<p class='note'>Derivatives: {escape(found['gradient'])}.</p>",
     )
 
@@ -200,3 +201,25 @@ def _history(found: dict[str, Any]) -> str:
         colour = COLOURS[k % len(COLOURS)]
         parts.append(f"<polyline points='{points}' fill='none' stroke='{colour}'/>")
     return f"<h3>History of all starts</h3>{_picture(WIDE, HIGH + 36, 'History', parts)}"
+
+
+def _front(found: dict[str, Any]) -> str:
+    """Return the designs of which none is better in both numbers of a study with `front`."""
+    points = [(point["shown"][-1], point["shown"][0]) for point in found.get("front", [])]
+    if len(points) < 2:
+        return ""
+    names = [f"{m['words']} [{m['unit']}]" for m in found["measures"]]
+    (left, low), (right, high) = (tuple(map(f, zip(*points, strict=True))) for f in (min, max))
+    width, height = (right - left) or 1.0, (high - low) or 1.0
+    parts = [
+        _text(10, 14, f"{number(high, 4)}  {names[0]}"),
+        _text(10, HIGH + 10, number(low, 4)),
+        _text(70, HIGH + 28, number(left, 4)),
+        _text(WIDE - 10, HIGH + 28, f"{names[-1]}  {number(right, 4)}", "end"),
+    ]
+    for x, y in points:
+        a, b = 70 + (WIDE - 80) * (x - left) / width, 20 + (HIGH - 20) * (high - y) / height
+        parts.append(f"<circle cx='{a:.1f}' cy='{b:.1f}' r='3' fill='{COLOURS[0]}'/>")
+    words = "<p class='note'>Designs within all limits of which none is better in both numbers.</p>"
+    picture = _picture(WIDE, HIGH + 36, "Pareto front", parts)
+    return f"<h3>Pareto front</h3>{words}{picture}"

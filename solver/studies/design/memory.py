@@ -29,7 +29,7 @@ class Memory:
     """
 
     def __init__(self, file: Path, key: str, *, fresh: bool = False) -> None:
-        self.file, self.known = file, dict[tuple[str, str], Any]()
+        self.file, self.key, self.known = file, key, dict[tuple[str, str], Any]()
         head = _sealed({"format": FORMAT, "key": key})
         lines = [] if fresh or not file.is_file() else file.read_text("utf-8").splitlines()
         if lines and lines[0] != head:

@@ -4,7 +4,7 @@ x are the free parameters, each scaled to -1 to 1. If the objective is a largest
 plies, x has one more entry: a bound of all its local peaks, which is minimised.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -55,6 +55,7 @@ class Point:
     merit: float  # objective, negative where it is made large; of strength the exposure
     violation: float  # largest one of all limits, relative; 0: none
     shown: list[float]  # what a user reads of each measure
+    second: float = 0.0  # merit of what `front` names
 
     def better_than(self, other: "Point | None") -> bool:
         """Tell whether it is nearer to feasible, or as feasible and of a better objective."""
@@ -62,6 +63,16 @@ class Point:
             return True
         mine, theirs = (max(each.violation - FEASIBLE, 0.0) for each in (self, other))
         return (mine, self.merit) < (theirs, other.merit)
+
+
+def undominated(points: Iterable[Point]) -> list[Point]:
+    """Return the points within all limits of which none is better in both merits, in order."""
+    found: list[Point] = []
+    valid = (point for point in points if point.violation <= FEASIBLE)
+    for point in sorted(valid, key=lambda each: (each.merit, each.second)):
+        if not found or point.second < found[-1].second:
+            found.append(point)
+    return found
 
 
 @dataclass
@@ -74,6 +85,7 @@ class Problem:
     best : the best valid design so far
     history : a point for each gradient that was asked for: the iterations
     invalid : designs that had no value, and the first reason
+    front : the valid designs of which none is better in both numbers of a study with `front`
     """
 
     designs: Designs
@@ -84,6 +96,7 @@ class Problem:
     best: Point | None = None
     history: list[Point] = field(default_factory=list)
     invalid: list[str] = field(default_factory=list)
+    front: list[Point] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._good: tuple[Array, Array, Array | None] | None = None
@@ -133,6 +146,14 @@ class Problem:
         if self.bounded:
             return np.eye(x.size)[-1]
         return self._slopes(x)[0]
+
+    def second(self, x: Array) -> float:
+        """Return the merit of what `front` names; of an invalid design one that is worse."""
+        p, assumed = self.space.p(self.z(x)), self.best
+        found = self.designs.values(p)
+        if found.why and assumed is not None:
+            return assumed.second + BARRIER * (abs(assumed.second) or 1.0)
+        return self.point(p, found).second
 
     def cons(self, x: Array) -> Array:
         """Return what must not be negative (m,)."""
@@ -231,12 +252,18 @@ class Problem:
     def point(self, p: Array, found: Values) -> Point:
         """Return how good a design is."""
         merit = float((self.sign * np.array(found.values[0])).max())
-        return Point(p.tolist(), merit, self.violation(p, found.values), found.shown)
+        other, second = self.study.front, 0.0
+        if other is not None:
+            large = other.subject == "frequency" or other.of == "min"
+            second = float(((-1.0 if large else 1.0) * np.array(found.values[-1])).max())
+        return Point(p.tolist(), merit, self.violation(p, found.values), found.shown, second)
 
     def _note(self, p: Array, found: Values) -> None:
         point = self.point(p, found)
         if point.better_than(self.best):
             self.best = point
+        if self.study.front is not None:
+            self.front = undominated([*self.front, point])
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
 from .drivers.table import driver_of
 from .memory import FILE, Memory
-from .problem import Options, Point, Problem, Values
+from .problem import Options, Point, Problem, Values, undominated
 from .rules import Space, broken, space_of
 from .trials import Order, Trials
 
@@ -59,6 +59,7 @@ class Start:
     message: str = ""
     left_saddle: bool = False
     invalid: list[str] = field(default_factory=list)
+    front: list[Point] = field(default_factory=list)
     computed: int = 0  # designs that were built and run, not those known before
 
 
@@ -131,6 +132,7 @@ def _descend(problem: Problem, start: Start, study: CheckedStudy) -> None:
     ending = driver.minimise(problem, Options(table.iterations, table.tolerance, table.seed))
     start.converged, start.message = ending.converged, ending.message
     start.history += problem.history
+    start.front = undominated([*start.front, *problem.front])
     start.invalid += [why for why in problem.invalid if why not in start.invalid]
     if problem.best is not None and problem.best.better_than(start.best):
         start.best = problem.best

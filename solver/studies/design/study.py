@@ -19,6 +19,7 @@ from ...workers.executors import Executor, Task, distribute
 from .drivers.table import driver_of
 from .memory import FILE, Memory
 from .planning import plan_again, with_plan
+from .problem import undominated
 from .rules import layups, space_of
 from .show import variant_text
 from .starts import Start, compute_start, first_points, forget
@@ -52,6 +53,30 @@ class _Starts:
         self._took(Start(task.content, message="its worker process died (out of memory?)"))
 
 
+def ready(order: Order, *, fresh: bool = False) -> tuple[Order, Trials, Memory]:
+    """Return a study with its plan and the kind of derivatives that it asks for, or can have.
+
+    Raises
+    ------
+    InputError
+        A study that cannot be computed.
+    """
+    trials = Trials(order)
+    table = trials.study.table
+    where = f"{order.file}: design.studies.{trials.study.name}"
+    driver_of(table.driver, where)
+    space_of(trials.study)
+    shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
+    for name in (RESULT, VARIANT, PAGE):
+        refuse_foreign(order.folder / name)
+    why = "" if table.gradient == "differences" else trials.why_not_exact()
+    if why and table.gradient == "exact":
+        raise InputError(f'{where}.gradient = "exact": {why}; expected "differences"')
+    order = replace(with_plan(trials), exact=table.gradient != "differences" and not why)
+    trials = Trials(order)
+    return order, trials, Memory(order.folder / FILE, trials.digest(), fresh=fresh)
+
+
 def optimise(
     order: Order, executor: Callable[[], Executor], *, fresh: bool = False, show: bool = False
 ) -> dict[str, Any]:
@@ -64,23 +89,10 @@ def optimise(
     KeyboardInterrupt
         Ctrl-C or TERM; the same call continues.
     """
-    trials = Trials(order)
-    study = trials.study
+    order, trials, memory = ready(order, fresh=fresh)
+    study, key = trials.study, memory.key
     where = f"{order.file}: design.studies.{study.name}"
-    driver_of(study.table.driver, where)
     space = space_of(study)
-    shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
-    for name in (RESULT, VARIANT, PAGE):
-        refuse_foreign(order.folder / name)
-    # The kind of derivatives that the study asks for, or can have.
-    wanted = trials.study.table.gradient
-    why = "" if wanted == "differences" else trials.why_not_exact()
-    if why and wanted == "exact":
-        raise InputError(f'{where}.gradient = "exact": {why}; expected "differences"')
-    order = replace(with_plan(trials), exact=wanted != "differences" and not why)
-    trials = Trials(order)
-    key = trials.digest()
-    Memory(order.folder / FILE, key, fresh=fresh)
     forget()
     tell_if_slow()
     found: list[Start] = []
@@ -191,6 +203,7 @@ def _content(
             "start": _sensitivities(memory, first.p) if first else [],
             "optimum": _sensitivities(memory, (best.continuous or best.best).p),
         },
+        "front": [asdict(p) for p in undominated(p for start in found for p in start.front)],
         "starts": [asdict(start) for start in found],
     }
 

@@ -187,6 +187,10 @@ class Study(Table):
     parameters: list[Name] | None = optional("names of those that vary; absent: all", min_length=1)
     minimise: Quantity | None = optional("what is made small")
     maximise: Quantity | None = optional("in its place: what is made large")
+    front: Quantity | None = optional(
+        "a second number, for the designs of which none is better in both; made large if it is a "
+        'strength, a frequency or a min, else small; with driver = "genetic"'
+    )
     subject_to: list[Limit] = entry("limits", default=[])
     rules: list[Literal["symmetric", "balanced"] | Rule] = entry("of the lay-ups", default=[])
     driver: Name = entry("optimiser, see docs/design.md", default="slsqp")
@@ -213,6 +217,8 @@ class Study(Table):
         if self.objective.of == wrong or only:
             key = "maximise" if self.minimise is not None else "minimise"
             raise ValueError(f"{self.objective.words()}: expected under `{key}`")
+        if self.front is not None and self.driver != "genetic":
+            raise ValueError(f'driver = "{self.driver}": expected "genetic" with `front`')
         return self
 
     @property
@@ -223,8 +229,8 @@ class Study(Table):
         return found
 
     def quantities(self) -> list[Quantity]:
-        """Return the objective, then the limits."""
-        return [self.objective, *self.subject_to]
+        """Return the objective, then the limits, then what `front` names."""
+        return [self.objective, *self.subject_to, *([self.front] if self.front else [])]
 
 
 class Design(Table):

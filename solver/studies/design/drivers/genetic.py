@@ -1,4 +1,4 @@
-"""Genetic algorithm of pymoo: no gradients, for problems with many local optima."""
+"""Genetic algorithms of pymoo: no gradients, for many local optima and for fronts (NSGA-II)."""
 
 from typing import Any
 
@@ -12,7 +12,9 @@ POPULATION = 24
 
 def genetic(problem: Problem, options: Options) -> Ending:
     """Minimise by a genetic algorithm. Raises InputError without pymoo."""
-    GA: Any = library("pymoo.algorithms.soo.nonconvex.ga", "pymoo").GA
+    front = problem.study.front is not None
+    where = "pymoo.algorithms." + ("moo.nsga2" if front else "soo.nonconvex.ga")
+    Algorithm: Any = getattr(library(where, "pymoo"), "NSGA2" if front else "GA")
     ElementwiseProblem: Any = library("pymoo.core.problem", "pymoo").ElementwiseProblem
     minimize: Any = library("pymoo.optimize", "pymoo").minimize
     n, count = problem.z0.size, problem.cons(problem.x0).size
@@ -29,11 +31,15 @@ def genetic(problem: Problem, options: Options) -> Ending:
                 cons = np.r_[np.ones(peaks), cons[peaks:]]
             else:
                 out["F"] = problem.fun(full)
+            if front:
+                out["F"] = [out["F"], problem.second(full)]
             if count:
                 out["G"] = -cons
 
-    elements = Elements(n_var=n, n_obj=1, n_ieq_constr=count, xl=bounds[:, 0], xu=bounds[:, 1])
-    algorithm = GA(pop_size=POPULATION, eliminate_duplicates=True)
+    elements = Elements(
+        n_var=n, n_obj=1 + front, n_ieq_constr=count, xl=bounds[:, 0], xu=bounds[:, 1]
+    )
+    algorithm = Algorithm(pop_size=POPULATION, eliminate_duplicates=True)
     limit = ("n_gen", options.iterations)
     minimize(elements, algorithm, limit, seed=options.seed, verbose=False)
     best = problem.best
@@ -41,4 +47,6 @@ def genetic(problem: Problem, options: Options) -> Ending:
     return Ending(x, True, f"{options.iterations} generations")
 
 
-DRIVER = Driver("genetic", "genetic algorithm (pymoo), without gradients", genetic)
+DRIVER = Driver(
+    "genetic", "genetic algorithm (pymoo), without gradients; fronts by NSGA-II", genetic
+)
