@@ -7,25 +7,43 @@ docs/format.md). A run beside the design is then one with packages moved along t
 that of the design moved along the tangent.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ...checks.finished import FinishedRun
+from ...dynamics.evaluation.evaluation import Instants
 from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec
 from ...inputs.case.tables.schema import Mechanism
+from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
-from ...run.preparation import Prepared
-from ..sensitivities.execution import Followed, Trace, followed, sensors_beside
-from ..sensitivities.parameters import Parameter
-from .measures import Made
+from ...run.preparation import Prepared, output_times
+from ...signals import HELD, Recording
+from ..sensitivities.adjoint import Adjoint
+from ..sensitivities.execution import (
+    Followed,
+    Trace,
+    bends_of,
+    beside_motion,
+    change_of,
+    cuts_of,
+    followed,
+    sensors_beside,
+    sides,
+)
+from ..sensitivities.parameters import Parameter, Variant
+from .measures import Made, Measure
 
 STEP = 1e-4  # of the range of a parameter, along derivatives and between specifications
+TRIED, LEAST = 1e-5, 1e-4  # of the largest motion of a coordinate, and of the mechanism's size
+# Of a mechanism in some motion: arrays (..., n_t) at the output times.
+Read = Callable[[Variant, Recording], Sequence[Array]]
+Weights = Sequence[tuple[Array, str]]  # (v, ..., n_t) of each array in v numbers; its unit
 Specs = Mapping[str, BodySpec]
 Pair = tuple[RunSpec, RunSpec]
 
@@ -162,3 +180,149 @@ def made_beside(
     for spec, (each, recording), known in zip(pair, motion.beside(k), histories, strict=True):
         read = sensors_beside(motion.prepared, each, recording, one.signals, known)
         yield Made(spec, replace(one.finished, built=each.built), read, recording)
+
+
+def gradients(
+    prepared: Prepared,
+    parameters: Sequence[Parameter],
+    steps: Sequence[Steps],
+    y: Array,
+    read: Read,
+    weights: Weights,
+) -> Array:
+    """Return the derivatives (P, v) of v numbers of a run by its parameters.
+
+    Parameters
+    ----------
+    steps : of its trace
+    y : (n_t, n) at the output times
+    read : what the numbers are made of, each value by the state at its own time
+    weights : derivatives of the numbers by what `read` returns, at the run itself
+
+    Raises
+    ------
+    InputError
+        As `sides`; a run with impacts or sampled states, which have no adjoint.
+    """
+    model, solver = prepared.model, prepared.mechanism.solver
+    if model.quantities.event_state.size or Instants(model, solver.t_end).t.size:
+        raise InputError(
+            "the adjoint of runs with impacts or sampled states is not implemented; expected the "
+            "tangent, without an objective"
+        )
+    pairs, columns, start = sides(prepared, parameters)
+    times, held = output_times(solver.t_end, solver.output_step), dict[str, Any]()
+    itself = Variant(replace(prepared.built, model=model), prepared.y0)
+    read(itself, Recording(model, times, y, {HELD: held}))  # notes which plies govern
+
+    def change(S: Array, h: float, pair: tuple[Variant, Variant]) -> Array:
+        """Derivatives (n_t, v) of the summands of the numbers along S and between mechanisms."""
+        beside = beside_motion(prepared, times, y, S, h, pair, held)
+        rows = (read(each, recording) for each, recording in beside)
+        return np.asarray(
+            sum(
+                np.einsum(
+                    "vst,st->tv",
+                    w.reshape(len(w), -1, times.size),
+                    change_of(low, high, unit).reshape(-1, times.size) / (2.0 * h),
+                )
+                for low, high, (w, unit) in zip(*rows, weights, strict=True)
+            )
+        )
+
+    adjoint = Adjoint(
+        model, columns, prepared.y0, len(weights[0][0]), bends_of(prepared), cuts_of(prepared)
+    )
+    spans = _spans(prepared, times, y, adjoint.units)
+    by_state = np.stack(
+        [
+            change(row, TRIED * span, (itself, itself))
+            for row, span in zip(np.eye(spans.size), spans, strict=True)
+        ],
+        axis=1,
+    )
+    for each in reversed(steps):
+        adjoint.back(each, times, by_state)
+    direct = [
+        change(np.zeros(spans.size), parameter.h, pair).sum(axis=0)
+        for parameter, pair in zip(parameters, pairs, strict=True)
+    ]
+    return np.asarray(adjoint.gradient + start.T @ (adjoint.S + by_state[0]) + np.array(direct))
+
+
+def _spans(prepared: Prepared, t: Array, y: Array, units: Array) -> Array:
+    """Return the sizes (2 n_vel + n_aux,) of the motion of all coordinates and their rates.
+
+    Modes by their own motion: stresses are not linear over a larger one.
+    """
+    model, size = prepared.model, 1.0 / units
+    for a, j, m in zip(model.pos_start, model.vel_start, model.n_mode, strict=True):
+        modes = slice(j + 6, j + 6 + m)
+        moved = np.abs(y[:, a + 7 : a + 7 + m]).max(axis=0)
+        size[modes] = np.maximum(moved, LEAST * size[modes])
+    rest = np.abs(y[:, model.n_pos : -1]).max(axis=0)
+    least = LEAST * np.concatenate([size / t[-1], np.ones(model.n_aux)])
+    return np.concatenate([size, np.maximum(rest, least)])
+
+
+def by_adjoint(
+    traced: Traced, parameters: Sequence[Parameter], measures: Sequence[Measure], made: Made
+) -> list[Array]:
+    """Return derivatives (r, P) of the values of measures of one run by its parameters.
+
+    Raises
+    ------
+    InputError
+        As `gradients`.
+    """
+    raws = [m.raw(made) for m in measures]
+    own = [m.reduce(raw, made.t)[1] for m, raw in zip(measures, raws, strict=True)]
+    ends = np.cumsum([len(w) for w in own])
+    weights: Weights = [
+        (np.pad(w, [(end - len(w), ends[-1] - end), *[(0, 0)] * (w.ndim - 1)]), m.unit)
+        for w, end, m in zip(own, ends.tolist(), measures, strict=True)
+    ]
+
+    def read(each: Variant, recording: Recording) -> list[Array]:
+        sensors = sensors_beside(traced.prepared, each, recording, traced.signals)
+        finished = replace(traced.finished, built=each.built)
+        return [m.raw(Made(made.spec, finished, sensors, recording)) for m in measures]
+
+    y = np.asarray(traced.finished.solution.y[:])
+    found = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
+    return np.split(found.T, ends[:-1])
+
+
+def adjoint_slopes(
+    traced: Mapping[str, Traced],
+    names: Sequence[str],
+    steps: Array,
+    pairs: Sequence[Pair],
+    measures: Sequence[Measure],
+    made: Made,
+) -> list[list[list[float]]] | None:
+    """Return the slopes of all measures of a design; None where the adjoint does not serve.
+
+    Signals that read another run, and what `gradients` refuses, are left to the tangent.
+    """
+    if list(traced) != [made.spec.run]:
+        return None
+    parameters = [
+        Parameter(name, "", 0.0, h, *pair)
+        for name, h, pair in zip(names, steps.tolist(), pairs, strict=True)
+    ]
+    try:
+        of_run = [m for m in measures if m.runs]
+        found = iter(by_adjoint(traced[made.spec.run], parameters, of_run, made))
+    except InputError:
+        return None
+    slopes = []
+    for m in measures:
+        if m.runs:
+            slopes.append(next(found).tolist())
+            continue
+        beside = ([m.raw(Made(each, None, {}, None)) for each in pair] for pair in pairs)
+        rates = [(b - a) / (2.0 * h) for (a, b), h in zip(beside, steps, strict=True)]
+        w = m.reduce(m.raw(made), made.t)[1]
+        slopes.append(np.tensordot(w, np.stack(rates, axis=-1), axes=w.ndim - 1).tolist())
+    return slopes

@@ -1,7 +1,6 @@
 """The gradient of one number of a run by many parameters, by the adjoint of its motion."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,82 +11,16 @@ from ...errors import InputError, refuse
 from ...inputs.case.design import unknown_subject
 from ...inputs.case.tables.design import Quantity
 from ...inputs.common.table import validated
-from ...math.arrays import Array
 from ...report.table import aligned
 from ...results import RunResult
 from ...run.outcome import collect
 from ...run.preparation import integrated, prepare
-from ..sensitivities.adjoint import Weights, gradients
-from ..sensitivities.execution import Trace, sensors_beside
-from ..sensitivities.parameters import Parameter, Variant
+from ..sensitivities.execution import Trace
 from ..sensitivities.work import asked_of
-from .exact import Pair, Traced
-from .measures import Made, Measure, measure_of
+from .exact import Traced, by_adjoint
+from .measures import Made, measure_of
 
 OBJECTIVE = "objective"  # of summary.json
-
-
-def by_adjoint(
-    traced: Traced, parameters: Sequence[Parameter], measures: Sequence[Measure], made: Made
-) -> list[Array]:
-    """Return derivatives (r, P) of the values of measures of one run by its parameters.
-
-    Raises
-    ------
-    InputError
-        As `gradients`.
-    """
-    raws = [m.raw(made) for m in measures]
-    own = [m.reduce(raw, made.t)[1] for m, raw in zip(measures, raws, strict=True)]
-    ends = np.cumsum([len(w) for w in own])
-    weights: Weights = [
-        (np.pad(w, [(end - len(w), ends[-1] - end), *[(0, 0)] * (w.ndim - 1)]), m.unit)
-        for w, end, m in zip(own, ends.tolist(), measures, strict=True)
-    ]
-
-    def read(each: Variant, recording: Recording) -> list[Array]:
-        sensors = sensors_beside(traced.prepared, each, recording, traced.signals)
-        finished = replace(traced.finished, built=each.built)
-        return [m.raw(Made(made.spec, finished, sensors, recording)) for m in measures]
-
-    y = np.asarray(traced.finished.solution.y[:])
-    found = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
-    return np.split(found.T, ends[:-1])
-
-
-def adjoint_slopes(
-    traced: Mapping[str, Traced],
-    names: Sequence[str],
-    steps: Array,
-    pairs: Sequence[Pair],
-    measures: Sequence[Measure],
-    made: Made,
-) -> list[list[list[float]]] | None:
-    """Return the slopes of all measures of a design; None where the adjoint does not serve.
-
-    Signals that read another run, and what `gradients` refuses, are left to the tangent.
-    """
-    if list(traced) != [made.spec.run]:
-        return None
-    parameters = [
-        Parameter(name, "", 0.0, h, *pair)
-        for name, h, pair in zip(names, steps.tolist(), pairs, strict=True)
-    ]
-    try:
-        of_run = [m for m in measures if m.runs]
-        found = iter(by_adjoint(traced[made.spec.run], parameters, of_run, made))
-    except InputError:
-        return None
-    slopes = []
-    for m in measures:
-        if m.runs:
-            slopes.append(next(found).tolist())
-            continue
-        beside = ([m.raw(Made(each, None, {}, None)) for each in pair] for pair in pairs)
-        rates = [(b - a) / (2.0 * h) for (a, b), h in zip(beside, steps, strict=True)]
-        w = m.reduce(m.raw(made), made.t)[1]
-        slopes.append(np.tensordot(w, np.stack(rates, axis=-1), axes=w.ndim - 1).tolist())
-    return slopes
 
 
 def compute_gradient(

@@ -38,8 +38,16 @@ from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
 from ..sensitivities.execution import Trace, change_of
-from .exact import STEP, Pair, Traced, beside, made_beside, runs_beside, with_targets
-from .gradient import adjoint_slopes
+from .exact import (
+    STEP,
+    Pair,
+    Traced,
+    adjoint_slopes,
+    beside,
+    made_beside,
+    runs_beside,
+    with_targets,
+)
 from .measures import Made, Measure, measure_of
 from .problem import Values
 

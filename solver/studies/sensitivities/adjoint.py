@@ -7,28 +7,17 @@ steps. It leaves derivatives by the terms at each state, and by the start. What 
 of the terms is then summed over the states: no equation is solved for it.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ...dynamics.evaluation.evaluation import Instants
-from ...errors import InputError
+from ...dynamics.model.model import Model
 from ...integrators.compiled.radau_stages import POWERS, A
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
-from ...run.preparation import Prepared, output_times
-from ...signals import HELD, Recording
-from .execution import bends_of, beside_motion, change_of, cuts_of, sides
 from .linear import Column, Partials
-from .parameters import Parameter, Variant
 from .tangent import Equations, Tangent
-
-TRIED, LEAST = 1e-5, 1e-4  # of the largest motion of a coordinate, and of the mechanism's size
-# Of a mechanism in some motion: arrays (..., n_t) at the output times.
-Read = Callable[[Variant, Recording], Sequence[Array]]
-Weights = Sequence[tuple[Array, str]]  # (v, ..., n_t) of each array in v numbers; its unit
 
 
 class _Terms:
@@ -54,16 +43,16 @@ class Adjoint(Tangent):
 
     def __init__(
         self,
-        prepared: Prepared,
+        model: Model,
         columns: Sequence[Column],
+        y0: Array,
         count: int,
+        bends: Sequence[tuple[int, float]],
+        cuts: Array | None,
     ) -> None:
-        model = prepared.model
         self._at = _Terms(Partials(model, columns).rows)
         none = np.zeros((2 * model.n_vel + model.n_aux, count))
-        super().__init__(
-            model, columns, prepared.y0, none, bends_of(prepared), cuts_of(prepared), self._at
-        )
+        super().__init__(model, columns, y0, none, bends, cuts, self._at)
         self.gradient = np.zeros((len(columns), count))
 
     def back(self, steps: Steps, times: Array, by_state: Array) -> None:
@@ -108,84 +97,3 @@ class Adjoint(Tangent):
         weights_of = np.zeros((len(by_terms), self._at.at[-1].shape[1], v))
         weights_of[:, slice(None) if self._at.rows is None else self._at.rows] = by_terms
         self.gradient += self._partials.summed(*self._at.at, weights_of)
-
-
-def gradients(
-    prepared: Prepared,
-    parameters: Sequence[Parameter],
-    steps: Sequence[Steps],
-    y: Array,
-    read: Read,
-    weights: Weights,
-) -> Array:
-    """Return the derivatives (P, v) of v numbers of a run by its parameters.
-
-    Parameters
-    ----------
-    steps : of its trace
-    y : (n_t, n) at the output times
-    read : what the numbers are made of, each value by the state at its own time
-    weights : derivatives of the numbers by what `read` returns, at the run itself
-
-    Raises
-    ------
-    InputError
-        As `sides`; a run with impacts or sampled states, which have no adjoint.
-    """
-    model, solver = prepared.model, prepared.mechanism.solver
-    if model.quantities.event_state.size or Instants(model, solver.t_end).t.size:
-        raise InputError(
-            "the adjoint of runs with impacts or sampled states is not implemented; expected the "
-            "tangent, without an objective"
-        )
-    pairs, columns, start = sides(prepared, parameters)
-    times, held = output_times(solver.t_end, solver.output_step), dict[str, Any]()
-    itself = Variant(replace(prepared.built, model=model), prepared.y0)
-    read(itself, Recording(model, times, y, {HELD: held}))  # notes which plies govern
-
-    def change(S: Array, h: float, pair: tuple[Variant, Variant]) -> Array:
-        """Derivatives (n_t, v) of the summands of the numbers along S and between mechanisms."""
-        beside = beside_motion(prepared, times, y, S, h, pair, held)
-        rows = (read(each, recording) for each, recording in beside)
-        return np.asarray(
-            sum(
-                np.einsum(
-                    "vst,st->tv",
-                    w.reshape(len(w), -1, times.size),
-                    change_of(low, high, unit).reshape(-1, times.size) / (2.0 * h),
-                )
-                for low, high, (w, unit) in zip(*rows, weights, strict=True)
-            )
-        )
-
-    adjoint = Adjoint(prepared, columns, len(weights[0][0]))
-    spans = _spans(prepared, times, y, adjoint.units)
-    by_state = np.stack(
-        [
-            change(row, TRIED * span, (itself, itself))
-            for row, span in zip(np.eye(spans.size), spans, strict=True)
-        ],
-        axis=1,
-    )
-    for each in reversed(steps):
-        adjoint.back(each, times, by_state)
-    direct = [
-        change(np.zeros(spans.size), parameter.h, pair).sum(axis=0)
-        for parameter, pair in zip(parameters, pairs, strict=True)
-    ]
-    return np.asarray(adjoint.gradient + start.T @ (adjoint.S + by_state[0]) + np.array(direct))
-
-
-def _spans(prepared: Prepared, t: Array, y: Array, units: Array) -> Array:
-    """Return the sizes (2 n_vel + n_aux,) of the motion of all coordinates and their rates.
-
-    Modes by their own motion: stresses are not linear over a larger one.
-    """
-    model, size = prepared.model, 1.0 / units
-    for a, j, m in zip(model.pos_start, model.vel_start, model.n_mode, strict=True):
-        modes = slice(j + 6, j + 6 + m)
-        moved = np.abs(y[:, a + 7 : a + 7 + m]).max(axis=0)
-        size[modes] = np.maximum(moved, LEAST * size[modes])
-    rest = np.abs(y[:, model.n_pos : -1]).max(axis=0)
-    least = LEAST * np.concatenate([size / t[-1], np.ones(model.n_aux)])
-    return np.concatenate([size, np.maximum(rest, least)])
