@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import InputError
 from ..math.rows import spans
 from ..results import RunResult, Signal
+from ..results.codes import LOADED_START
 from .inputs import RunSpec
 
 # Thresholds are those of the scenes drawn at random in benchmarks/arena/coverage.py (adr/0077).
@@ -38,7 +39,8 @@ def with_error_bars(
     """Add `error_bar` to the signals of the summary of a finished run, and the entry `error_bars`.
 
     A bar is the largest difference over all output times, in the unit of the signal, times a factor
-    of safety. It is None, with a `reason`, where the second run does not end as the first one did.
+    of safety. It is None, with a `reason`, where the second run does not end as the first one did,
+    and for reactions in runs that begin with sudden loads, which no number of modes gives.
     """
     begin, reason, known = time.process_time(), "", {}
     few = summary["cost"]["steps"] < FEW_STEPS
@@ -51,11 +53,17 @@ def with_error_bars(
             reason = f"the coarser run ended early: {other['message']}"
     except InputError as error:
         reason = f"the coarser run: {error}"
+    unknown = []
+    if any(found["code"] == LOADED_START.name for found in summary["warnings"]):
+        kinds = {name: signal.kind for name, signal in spec.mechanism.signals.items()}
+        unknown = [name for name, kind in kinds.items() if kind == "reaction"]
     for one in result.signals:
-        bar = safety * largest_difference(one, known[one.name]) if known else None
+        stated = known and one.name not in unknown
+        bar = safety * largest_difference(one, known[one.name]) if stated else None
         summary["signals"][one.name]["error_bar"] = bar
+    sudden = [f"{name}, because loads begin suddenly" for name in unknown]
     summary["error_bars"] = {
-        "not_contained": not_contained(spec),
+        "not_contained": [*not_contained(spec), *sudden],
         "reason": reason,
         "cpu_s": time.process_time() - begin,
     }

@@ -103,6 +103,15 @@ def test_a_second_run_that_ends_early_leaves_no_bars() -> None:
     assert "the coarser run ended early" in error_bars_line(summary)
 
 
+def test_reactions_at_a_sudden_start_have_no_bar() -> None:
+    """No number of modes gives them; bars were up to three times too small."""
+    _, summary = barred(flexible(pendulum(t_end=0.1), "soft", [BENDING]))
+    assert "loads-begin-suddenly" in [found["code"] for found in summary["warnings"]]
+    assert summary["signals"]["force"]["error_bar"] is None
+    assert summary["signals"]["bending"]["error_bar"] > 0.0
+    assert "force, because loads begin suddenly" in error_bars_line(summary)
+
+
 def test_a_planned_run_states_its_errors_otherwise() -> None:
     table = pendulum()
     table["solver"]["error_bars"] = True
