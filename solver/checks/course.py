@@ -18,6 +18,7 @@ from ..results.codes import (
     CODES,
     ENERGY_JUMP,
     GROWS,
+    ORDER_TWO,
     REFUSED,
     RUN_FAILED,
     RUN_INTERRUPTED,
@@ -159,6 +160,17 @@ WORTH_A_WORD = 100  # attempts: a shorter run costs nothing
 # Longest step that helps, in average steps. With 1.0 the average itself becomes shorter: four-bars
 # cost 1.07 to 1.18 times as much then, with 1.1 to 1.5 0.98 to 1.09 (test_refusals.py).
 LONGEST = 1.25
+
+
+def accuracy_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield a finding for steps of order 2, whose sum of errors goes with rtol to the 2/3."""
+    solver = run.mechanism.solver
+    if run.order == 2 and solver.rtol < ORDER_TWO.limit:
+        text = (
+            f"{solver.integrator} has order 2: the error of a run falls as rtol**(2/3) "
+            f"and may be 10 to 1000 times rtol = {solver.rtol:g}. radau and rk8 cost less"
+        )
+        yield ORDER_TWO.finding(text, value=solver.rtol)
 
 
 def refusal_findings(run: FinishedRun) -> Iterator[Finding]:

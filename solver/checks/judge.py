@@ -20,6 +20,7 @@ CHECKS: tuple[Check, ...] = (
     balances.angle_findings,
     inputs.table_findings,
     course.refusal_findings,
+    course.accuracy_findings,
     balances.constraint_findings,
     balances.energy_findings,
     balances.momentum_findings,

@@ -7,7 +7,9 @@ the exponential, as Bruls and Cardona (2010).
 
 import numpy as np
 import pytest
+from samples.case_samples import rigid
 from samples.constraint_runs import new_run, prepared
+from samples.coordinate_samples import force, run
 from samples.flexible_samples import Points, body_of
 from samples.mechanism_samples import GROUND, Sample, chain, pendulum
 from samples.stability_samples import hand, stepped
@@ -216,3 +218,44 @@ def test_what_is_not_resolved_is_damped(rho):
     q = np.abs(stepped(made, lambda i: i.y[7]))
     assert made.status == "finished"
     assert q[-1] < 1e-2 * 1e-6
+
+
+LINKAGE = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.4), (1.2, 0.0, 0.6), (1.0, 0.0, 0.0)]
+
+
+def linkage() -> str:
+    """A four-bar linkage of bars of 1 kg that falls, with friction in the joints on the ground."""
+    text = "gravity = [0.0, 0.0, -9.81]\n[ground]\nO = { position = [0, 0, 0] }\n"
+    text += "C = { position = [1, 0, 0] }\n"
+    text += '[signals.angle]\nkind = "joint"\njoint = "A"\ncoordinate = "angle"\n'
+    ends = np.array(LINKAGE)
+    for name, one, two in zip(("crank", "coupler", "rocker"), ends[:-1], ends[1:], strict=True):
+        half = (0.5 * (two - one)).tolist()
+        places = {"a": tuple(-h for h in half), "b": tuple(half)}
+        inertia = 0.1 * float((two - one) @ (two - one))
+        text += rigid(name, 1.0, inertia, places, position=tuple((0.5 * (one + two)).tolist()))
+    pairs = {"A": ("ground.O", "crank.a"), "B": ("crank.b", "coupler.a")}
+    pairs |= {"D": ("coupler.b", "rocker.a"), "E": ("rocker.b", "ground.C")}
+    for name, (one, two) in pairs.items():
+        ends_of = f'between = ["{one}", "{two}"]\naxis = [0.0, 1.0, 0.0]\n'
+        text += f'[joints.{name}]\nkind = "revolute"\n{ends_of}'
+    for name in "AE":
+        text += force(f"f{name}", "friction", joint=name, coulomb=0.3, rest_velocity=1e-3)
+    return text
+
+
+@pytest.mark.provokes("rtol-not-kept")
+def test_an_rtol_that_order_two_does_not_keep_is_named(tmp_path):
+    """The error falls as rtol to the power of 2/3; radau keeps what is asked."""
+    known = run(tmp_path, linkage(), 3.0, 0.05, 'integrator = "radau"\nrtol = 1e-11')[1]["angle"]
+    size, errors = float(np.abs(known).max()), {}
+    for rtol in (1e-5, 1e-7):
+        for way in ('"generalized-alpha"\nconstraints = "ggl"', '"radau"'):
+            solver = f"integrator = {way}\nrtol = {rtol}"
+            _, found, summary = run(tmp_path, linkage(), 3.0, 0.05, solver)
+            codes = {warning["code"] for warning in summary["warnings"]}
+            told = "alpha" in way and rtol == 1e-7
+            assert codes == {"redundant-constraints", *(["rtol-not-kept"] if told else [])}
+            errors[way[1], rtol] = float(np.abs(found["angle"] - known).max()) / (size * rtol)
+    assert errors["g", 1e-7] > 2.0 * errors["g", 1e-5] > 10.0
+    assert max(errors["r", 1e-5], errors["r", 1e-7]) < 3.0

@@ -254,15 +254,8 @@ def operation_csv(points: Sequence[Point]) -> str:
     """Return the table of operating points."""
     rows = ["wind_m_s,speed_rpm,pitch_deg,power_kw,thrust_kn,torque_knm"]
     for p in points:
-        power = p.torque * p.speed
-        values = (
-            p.wind,
-            30.0 * p.speed / math.pi,
-            p.pitch,
-            power / 1e3,
-            p.thrust / 1e3,
-            p.torque / 1e3,
-        )
+        power, rpm = p.torque * p.speed, 30.0 * p.speed / math.pi
+        values = (p.wind, rpm, p.pitch, power / 1e3, p.thrust / 1e3, p.torque / 1e3)
         rows.append(",".join(f"{value:.6g}" for value in values))
     return "\n".join([*rows, ""])
 

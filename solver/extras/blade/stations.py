@@ -84,13 +84,7 @@ def station_csv(blade: Blade, stations: list[Station]) -> str:
         r, one = station.r, station.results
         if one is None:
             continue
-        row: list[float] = [
-            r,
-            blade.length.at(r),
-            blade.chord.at(r),
-            blade.twist.at(r),
-            one.M[0, 0],
-        ]
+        row = [r, blade.length.at(r), blade.chord.at(r), blade.twist.at(r), float(one.M[0, 0])]
         row += [station.mesh.removed, *(K[i, j] for K in (one.K, one.M) for i, j in UPPER)]
         rows.append([float(value) for value in row])
     return csv_text(rows)
