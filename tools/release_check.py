@@ -38,10 +38,13 @@ def texts() -> Iterator[str]:
         if found != [expected]:
             yield f"{name}: version {found}, but plymotion/__init__.py has {expected}"
     if f"\n## [{expected}] - unreleased" in _text("CHANGELOG.md"):
-        yield f"CHANGELOG.md: no date beside [{expected}]"
+        yield f"CHANGELOG.md: no date: write  ## [{expected}] - YYYY-MM-DD"
     project = tomllib.loads(_text("pyproject.toml"))["project"]
     if not project.get("urls"):
-        yield "pyproject.toml: [project.urls] is missing: enter the address of the repository"
+        yield (
+            "pyproject.toml: no address of the repository: write below [project.scripts]\n"
+            '    [project.urls]\n    Repository = "https://ADDRESS"'
+        )
     recipe = _text(RECIPE)
     for requirement in project["dependencies"]:
         # conda has matplotlib without its windows as matplotlib-base

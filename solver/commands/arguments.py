@@ -19,12 +19,6 @@ FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "so
 T = TypeVar("T")
 COMMAND = "COMMAND"  # what --help and messages call a command
 EXECUTORS = ("local", "dask", "mpi")
-# Commands of earlier versions, and what does the same now.
-MOVED = {
-    "merge": "plymotion sweep SWEEP --merge",
-    "chart": "plymotion plan CASE --chart",
-    "experimental": "plymotion import FILE --from measured --out PACKAGE",
-}
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
 
 
@@ -55,14 +49,13 @@ class CommandParser(argparse.ArgumentParser):
         if known and (found or message.endswith(COMMAND)):
             if not found:
                 message = "expected CASE.toml or a command"
-            elif (word := word.split("'")[1]) in MOVED:
-                self.exit(2, f"error: {word}: now {MOVED[word]}\n")
-            elif os.path.exists(word):
+            elif os.path.exists(word := word.split("'")[1]):
                 message = (
                     f"{word}: no case; expected CASE.toml, a folder with case.toml, or a command"
                 )
             else:
-                message = f"{word}: no such command{did_you_mean(word, known)}"
+                what = "file" if os.path.splitext(word)[1] or os.path.dirname(word) else "command"
+                message = f"{word}: no such {what}{did_you_mean(word, known)}"
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
 

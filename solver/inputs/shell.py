@@ -198,8 +198,8 @@ class Mesh(Table):
     )
     shape: Literal[SHAPES] | None = optional(  # type: ignore[valid-type]
         "instead: a script of meshes/shells, whose first lines name its sizes and groups: plate "
-        "(region plate; curves left, right, bottom, top) has length and width [m], n_length and "
-        "n_width cells"
+        "(region plate; curves left, right, bottom, top) has the parameters length and width [m], "
+        "n_length and n_width cells"
     )
     parameters: dict[str, bool | float | str | list[float]] | None = optional(
         "sizes of the `shape`; .geo: values of its DefineConstant entries "

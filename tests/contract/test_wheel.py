@@ -16,7 +16,9 @@ from plymotion.solver.commands.case_arguments import STARTERS
 from plymotion.solver.commands.setup import HOME
 from plymotion.solver.workers.interpreter import recorded
 
-CASE, RUN = "double-pendulum", "isotropic-soft-free-stiffened"
+CASE, RUNS = "double-pendulum", ("isotropic-soft-free-stiffened", "isotropic")
+# As it is, and as a system without fork and signals of POSIX.
+SYSTEMS = ({}, {"PLYMOTION_NO_FORK": "1"})
 
 
 @pytest.fixture(scope="module")
@@ -102,16 +104,19 @@ def test_a_shipped_case_runs_outside_the_checkout(installed: Path, repository: P
     assert "t_end = 1.0" in text
     text = text if compiled == "1" else text.replace("t_end = 1.0", "t_end = 0.02")
     (home / "case/case.toml").write_text(text, "utf-8")
-    words = ("case/case.toml", "--run", RUN, "--packages", str(packages))
-    done = _run(installed, *words, PLYMOTION_COMPILED=compiled)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "Report: build/case/report.html" in done.stdout
-    summary = home / "build/case" / RUN / "summary.json"
-    assert json.loads(summary.read_text("utf-8"))["completed"]
-    assert "Numba" not in done.stderr
+    words = ("case/case.toml", "--jobs", "2", "--force", "--packages", str(packages))
+    words += tuple(word for run in RUNS for word in ("--run", run))
+    for system in SYSTEMS:
+        done = _run(installed, *words, PLYMOTION_COMPILED=compiled, **system)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert "Report: build/case/report.html" in done.stdout
+        for run in RUNS:
+            summary = home / "build/case" / run / "summary.json"
+            assert json.loads(summary.read_text("utf-8"))["completed"]
+        assert "Numba" not in done.stderr
     drawn = _run(installed, "report", "build/case", "--figures")
     assert drawn.returncode == 0, drawn.stderr
-    assert (home / "build/case" / RUN / "motion.png").is_file()
+    assert (home / "build/case" / RUNS[0] / "motion.png").is_file()
 
 
 @pytest.mark.parametrize("installed", ["this Python"], indirect=True, scope="module")
@@ -130,17 +135,21 @@ def test_a_section_is_analysed_by_the_python_of_fenicsx(installed: Path, reposit
 
 
 EACH = """
-import sys
+import os, sys
 from plymotion.solver.__main__ import main
-for name in sys.argv[1:]:
+os.chdir(sys.argv[1])
+for name in sys.argv[2:]:
     sys.argv = ["plymotion", name]
     assert main(["new", name]) == 0, name
     assert main(["check", f"{name}/case.toml"]) == 0, name
 """
 
 
-def test_every_starter_is_written_and_checked(installed: Path) -> None:
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_starter_is_written_and_checked(
+    installed: Path, tmp_path: Path, system: dict[str, str]
+) -> None:
     """In one process, with the package that is installed."""
-    done = _run(installed.with_name("python"), "-c", EACH, *STARTERS)
+    done = _run(installed.with_name("python"), "-c", EACH, str(tmp_path), *STARTERS, **system)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("no errors\n") == len(STARTERS)

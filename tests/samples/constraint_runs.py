@@ -10,6 +10,7 @@ from scipy_integrators import SCIPY
 
 from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import IMPLICIT, Treatment
+from plymotion.solver.dynamics.evaluation import series
 from plymotion.solver.dynamics.evaluation.accelerations import (
     assemble,
     by_blocks,
@@ -24,8 +25,19 @@ from plymotion.solver.integrators.generic.drive import Solution, Steps, integrat
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
 from plymotion.solver.integrators.table import new_integrator
+from plymotion.solver.math.arrays import Array
 from plymotion.solver.mechanism.assembly import treated
 from plymotion.solver.mechanism.consistent import consistent_state, redundancy
+
+
+def joint_reactions(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
+    """Return force [N] and moment [N m] of each joint on its two sides, (k, nj, 2, 6).
+
+    At times t (k,), states y (k, n) and multipliers (k, n_c). Global components; the moment is
+    about the origin of that side's marker. For redundant joints they are those of least norm.
+    """
+    n = model.joint_marker.size
+    return series.marker_loads(model, t, y, multipliers)[:, :n].reshape(len(y), -1, 2, 6)
 
 
 @dataclass

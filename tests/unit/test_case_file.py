@@ -61,6 +61,16 @@ BAD = {
     "variant": ('["layup-1"]', '["layup-3"]', r'"layup-3": no such variant; did you mean'),
     "version": ("format = 1", "format = 2", "format = 2: value should be 1"),
     "toml": ("[solver]", "[solver", "not valid TOML"),
+    "decimal comma": ("t_end = 1.0", "t_end = 1,0", r"t_end = 1,0; expected numbers such as 0\.5"),
+    "text without quotes": ('"beam"', "beam", "Invalid value .*: kind = beam; .*texts in quotes"),
+    "umlaut": ("[solver]", "[\u00f6l]", r"\[\u00f6l\]; expected letters A to Z in names"),
+    "key below its table": (
+        "t_end = 1.0",
+        't_end = 1.0\nunits = "mm"',
+        "solver.units: unknown key: it belongs at the top of the file, above the first table",
+    ),
+    "word of others": ("\nE1 = ", "\nE = ", r"E: unknown key; did you mean 'E1'"),
+    "length of a list": ("[0.0, -9.81, 0.0]", "[0.0, -9.81]", "expected a list of 3 numbers"),
     "figure": (
         'signal = "arm_mid"',
         'signal = "arm_mod"',

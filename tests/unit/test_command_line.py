@@ -11,7 +11,6 @@ from harness.processes import this_python
 
 import plymotion
 from plymotion.solver.__main__ import main, parser
-from plymotion.solver.commands.arguments import MOVED
 from plymotion.solver.commands.setup import completion
 
 
@@ -118,13 +117,15 @@ def test_smoke_finds_another_motion(repository: Path, tools: Path) -> None:
     assert [found.split()[0] for found in smoke.problems(summary)] == ["energy-drift:", "slider_x"]
 
 
-@pytest.mark.parametrize("old", MOVED)
-def test_commands_of_earlier_versions_name_what_does_the_same(old, capsys):
+@pytest.mark.parametrize(
+    ("word", "what"),
+    [("nwe", "command; did you mean 'new'?"), ("arm.tml", "file"), ("a/b", "file")],
+)
+def test_what_is_no_command_may_be_a_missing_file(word, what, capsys):
     with pytest.raises(SystemExit) as ended:
-        main([old, "anything"])
+        main([word])
     assert ended.value.code == 2
-    assert capsys.readouterr().err == f"error: {old}: now {MOVED[old]}\n"
-    assert parser().parse_args(MOVED[old].split()[1:]).command
+    assert capsys.readouterr().err.startswith(f"error: {word}: no such {what}\nCommands: blade, ")
 
 
 @pytest.mark.parametrize("option", [["--fresh"], ["--jobs", "2"]])

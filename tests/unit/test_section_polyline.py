@@ -32,3 +32,21 @@ def test_walls_that_do_not_fit_are_named(change: dict[str, Any], message: str) -
     }
     with pytest.raises(InputError, match=message):
         section_spec(table, Path("walls.toml"))
+
+
+def test_the_plies_of_each_wall_give_its_thickness() -> None:
+    mesh = {"shape": "polyline", "x2": [0.0, 0.1, 0.1], "x3": [0.0, 0.0, 0.1]}
+    laminates = {
+        name: {"material": "m", "layup": layup, "ply_thickness": 0.00025}
+        for name, layup in (("flange", "[0_4]s"), ("web", "[45/-45]s"))
+    }
+    table: dict[str, Any] = {
+        **{"format": 1, "title": "walls", "laminates": laminates, "convention": "contour"},
+        "materials": {"m": {"library": "as4-3501-6", "rho": 1580.0}},
+        "regions": {"wall-1": {"laminate": "flange"}, "wall-2": {"laminate": "web"}},
+    }
+    file = Path("walls.toml")
+    found = section_spec({**table, "mesh": mesh}, file)
+    assert found == section_spec({**table, "mesh": {**mesh, "wall": [0.002, 0.001]}}, file)
+    with pytest.raises(InputError, match=r"regions\.wall-2: its 4 plies are 0\.001 m thick in all"):
+        section_spec({**table, "mesh": {**mesh, "wall": 0.002}}, file)

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from samples.constraint_runs import prepared, run
+from samples.constraint_runs import joint_reactions, prepared, run
 from samples.flexible_samples import body_of, random_marker, random_points, random_state
 from samples.mechanism_samples import bricard, chain, four_bars, pendulum
 
 from plymotion.solver.dynamics.analysis.recovery import (
     acting,
-    joint_reactions,
     momentum_balance,
     momentum_rates,
 )

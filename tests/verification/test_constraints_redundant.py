@@ -5,10 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from samples.constraint_runs import prepared, run
+from samples.constraint_runs import joint_reactions, prepared, run
 from samples.mechanism_samples import GROUND, Rods, bricard, chain, four_bars
 
-from plymotion.solver.dynamics.analysis.recovery import joint_reactions
 from plymotion.solver.dynamics.elements.constraints.treatment import TREATMENTS, Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.errors import InputError

@@ -162,16 +162,6 @@ LOADED = 1e-3  # least load, over that which the kinetic energy stands for
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 
 
-def joint_reactions(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
-    """Return force [N] and moment [N m] of each joint on its two sides, (k, nj, 2, 6).
-
-    At times t (k,), states y (k, n) and multipliers (k, n_c). Global components; the moment is
-    about the origin of that side's marker. For redundant joints they are those of least norm.
-    """
-    n = model.joint_marker.size
-    return series.marker_loads(model, t, y, multipliers)[:, :n].reshape(len(y), -1, 2, 6)
-
-
 def momentum_rates(model: Model, y: Array, rates: Array) -> Array:
     """Return the rates of the momenta of bodies along the solution, (k, nb, 6), by differences.
 

@@ -432,15 +432,11 @@ def _signal(
         if not found and isinstance(signal, JointSignal):
             kind = mechanism.joints[signal.joint].kind
             free = [coordinate.name for coordinate in JOINTS[kind].coordinates]
-            if not signal.coordinate and free:
-                return [
-                    f"{key}.coordinate: missing; joint {signal.joint} is {kind}; expected one of "
-                    f"{', '.join(free)}"
-                ]
             if signal.coordinate not in free:
+                given = f' = "{signal.coordinate}":' if signal.coordinate else ": missing;"
                 return [
-                    f'{key}.coordinate = "{signal.coordinate}": joint {signal.joint} is '
-                    f"{kind}; expected {' or '.join(free) or 'another joint'}"
+                    f"{key}.coordinate{given} joint {signal.joint} is {kind}; expected "
+                    f"{' or '.join(free) or 'another joint'}"
                 ]
         return found
     if isinstance(signal, DifferenceSignal | NormSignal):

@@ -40,8 +40,9 @@ def _of_some_length(vector: list[float]) -> list[float]:
 
 
 # Names become those of files, beside which temporary ones need room.
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=100)]
-Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]  # of an expression
+NAME = "^[A-Za-z][A-Za-z0-9_"
+Name = Annotated[str, Field(pattern=NAME + "-]*$", max_length=100)]
+Word = Annotated[str, Field(pattern=NAME + "]*$")]  # of an expression
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 FilePath = Annotated[str, AfterValidator(usable_path)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
@@ -190,6 +191,8 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
         for name in names:
             *others, own = _kinds_with([name], model, table)
             hint = meant(name, _keys(kind))
+            if table and name in ("units", *_keys(model)) and name not in MEANT:
+                hint = ": it belongs at the top of the file, above the first table"
             common = name in MEANT and hint.startswith("; did")
             meant_here = common or "." in hint or any(name in known for known in _keys(kind))
             if others and not meant_here:
@@ -203,59 +206,25 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
 # Common words, and what they are in a file; with a dot the key of another table. Words that a table
 # does not know are not proposed for it.
 WORDS = """
-algorithm method optimizer optimiser: driver integrator
-angle: angle_deg ply_angle_deg rotation_deg start_deg
-angles: angles_deg
-average mean: rms
-ball: spherical
-bending: bending-xy
-bernoulli euler_bernoulli: classical
-b: width
-bodies places: between
-circle: ellipse
-constraints constraint limits: subject_to
-contact normal_force: force
-damping: restitution
-density rho: rho air_density
-displacement: deflection
-dt: output_step
-duration time: t_end
-force: expression
-friction mu: coefficient
-h: height
-hinge pin: revolute
-k: stiffness
-c: damping
-d kd: derivative
-i ki: integral
-p kp: proportional
-layup lay_up laminate plies: layup laminate sections.description
-loads: forces
-maximize: maximise
-minimize objective: minimise
-moi: inertia
-newmark: generalized-alpha
-pid: controller
-pipe: tube
-plane ground floor: contact
-poisson: nu
-second_order: solver.geometric_stiffening
-slider: prismatic
-static: equilibrium
-target reference: setpoint
-stress: ply_stress
-tolerance: rtol
-torque: moment
-max min: bounds
-normal: axis
-torsional_spring: rotary_spring
-value: law
-weld: fixed
-young: E
+b: width; h: height; k: stiffness; c: damping; damping: restitution
+p kp: proportional; i ki: integral; d kd: derivative; moi: inertia; density rho: rho air_density
+length width n_length n_width: parameters; normal reference_axis: axis; fix: fixed; edge curve: at
+e young: E E1; g: G12; nu nu21 poisson: nu nu12; circle: ellipse; pipe: tube
+angle: angle_deg ply_angle_deg rotation_deg start_deg joint; angles: angles_deg
+layup lay_up laminate plies: layup laminate sections.NAME.description; bending: bending-xy
+bernoulli euler_bernoulli: classical; second_order: solver.geometric_stiffening
+ball: spherical; hinge pin: revolute; slider: prismatic; weld: fixed; bodies places: between
+damper: spring; torsional_spring: rotary_spring; pid: controller; plane ground floor: contact
+force: expression; friction mu: coefficient; contact normal_force: force; loads: forces
+magnitude value: law; target reference: setpoint; max min: bounds; average mean: rms
+displacement: deflection; stress: ply_stress; torque: moment
+algorithm method optimizer optimiser: driver integrator; newmark: generalized-alpha; tolerance: rtol
+dt: output_step; duration time: t_end; static: equilibrium
+constraint constraints limits: subject_to; maximize: maximise; minimize objective: minimise
 """
 MEANT = {
     word: meaning.split()
-    for words, _, meaning in (line.partition(":") for line in WORDS.splitlines())
+    for words, _, meaning in (entry.partition(":") for entry in re.split("[;\n]", WORDS))
     for word in words.split()
 }
 
@@ -317,14 +286,17 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
     inner = re.match(r"([\w.-]+( = [^:]*)?): ", text)
     if isinstance(value, dict) and inner is not None:  # about a key of the table
         return f"{key}.{inner[1]}", text[inner.end() :]
-    if item["type"] == "list_type":
-        text = f"expected a list{_of_numbers(field)}"
+    numbers = _of_numbers(field)
+    if item["type"] == "list_type" or (numbers and item["type"] in ("too_short", "too_long")):
+        text = f"expected a list{numbers}"
         rows = _field(model, item["loc"][:-1]) if field is None else None
         text += f", an entry of: {rows.description}" if rows and rows.description else ""
-        text += f': ["{value}"]' if isinstance(value, str) and "numbers" not in text else ""
+        text += f': ["{value}"]' if isinstance(value, str) and not numbers else ""
         text += ", such as [{ ... }]" if isinstance(value, dict) else ""
     elif item["type"] == "string_type" and field is not None and field.description:
         text = f"expected a text in quotes: {field.description.partition(';')[0]}"
+    elif item["type"] == "string_pattern_mismatch" and item["ctx"]["pattern"].startswith(NAME):
+        text = "expected a name of letters A to Z, digits and _, a letter first"
     elif item["type"] in ("model_type", "model_attributes_type", "dict_type"):
         text = f"expected a table{_with_keys(kind)}"
     elif item["type"] in ("float_type", "int_type") and isinstance(value, str):
@@ -363,7 +335,7 @@ def _of_numbers(field: FieldInfo | None) -> str:
     if least != most or not most:
         return ""
     if without_annotations(field.annotation) != list[float]:
-        return f" of {most[0]}"
+        return f" of {most[0]}: {field.description}"
     return f" of {most[0]} numbers, such as {[0.0] * (most[0] - 1) + [1.0]}"
 
 

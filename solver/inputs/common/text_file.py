@@ -1,12 +1,13 @@
 """Files of a user as plain tables and texts: TOML, YAML, numbers in lines."""
 
 import contextlib
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
-from ...errors import InputError
+from ...errors import InputError, printable
 
 # TOML files as plain tables.
 
@@ -28,20 +29,36 @@ def read_toml(file: Path, what: str) -> dict[str, object]:
     if file.exists() and not file.is_file():  # a folder, or a device that never ends
         raise InputError(f"{file}: no such {what}")
     too_deep = f"{file}: not valid TOML: nested too deep; expected {LEVELS} levels"
+    text = ""
     try:
-        table = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+        text = file.read_text(encoding="utf-8-sig")
+        table = tomllib.loads(text)
     except (FileNotFoundError, IsADirectoryError) as error:
         raise InputError(f"{file}: no such {what}") from error
     except RecursionError:
         raise InputError(too_deep) from None
     except ValueError as error:  # of the syntax, of UTF-8, or a number of thousands of digits
-        raise InputError(f"{file}: not valid TOML: {error}") from error
+        raise InputError(f"{file}: not valid TOML: {_explained(error, text)}") from error
     if not _flat_enough(table):  # as a key of many dots
         raise InputError(too_deep)
     kind = next((kind for key, kind in KEYS.items() if key in table), None)
     if kind is not None and (kind == CASE) != (what == CASE):
         raise InputError(f"{file}: expected a {what}, found a {kind}")
     return table
+
+
+def _explained(error: ValueError, text: str) -> str:
+    """Return a message of the reader with the line that it is about, and what is often wrong."""
+    if isinstance(error, UnicodeDecodeError):
+        return f"byte {error.start} is not UTF-8: save the file in this encoding"
+    number = re.search(r"at line (\d+)", str(error))
+    if number is None:
+        return str(error)
+    line = text.split("\n")[int(number[1]) - 1].strip()
+    advice = "" if line.isascii() else "; expected letters A to Z in names"
+    if "Invalid value" in str(error) or "after a statement" in str(error):
+        advice = "; expected numbers such as 0.5 or 1e9, true or false, or texts in quotes"
+    return f"{error}: {printable(line[:60])}{advice}"
 
 
 def _flat_enough(table: Mapping[str, Any]) -> bool:

@@ -108,6 +108,9 @@ def _fit(wall: Wall, key: str, plies: list[PlyTable], given: Values, sizes: Valu
         return []
     total = math.fsum(ply["thickness"] for ply in plies)
     place = next((k for k in (wall.thickness, "wall", "skin") if k in given), wall.thickness)
+    if place not in given and wall.region[-1].isdigit():
+        sizes.setdefault(place, []).append(total)  # in the order of the walls
+        return []
     size = sizes.setdefault(place, total)
     if isinstance(size, list):  # one for each web
         number = int(wall.region.rpartition("-")[2]) - 1 if len(size) > 1 else 0

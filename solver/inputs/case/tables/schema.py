@@ -386,7 +386,7 @@ def mechanism_of(
 
 def number_of(text: str, parameters: Mapping[str, Any]) -> float | None:
     """Return the value of an expression of numbers by name; None for another text."""
-    if not any(letter.isalpha() for letter in text) or is_number(text):
+    if is_number(text):
         return None  # a number in quotes
     try:
         with np.errstate(all="ignore"):
