@@ -30,8 +30,8 @@ from plymotion.solver.run.preparation import prepare
 RUNS = (
     ("double-pendulum", "isotropic", 1.0),
     ("double-pendulum", "layup-1", 1.0),
-    ("double-pendulum", "isotropic-soft-following", 0.3),
-    ("double-pendulum", "isotropic-soft-free-stiffened", 0.3),
+    ("double-pendulum-limits", "isotropic-soft-following", 0.3),
+    ("double-pendulum-limits", "isotropic-soft-free-stiffened", 0.3),
     ("double-pendulum-shell", "shell", 0.3),
     ("actuated-beam", "layup-1", 1.0),
     ("actuated-beam", "layup-3-root", 1.0),

@@ -7,7 +7,17 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ..errors import counted
-from ..results.codes import Finding
+from ..results.codes import (
+    BRANCH,
+    BUCKLING,
+    BUCKLING_LOAD,
+    INDEFINITE,
+    RUN_FAILED,
+    RUN_INTERRUPTED,
+    SINGULAR,
+    SPIN,
+    Finding,
+)
 from ..results.summary import findings, invalid_words, is_under_way, verdict
 from .story import Story
 from .table import measure, number
@@ -85,6 +95,17 @@ def name_of(story: Story) -> str:
 # The top of report.html: outcome and warnings of each run.
 
 _RANK = {"good": 0, "doubt": 1, "bad": 2}
+# What ended a run, in plain words.
+_WHY = {
+    RUN_FAILED.name: "the integrator could not go on",
+    RUN_INTERRUPTED.name: "interrupted",
+    SINGULAR.name: "a singular position",
+    BRANCH.name: "motion on another branch",
+    SPIN.name: "linear bodies have no stiffness left at that speed",
+    BUCKLING.name: "the motion buckles a body",
+    BUCKLING_LOAD.name: "loads buckle a linear body",
+    INDEFINITE.name: "a stiffened body is too far from its frame",
+}
 
 
 def banner(stories: list[Story]) -> str:
@@ -98,8 +119,8 @@ def banner(stories: list[Story]) -> str:
     if stopped:
         found = [each for story in stopped for each in findings(story.summary)]
         errors = [each.code for each in found if each.level == "error"]
-        why = f" ({escape(', '.join(dict.fromkeys(errors)))})" if errors else ""
-        words.append(f"{len(stopped)} stopped early{why}")
+        why = ", ".join(dict.fromkeys(_WHY.get(code, code) for code in errors))
+        words.append(f"{len(stopped)} stopped early{f': {escape(why)}' if why else ''}")
     if invalid := sum(bool(invalid_words(story.summary)) for story in stories):
         words.append(f"{invalid} completed, but invalid")
     counts = _counts([each for story in stories for each in findings(story.summary)])

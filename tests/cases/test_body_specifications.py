@@ -32,5 +32,5 @@ def test_hash_is_that_of_the_shipped_packages(case: Case, repository: Path) -> N
 
 
 def test_runs_share_the_specification_of_a_body(repository: Path) -> None:
-    bodies = load_case(repository / "cases/double-pendulum/case.toml").bodies
+    bodies = load_case(repository / "cases/double-pendulum-limits/case.toml").bodies
     assert bodies["isotropic-soft-free"]["arm"] is bodies["isotropic-soft-following"]["arm"]

@@ -1,4 +1,4 @@
-"""The paper's double pendulum from the shipped packages: no FEniCSx needed."""
+"""The paper's double pendulum, and its limits, from the shipped packages: no FEniCSx needed."""
 
 import json
 import shutil
@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 from harness.processes import this_python
+from samples.case_samples import case_runs
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
@@ -18,6 +19,7 @@ from plymotion.solver.run.execution import execute, read_run
 
 CASE = "cases/double-pendulum/case.toml"
 SHIPPED = "tests/packages/double-pendulum"
+LIMITS = "double-pendulum-limits"
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +36,12 @@ def checked(repository, tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="module")
+def limits(repository, tmp_path_factory):
+    """Run files of the case at the limits of linear bodies."""
+    return case_runs(repository, LIMITS, tmp_path_factory.mktemp("limits"))
+
+
 @pytest.fixture
 def build(checked, tmp_path, monkeypatch):
     """A copy of it for one test."""
@@ -41,9 +49,11 @@ def build(checked, tmp_path, monkeypatch):
     return Path(shutil.copytree(checked, tmp_path, dirs_exist_ok=True))
 
 
-def _edited(build: Path, repository: Path, *changes: tuple[str, str]) -> Path:
-    """The same case with some text replaced, checked into `build`."""
-    source = (repository / CASE).read_text()
+def _edited(
+    build: Path, repository: Path, *changes: tuple[str, str], name: str = "double-pendulum"
+) -> Path:
+    """A case with some text replaced, checked into `build`."""
+    source = (repository / "cases" / name / "case.toml").read_text()
     for old, new in changes:
         assert old in source
         source = source.replace(old, new)
@@ -51,7 +61,7 @@ def _edited(build: Path, repository: Path, *changes: tuple[str, str]) -> Path:
     folder.mkdir()
     file = folder / "case.toml"
     file.write_text(source)
-    write_case(load_case(file), build, repository / SHIPPED)
+    write_case(load_case(file), build, repository / "tests/packages" / name)
     return build / "runs"
 
 
@@ -72,9 +82,9 @@ def test_isotropic_run_against_geometrically_exact_beams(build, reference):
     assert summary["warnings"] == []
 
 
-def test_soft_free_run_stops_where_the_linear_hand_loses_definiteness(build, reference):
+def test_soft_free_run_stops_where_the_linear_hand_loses_definiteness(limits, reference):
     expected = reference["isotropic-soft-free"]
-    result, summary = execute(read_run(build / "runs/isotropic-soft-free.json"), progress=False)
+    result, summary = execute(read_run(limits / "isotropic-soft-free.json"), progress=False)
     assert not summary["completed"]
     assert abs(summary["t_end"] - expected["crossing"]) < expected["crossing_tolerance"]
     assert summary["warnings"][0]["code"] == SPIN.name
@@ -87,7 +97,8 @@ def test_soft_free_run_stops_where_the_linear_hand_loses_definiteness(build, ref
 
 
 def test_soft_free_run_can_be_told_to_go_on(build, repository):
-    runs = _edited(build, repository, ("t_end = 1.0", 't_end = 0.13\non_invalid = "warn"'))
+    change = ("t_end = 1.0", 't_end = 0.13\non_invalid = "warn"')
+    runs = _edited(build, repository, change, name=LIMITS)
     _, summary = execute(read_run(runs / "isotropic-soft-free.json"), progress=False)
     assert summary["completed"]
     assert [w["code"] for w in summary["warnings"]].count(SPIN.name) == 1
@@ -100,6 +111,7 @@ def test_following_hand_without_gravity_shows_no_bending(build, repository):
         repository,
         ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, 0.0, 0.0]"),
         ("rtol = 1e-6 #", "rtol = 1e-9 #"),
+        name=LIMITS,
     )
     result, summary = execute(read_run(runs / "layup-1-soft-following.json"), progress=False)
     signals = {s.name: s.values for s in result.signals}
@@ -111,9 +123,9 @@ def test_following_hand_without_gravity_shows_no_bending(build, repository):
     assert np.abs(signals["hand_mid"]).max() < 1e-8
 
 
-def test_shipped_packages_are_those_of_the_case(build):
+def test_shipped_packages_are_those_of_the_case(build, limits):
     """Their inputs are the case's: `make ship` after a change of the bodies."""
-    for run in (build / "runs").glob("*.json"):
+    for run in [*(build / "runs").glob("*.json"), *limits.glob("*.json")]:
         assert set(read_run(run).packages) == {"arm", "hand"}
 
 
@@ -215,15 +227,15 @@ def test_plain_numpy_gives_the_same_motion(build, repository):
 
 def test_output_that_cannot_be_written_is_an_error_with_words(build, capsys):
     (build / "out").write_text("a file where a folder should be")
-    run = str(build / "runs/isotropic-soft-free.json")
+    run = str(build / "runs/isotropic.json")
     assert main(["run", run, "--out", str(build / "out"), "--quiet"]) == 2
     assert "out: File exists" in capsys.readouterr().err
 
 
-def test_stiffened_soft_pendulum_completes_against_geometrically_exact_beams(build, reference):
+def test_stiffened_soft_pendulum_completes_against_geometrically_exact_beams(limits, reference):
     """The run that no linear body survives: chord frames, two static and two vibration modes."""
     expected = reference["isotropic-soft-free"]
-    spec = read_run(build / "runs/isotropic-soft-free-stiffened.json")
+    spec = read_run(limits / "isotropic-soft-free-stiffened.json")
     result, summary = execute(spec, progress=False)
     assert summary["completed"]
     assert summary["checks"]["modes_used"] == {"arm": 4, "hand": 4}

@@ -179,7 +179,10 @@ def test_one_step_over_many_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_rows_after_a_stop_are_dropped(
     repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file = case_runs(repository, "double-pendulum", tmp_path / "build") / "isotropic-soft-free.json"
+    file = (
+        case_runs(repository, "double-pendulum-limits", tmp_path / "build")
+        / "isotropic-soft-free.json"
+    )
     (plain, told), (long, told_long) = both(monkeypatch, file, output_step=1e-4)
     assert told["status"] == told_long["status"] == "stopped"
     assert told["t_end"] == told_long["t_end"] == plain.t[-1] < 1.0

@@ -16,7 +16,7 @@ from plymotion.solver.commands.case_arguments import STARTERS
 from plymotion.solver.commands.setup import HOME
 from plymotion.solver.workers.interpreter import recorded
 
-CASE, RUNS = "double-pendulum", ("isotropic-soft-free-stiffened", "isotropic")
+CASE, RUNS = "double-pendulum", ("isotropic", "layup-1")
 # As it is, and as a system without fork and signals of POSIX.
 SYSTEMS = ({}, {"PLYMOTION_NO_FORK": "1"})
 

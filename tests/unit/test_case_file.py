@@ -116,14 +116,14 @@ def test_missing_file(tmp_path, capsys):
 
 
 def test_variants_are_merged_in_order(repository):
-    case = load_case(repository / "cases/double-pendulum/case.toml")
-    assert list(case.runs)[:3] == ["isotropic", "isotropic-paper", "layup-1"]
+    case = load_case(repository / "cases/double-pendulum-limits/case.toml")
+    assert list(case.runs)[:2] == ["isotropic-paper", "layup-2-linear"]
     run = case.runs["layup-2-soft-following"]
     assert run.bodies["arm"].material == "graphite-epoxy"
     assert run.bodies["hand"].ply_angle_deg == 30.0
     assert run.bodies["arm"].x2_axis == [0.0, 0.0, 1.0]
     assert run.bodies["hand"].angular_velocity == [0.0, 0.0, 20.0]
-    assert case.runs["isotropic"].bodies["hand"].angular_velocity == [0.0, 0.0, 0.0]
+    assert case.runs["isotropic-paper"].bodies["hand"].angular_velocity == [0.0, 0.0, 0.0]
 
 
 def test_only_what_changed_is_rewritten(source, tmp_path):
@@ -133,9 +133,7 @@ def test_only_what_changed_is_rewritten(source, tmp_path):
     file.write_text(source)
     write_case(load_case(file), out)
     specs = sorted((out / "bodies").glob("*.json"))
-    # two links, three materials, two sides in the plane of motion; the stiffened run's own two, and
-    # two with lumped masses
-    assert len(specs) == 16
+    assert len(specs) == 6  # two links, three materials
     before = {p: p.stat().st_mtime_ns for p in out.rglob("*.json")}
     file.write_text(source.replace("rtol = 1e-6", "rtol = 1e-4", 1))
     write_case(load_case(file), out)

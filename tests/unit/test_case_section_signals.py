@@ -25,7 +25,7 @@ package = "{package}"
 def arm(repository, tmp_path_factory):
     """A free arm of the double pendulum, one ply of graphite/epoxy at 30 degrees."""
     folder = tmp_path_factory.mktemp("arm")
-    package = repository / "tests/packages/double-pendulum/arm.layup-2.vtkhdf"
+    package = repository / "tests/packages/double-pendulum-limits/arm.layup-2-linear.vtkhdf"
     file = folder / "case.toml"
     file.write_text(
         HEAD + TEXT.format(package=package) + SOLVER.format(t_end=1.0, step=1.0, more="")

@@ -33,14 +33,14 @@ def test_verdict(completed, found, expected, shown):
 
 def test_a_run_that_its_findings_call_invalid_is_not_done(repository, tmp_path, capsys):
     """The hand of lay-up 2 spins above its first frequency from the start, and goes on."""
-    text = (repository / "cases/double-pendulum/case.toml").read_text()
+    text = (repository / "cases/double-pendulum-limits/case.toml").read_text()
     file = tmp_path / "case.toml"
     more = '[variants.short.solver]\nt_end = 0.02\n[runs.short]\nvariants = ["layup-2", "soft", '
     more += '"following", "go-on", "short"]\n'
     file.write_text(text + more)
     out = tmp_path / "out"
     words = [str(file), "--run", "short", "--out", str(out), "--no-report"]
-    packages = str(repository / "tests/packages/double-pendulum")
+    packages = str(repository / "tests/packages/double-pendulum-limits")
     assert main([*words, "--packages", packages]) == 3
     told = capsys.readouterr().out
     assert "short: invalid from t = 0 s (spin-above-clamped-frequency), ended at t = 0.02" in told

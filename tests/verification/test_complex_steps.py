@@ -10,7 +10,7 @@ from harness.processes import this_python
 @pytest.mark.parametrize(
     ("case", "run", "at"),
     [
-        ("double-pendulum", "isotropic-soft-free-stiffened", "start"),
+        ("double-pendulum-limits", "isotropic-soft-free-stiffened", "start"),
         ("rotating-blade", "stiffened", "spin=60"),
         ("actuated-beam", "layup-2-root", "start"),  # bends by less than its own thickness
     ],

@@ -98,8 +98,8 @@ def test_findings_and_times_are_those_of_every_step(
 @pytest.mark.parametrize("integrator", ["radau", "rk8", "gear"])
 def test_a_spin_that_stops_a_run_inside_a_stride(integrator, repository, tmp_path):
     """The hand loses its stiffness: the same instant, state and counters, step by step."""
-    case = repository / "cases/double-pendulum/case.toml"
-    write_case(load_case(case), tmp_path, repository / "tests/packages/double-pendulum")
+    case = repository / "cases/double-pendulum-limits/case.toml"
+    write_case(load_case(case), tmp_path, repository / "tests/packages/double-pendulum-limits")
     file = tmp_path / "runs/isotropic-soft-free.json"
     table = json.loads(file.read_text())
     table["mechanism"]["solver"] |= {"integrator": integrator, "rtol": 1e-4}

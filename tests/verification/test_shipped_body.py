@@ -10,7 +10,7 @@ from plymotion.solver.package import read_package
 
 def test_free_flying_hand_keeps_energy_and_momenta(repository):
     package = read_package(
-        repository / "tests/packages/double-pendulum/hand.layup-2-soft-following.vtkhdf"
+        repository / "tests/packages/double-pendulum-limits/hand.layup-2-soft-following.vtkhdf"
     )
     model = assemble_model([flexible_body("hand", package)], [], [])
     y0 = np.zeros(model.n_pos + model.n_vel + 1)

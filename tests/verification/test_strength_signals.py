@@ -52,7 +52,7 @@ def arm(
 ) -> tuple[BuiltMechanism, ModalPackage]:
     """A free body with a package of modes."""
     folder = tmp_path_factory.mktemp("arm")
-    package = repository / "tests/packages/double-pendulum/arm.layup-2.vtkhdf"
+    package = repository / "tests/packages/double-pendulum-limits/arm.layup-2-linear.vtkhdf"
     text = f'\n[bodies.arm]\nkind = "package"\npackage = "{package}"\n'
     file = folder / "case.toml"
     file.write_text(HEAD + text + SOLVER.format(t_end=1.0, step=1.0, more=""))
