@@ -102,7 +102,7 @@ def test_a_shipped_case_runs_outside_the_checkout(installed: Path, repository: P
     # What is compiled is kept by version of Python: another one would compile for a minute.
     compiled = "1" if (home / f"env/lib/python3.{sys.version_info[1]}").is_dir() else "0"
     assert "t_end = 1.0" in text
-    text = text if compiled == "1" else text.replace("t_end = 1.0", "t_end = 0.02")
+    text = text if compiled == "1" else text.replace("t_end = 1.0", "t_end = 0.005")
     (home / "case/case.toml").write_text(text, "utf-8")
     words = ("case/case.toml", "--jobs", "2", "--force", "--packages", str(packages))
     words += tuple(word for run in RUNS for word in ("--run", run))
