@@ -15,7 +15,7 @@ from ..studies.design.show import outcome_lines
 from ..studies.design.study import optimise
 from ..studies.design.trials import Order
 from ..studies.exit_codes import INCOMPLETE
-from ..system.interrupts import INTERRUPTED, ending_words
+from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
 
 
@@ -39,8 +39,8 @@ def run_optimise(options: argparse.Namespace) -> int:
                 order, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
             )
         except KeyboardInterrupt:
-            words = f"{name}: {ending_words()}; the same command continues"
-            print(words, file=sys.stderr)
+            words = "interrupted: designs that were computed are kept; the same command continues"
+            print(f"{name}: {words}", file=sys.stderr)
             return INTERRUPTED
     if options.json:
         print(json_text(found))
