@@ -282,7 +282,7 @@ def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> 
     for share, i, distance, angle in _moved(model, given, y, body_names):
         name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
         keys = _keys(place) if closes and not getattr(bodies.get(name), "part_of", None) else ""
-        by = f"{round(distance, 12):.3g} m and {np.degrees(angle):.3g} deg"
+        by = f"{round(distance, 12):.3g} m and {round(np.degrees(angle), 9):.3g} deg"
         found.append((share, f"{name} by {by}{keys}"))
     if not found:
         return []

@@ -54,6 +54,16 @@ def test_a_loop_that_does_not_close_where_it_is_given(tmp_path):
     assert "start-moved" not in judged(tmp_path, four_bar(0.034, **given), t_end=0.01).codes
 
 
+def test_a_body_off_its_plane_is_moved_and_not_turned(tmp_path):
+    """Angles that are rounding are 0, not 4e-16 deg."""
+    text = rigid("disc", 1.0, 0.1, ENDS, position=[0.5, 0.0, 0.034])
+    text += '[ground.o]\nposition = [0.0, 0.0, 0.0]\n[joints.plane]\nkind = "planar"\n'
+    text += 'between = ["ground.o", "disc.a"]\naxis = [0.0, 0.0, 1.0]\n'
+    _, _, summary = run_text(tmp_path, text, t_end=0.01, step=0.01)
+    (found,) = (w for w in summary["warnings"] if w["code"] == "start-moved")
+    assert "disc by 0.034 m and 0 deg (position = [0.5, 0, 0]," in found["message"]
+
+
 def test_a_body_that_is_turned_by_a_right_angle(tmp_path):
     off = {"rocker": ([1.0, 0.5, 0.0], [0.0, 0.0, 180.0])}
     found = judged(tmp_path, four_bar(**off), t_end=0.01).finding("start-moved")
