@@ -358,6 +358,7 @@ BENCH_OPTIONS ?=
 bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchmarks/solver.json, docs/speed.md
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
+	$(MAKE) arena-quick ARENA_OPTIONS="--out build/benchmarks/arena"
 
 # Every code in an environment of its own, build/arena/environments (docs/arena.md).
 .PHONY: arena arena-quick

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 # A new process counts the memory of the one that started it, until it has its own program, as its
@@ -41,9 +41,13 @@ def cost_of(
     command: Sequence[str],
     allowed: Sequence[int] = (0,),
     watch: "Callable[[subprocess.Popen[str]], object] | None" = None,
+    environment: Mapping[str, str] | None = None,
 ) -> Cost:
-    """Run a command; raise RuntimeError as `cost` does. `watch` is called as soon as it runs."""
-    environment = dict(os.environ)
+    """Run a command; raise RuntimeError as `cost` does. `watch` is called as soon as it runs.
+
+    `environment` takes the place of that of this process.
+    """
+    environment = dict(os.environ if environment is None else environment)
     # as an installation: bytecode is kept
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     with tempfile.TemporaryFile("w+") as words:

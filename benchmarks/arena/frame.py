@@ -3,6 +3,7 @@
 import hashlib
 import importlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -22,9 +23,17 @@ from scenes import BUILD, HERE, ROOT, Scene
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.math.disk_cache import sources_sha256
 
-LONGEST = 10.0  # CPU seconds of a process; it is ended, and finer settings of its method left out
+LONGEST = 4.0  # CPU seconds of a process; it is ended, and finer settings of its method left out
 DIAGONAL = ("EA", "GA2", "GA3", "GJ", "EI2", "EI3")
 FOLDERS = [HERE / "runners"]
+SECTION = [  # routes to the truth of sections whose scene names none
+    {"code": "ngsolve", "method": "central solutions", "degree": 7},
+    {"code": "plymotion", "method": "section", "density": 3.0},
+]
+KEPT = ("PATH", "HOME", "LANG", "FENICSX_PYTHON", "XDG_CACHE_HOME")  # of the caller's environment
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+# of every process that is timed; bytecode is written and read, as in an installation
+ENVIRONMENT = {k: v for k, v in os.environ.items() if k in KEPT} | dict.fromkeys(THREADS, "1")
 
 
 @dataclass
@@ -87,13 +96,12 @@ def environment(runner: Runner, install: bool) -> Runner:
         runner.python, runner.version = sys.executable, plymotion.__version__
     elif "program" in wanted:
         path = shutil.which(wanted["program"])
-        runner.python, runner.absent = (
-            path or "",
-            ""
-            if path
-            else (f"{wanted['program']} is not installed: apt-get install {wanted['apt']}"),
-        )
-        if path:
+        runner.version = wanted.get("version", "")
+        if not path:
+            runner.absent = f"{Path(wanted['program']).name} is not installed: {wanted['how']}"
+            return runner
+        runner.python = str(Path(path).absolute())
+        if not runner.version:
             told = subprocess.run([path, "-v"], capture_output=True, text=True, check=False).stdout
             runner.version = told.strip().splitlines()[-1].split()[-1] if told.strip() else ""
     else:
@@ -135,21 +143,22 @@ def run(
     trial = Trial(scene.name, runner.name, setting)
     place = BUILD / "runs" / scene.name
     place.mkdir(parents=True, exist_ok=True)
-    name = "-".join(str(v) for v in setting.values()).replace("/", "_").replace(" ", "")
+    words = [str(v) for v in setting.values() if not isinstance(v, dict)]
+    name = "-".join(words).replace("/", "_").replace(" ", "")
     folder = Path(tempfile.mkdtemp(prefix=f"{runner.key}-{name}-", dir=place))
     try:
         own = hasattr(runner.module, "prepare")
+        # a runner of a stranger's folder finds `common`
+        environment = ENVIRONMENT | ({} if own else {"PYTHONPATH": str(HERE / "runners")})
         if own:
             command = runner.module.prepare(sheet, setting, folder, runner.python)
         else:
             job = {"sheet": sheet["sheet"], "setting": setting}
             (folder / "in.json").write_text(json.dumps(job), encoding="utf-8")
-            # a runner of a stranger's folder finds `common`
-            command = ["env", f"PYTHONPATH={HERE / 'runners'}", runner.python]
-            command += [str(runner.module.__file__), str(folder)]
-        limit = ["prlimit", f"--cpu={ceil(longest)}"] if longest else []
+            command = [runner.python, str(runner.module.__file__), str(folder)]
+        limit = ["prlimit", f"--cpu={ceil(longest)}:"] if longest else []
         inside = ["env", f"--chdir={folder}"] if getattr(runner.module, "INSIDE", False) else []
-        used = cost_of([*limit, *inside, *command])
+        used = cost_of([*limit, *inside, *command], environment=environment)
         (folder / "told.txt").write_text(used.told, encoding="utf-8")
         if own:
             trial.found = runner.module.read(sheet, setting, folder)
@@ -213,15 +222,17 @@ def truth(scene: Scene, sheet: dict[str, Any], found: list[Runner]) -> Truth | N
         named = {n: K[DIAGONAL.index(n)] for n in scene.table["values"]}
         return Truth(values(named), promised, table["by"])
     routes: list[tuple[str, Array]] = []
+    codes = table.get("codes", [])
+    if scene.script is None and scene.table["kind"] == "section":
+        codes = codes or SECTION
     if scene.script is not None and hasattr(scene.script, "truth"):
         exact = np.asarray(scene.script.truth(scene.times if scene.motion else None))
-        if len(table.get("codes", [])) == 0:
-            check = table.get("check", "closed form")
-            return Truth(exact, promised, check)
+        if not codes:
+            return Truth(exact, promised, table.get("check", "closed form"))
         routes.append(("closed form", exact))
-    for entry in table.get("codes", []):
-        runner = next(r for r in found if r.key == entry["code"])
-        if runner.absent:
+    for entry in codes:
+        runner = next((r for r in found if r.key == entry["code"] and not r.absent), None)
+        if runner is None:
             return None
         routes.append((runner.name, converged(scene, sheet, runner, entry)))
     gap = max(distance(v, routes[0][1]) for _, v in routes[1:]) if len(routes) > 1 else promised

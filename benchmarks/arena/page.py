@@ -2,7 +2,7 @@
 
 import html
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -177,6 +177,24 @@ def lost_rows(results: dict[str, Any]) -> list[list[str]]:
     ]
 
 
+def spent(results: dict[str, Any]) -> str:
+    """How processes were run, and the CPU seconds of all."""
+    if not (settings := results.get("settings")):
+        return ""
+    cpu, of_code = results.get("cpu_s", {}), Counter[str]()
+    for row in results["trials"]:
+        ended = settings["longest"] if row["failed"].startswith("more than") else 0.0
+        of_code[row["code"]] += row["process_s"] or ended
+    codes, parts = (", ".join(f"{k} {s:.0f}" for k, s in of.items()) for of in (of_code, cpu))
+    return (
+        "Processes have an environment of their own (one thread, bytecode kept). The first setting "
+        "of a code in a scene runs twice, and the second run counts. A process of more than "
+        f"{settings['longest']:g} CPU seconds is ended (`--longest`); of the settings of a method "
+        f"one in {settings['thin']} is used (`--thin`); {settings['lanes']} processes run at a "
+        f"time. CPU seconds: {parts}, in all {sum(cpu.values()):.0f}; of timed processes: {codes}."
+    )
+
+
 def summary(results: dict[str, Any]) -> list[str]:
     """The tables, in Markdown."""
     codes = sorted({row["code"] for row in results["trials"]}, key=lambda c: (c != OURS, c))
@@ -200,6 +218,7 @@ def summary(results: dict[str, Any]) -> list[str]:
         f"{count['won']} won, {count['lost']} lost. Whole process at most Exudyn's at every decade "
         f"below 1e-3: {good} of {len(beside)} scenes that both can do.",
         "",
+        *(spent(results), ""),
         *([f"Not measured in this run: {', '.join(missing)}.", ""] if missing else []),
         "Least CPU seconds with an error below the second column: whole process, solution alone.",
         "",

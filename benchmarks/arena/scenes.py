@@ -34,6 +34,7 @@ OPTIONAL = {
     "packages",
     "changes",
     "every",
+    "longest",
     "unit",
     "data",
     "ours",

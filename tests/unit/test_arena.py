@@ -1,6 +1,7 @@
 """The arena's frame: a scene and a code of a stranger, ours measured against a closed form."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 ARENA = ROOT / "benchmarks/arena"
 CODE = """
+import os
+
 from common import main
 
 NAME = "Still"
@@ -25,6 +28,8 @@ def settings(sheet):
 
 
 if __name__ == "__main__":
+    assert "PYTHONDONTWRITEBYTECODE" not in os.environ
+    assert os.environ["OMP_NUM_THREADS"] == "1"
     main(lambda sheet, setting: ([sheet["probe"]["global"]] * len(sheet["times"]), 1.0))
 """
 
@@ -47,7 +52,10 @@ def arena(folder: Path, scenes: Path, *more: str) -> subprocess.CompletedProcess
     """Run the command in a folder of its own."""
     command = [sys.executable, str(ARENA / "arena.py"), "--no-install", "--scenes", str(scenes)]
     command += ["--out", str(folder / "out"), *more, "my-pendulum"]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    caller = os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "2"}
+    return subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False, env=caller
+    )
 
 
 def test_a_stranger_adds_a_scene_and_a_code(tmp_path: Path) -> None:

@@ -12,8 +12,12 @@ POSITIONS = {"EA": 0, "GA2": 1, "GA3": 2, "GJ": 3, "EI2": 4, "EI3": 5}
 
 
 def read_toml(sheet: Sheet) -> dict[str, Any]:
-    """The description of a scene."""
-    return tomllib.loads(Path(sheet["file"]).read_text(encoding="utf-8"))
+    """The description of a scene, with the path of its mesh."""
+    file = Path(sheet["file"])
+    table = tomllib.loads(file.read_text(encoding="utf-8"))
+    if "file" in table["mesh"]:
+        table["mesh"]["file"] = str((file.parent / table["mesh"]["file"]).resolve())
+    return table
 
 
 def command(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str]:
@@ -23,8 +27,6 @@ def command(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str
     if sheet["kind"] == "section":
         mesh["density"] = setting["density"]
     else:
-        if "file" in mesh:
-            mesh["file"] = str((Path(sheet["file"]).parent / mesh["file"]).resolve())
         for key in mesh["parameters"]:
             if key.startswith("n_"):
                 mesh["parameters"][key] = setting["cells"]

@@ -5,6 +5,7 @@ each ply). Writing the deck is not timed, reading of ccx is.
 """
 
 import re
+import runpy
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,11 @@ import numpy as np
 from common import Sheet
 
 NAME = "CalculiX"
-ENVIRONMENT: dict[str, Any] = {"program": "ccx", "apt": "calculix-ccx"}
+ENVIRONMENT: dict[str, Any] = {"program": "ccx", "how": "apt-get install calculix-ccx"}
 INSIDE = True  # writes into the current folder
 # Without rotations about z, nearly normal to these shells: held ones make its nodes rigid.
-HELD = {"symmetry-x": ["ux", "ry"], "symmetry-y": ["uy", "rx"], "symmetry-z": ["uz", "rx", "ry"]}
+HELD = {"all": ["ux", "uy", "uz", "rx", "ry", "rz"]}
+HELD |= {"symmetry-x": ["ux", "ry"], "symmetry-y": ["uy", "rx"], "symmetry-z": ["uz", "rx", "ry"]}
 DOFS = ("ux", "uy", "uz", "rx", "ry", "rz")
 NAMES = ("E1", "E2", "E3", "nu12", "nu13", "nu23", "G12", "G13", "G23")
 
@@ -25,10 +27,16 @@ def cannot(sheet: Sheet) -> str:
     """Shells on grids."""
     if sheet["kind"] != "shell":
         return "a finite-element code: shells here"
-    file = Path(description.read_toml(sheet)["mesh"]["file"]).name
-    if "laminates" in description.read_toml(sheet):
+    table = description.read_toml(sheet)
+    if "laminates" in table:
         return "laminates on SS-1 supports: this runner's deck is 4 % off, and not understood"
-    return "" if file in ("cylinder.py", "plate.py") else f"no mesh {file} in this runner"
+    return no_grid(table)
+
+
+def no_grid(table: Sheet) -> str:
+    """Why `grid` has no mesh of a description, or ""."""
+    file = Path(table["mesh"]["file"]).name
+    return "" if file in ("cylinder.py", "plate.py", "hook.py") else f"no mesh {file} here"
 
 
 def settings(sheet: Sheet) -> list[Sheet]:
@@ -51,6 +59,9 @@ def grid(mesh: Sheet, n: int) -> tuple[Any, dict[str, list[int]]]:
     if Path(mesh["file"]).name == "plate.py":
         names = ("left", "right", "bottom", "top")
         places = np.stack([u * p["length"], v * p["width"], 0.0 * u], axis=2)
+    elif Path(mesh["file"]).name == "hook.py":
+        names = ("root", "end", "low", "high")
+        places = np.stack(runpy.run_path(mesh["file"])["place"](u, v), axis=2)
     else:
         names = ("near", "far", "first", "second")
         angle = np.radians(p.get("first_deg", 0.0)) * (1 - v) + np.radians(p["second_deg"]) * v
@@ -61,7 +72,22 @@ def grid(mesh: Sheet, n: int) -> tuple[Any, dict[str, list[int]]]:
     for i, one in ((0, names[0]), (-1, names[1])):
         for j, two in ((0, names[2]), (-1, names[3])):
             sets[f"{one}-{two}"] = [int(number[i, j])]
+    sets[f"{names[1]}-middle"] = [int(number[-1, n])]
     return (places, number), sets
+
+
+def weight(load: Sheet, region: Sheet, material: Sheet) -> list[float]:
+    """A force per area as the weight of a shell: acceleration and its direction."""
+    f = np.array(load["force_per_area"])
+    size = float(np.linalg.norm(f))
+    return [size / region["thickness"] / material["rho"], *map(float, f / size)]
+
+
+def shares(count: int, middle: float) -> Any:
+    """Parts of a load on the nodes of an edge, or 1; nodes in the middle of cells: `middle`."""
+    found = np.where(np.arange(count) % 2, middle, 2.0)
+    found[[0, -1]] = 1.0
+    return found / found.sum()
 
 
 def deck(table: Sheet, n: int) -> str:
@@ -91,14 +117,17 @@ def deck(table: Sheet, n: int) -> str:
     for case in table["loads"].values():
         for load in [case] if "at" in case else case.values():
             if "force_per_area" in load:
-                f = np.array(load["force_per_area"])
-                size = float(np.linalg.norm(f))
-                weight = size / region["thickness"] / table["materials"][region["material"]]["rho"]
-                lines += ["*DLOAD", f"E, GRAV, {weight:.12g}, " + ", ".join(map(str, f / size))]
+                g = weight(load, region, table["materials"][region["material"]])
+                lines += ["*DLOAD", "E, GRAV, " + ", ".join(f"{v:.12g}" for v in g)]
             else:
                 lines.append("*CLOAD")
-                (node,) = sets[load["at"]]
-                lines += [f"{node}, {d + 1}, {f:.12g}" for d, f in enumerate(load["force"]) if f]
+                nodes = sets[load["at"]]
+                lines += [
+                    f"{node}, {d + 1}, {share * f:.12g}"
+                    for node, share in zip(nodes, shares(len(nodes), 4.0), strict=True)
+                    for d, f in enumerate(load["force"])
+                    if f
+                ]
     for probe in table["probes"].values():
         lines += ["*NSET, NSET=PROBE", str(sets[probe["at"]][0]), "*NODE PRINT, NSET=PROBE", "U"]
     return "\n".join([*lines, "*END STEP", ""])

@@ -18,7 +18,7 @@ METHODS = {
 }
 RTOLS = {
     "radau": [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9],
-    "rk8": [1e-4, 1e-6, 1e-9],
+    "rk8": [1e-4, 1e-6, 1e-8, 1e-10, 1e-12],
     "rk5": [1e-6],
     "generalized-alpha": [1e-3, 1e-5],
     "gear": [1e-3],
@@ -45,6 +45,8 @@ def settings(sheet: Sheet) -> list[Sheet]:
             for n, r in zip(sheet["ours"]["segments"], pairs, strict=True)
         ]
     wanted = sheet.get("ours", {}).get("methods", list(METHODS))
+    if "ladder" in sheet.get("ours", {}):
+        return [{"method": m, **entry} for m in wanted for entry in sheet["ours"]["ladder"]]
     return [{"method": m, "rtol": r} for m in wanted for r in RTOLS[m]]
 
 
@@ -62,6 +64,8 @@ def prepare(sheet: Sheet, setting: Sheet, folder: Path, python: str) -> list[str
     )
     table = json.loads(original.read_text(encoding="utf-8"))
     solver = METHODS[setting["method"]] | {"rtol": setting["rtol"]}
+    for name, keys in setting.get("forces", {}).items():
+        table["mechanism"]["forces"][name] |= keys
     file = changed(original, table, solver, folder)
     return [*start, "run", str(file), "--out", str(folder / "out"), "--quiet"]
 
