@@ -188,6 +188,14 @@ def test_nearest_allowed_angles_are_compared() -> None:
     assert start.best.p[0] == allowed[np.argmax([_plate(t) for t in np.radians(allowed)])]
 
 
+def test_rules_that_no_allowed_design_follows_are_named() -> None:
+    study = _study(1, angles(1, set=[0.0, 20.0, 90.0]), rules=[{"share": 0.1}])
+    start = Start(0)
+    search(start, study, lambda z: _problem(study, z), np.array([20.0]))
+    assert start.best is None
+    assert "no design near it follows the rules: arm.wall: share 0 at" in start.message
+
+
 def test_starts_begin_at_the_case_and_cover_the_bounds() -> None:
     study = _study(2, angles(2), starts=9)
     points = first_points(study, space_of(study))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from ...errors import InputError
+from ...errors import InputError, few
 from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
 from .drivers.table import driver_of
@@ -124,6 +124,9 @@ def search(
     start.continuous = start.best
     if start.best is not None and any(problem.space.allowed):
         start.best = discrete(problem, study, start.best)
+        if not start.best.shown:
+            wrong = few(broken(study, np.array(start.best.p))) or "values that are not allowed"
+            start.best, start.message = None, f"no design near it follows the rules: {wrong}"
 
 
 def _descend(problem: Problem, start: Start, study: CheckedStudy) -> None:
