@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+from plymotion.solver.errors import InputError
 from plymotion.solver.run.execution import execute, read_run
 
 REFERENCE = Path("tests/reference/dynamics/iea15_hawcstab2.toml")
@@ -89,7 +90,11 @@ def held(folder: Path, wind: float, induction: str, known: dict[str, float]) -> 
         "rated_speed": 10.0,  # so that the pitch stays the least
     }
     law = f"-{torque!r} - {HOLD:g} * (v - speed)"
-    result, _ = run(prepared(folder, "steady", start, induction, law), T_HELD)
+    spec = prepared(folder, "steady", start, induction, law)
+    try:
+        result, _ = run(spec, T_HELD)
+    except InputError:  # the shapes of the start do not converge at every pitch
+        result, _ = run(spec.changed({"solver.start": "positions"}), T_HELD)
     point = {"wind": wind, **means(result, known["speed"])}
     for key in ("power", "thrust", "flap", "speed"):
         point[f"{key}_error"] = point[key] / known[key] - 1.0
