@@ -18,8 +18,15 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from plymotion.solver.package.common.design import Derivative
+from plymotion.solver.run.preparation import integrated, prepare
+from plymotion.solver.signals import Recording
+from plymotion.solver.studies.design.exact import Traced, by_adjoint
+from plymotion.solver.studies.design.measures import Made, measure_of
 from plymotion.solver.studies.design.study import optimise
 from plymotion.solver.studies.design.trials import Order, Trials
+from plymotion.solver.studies.sensitivities.execution import Trace, with_sensitivities
+from plymotion.solver.studies.sensitivities.parameters import combined, design_parameter
 from plymotion.solver.workers.executors import Here
 from tests.samples.design_samples import BEST, CARBON, angles, oscillator, tube
 
@@ -174,6 +181,48 @@ def ringing_beam(folder: Path) -> dict[str, Any]:
     return found
 
 
+def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
+    """Adjoint and tangent of the same beam by parameters of its stiffness, against its run."""
+    table = beam(rtol=1e-6)
+    table["bodies"]["beam"].pop("damping_ratio")
+    table["solver"] |= {"rtol": 1e-6, "t_end": 1.0}
+    trials = Trials(Order(table, BEAM, False, "tip", folder))
+    trials.values(30.0 * np.ones(PLIES))
+    spec = trials._last[1].spec
+    ((name, package),) = spec.packages.items()
+    root, rng = np.linalg.cholesky(package.stiffness), np.random.default_rng(37)
+    rates = [root @ rng.normal(size=(len(root), 2)) for _ in range(count)]
+    design = tuple(
+        Derivative(f"g{k}", "number", (), {"modes/stiffness": rate @ rate.T / count})
+        for k, rate in enumerate(rates)
+    )
+    spec = replace(spec, packages={name: replace(package, design=design)})
+    prepared = prepare(spec.mechanism, spec.packages)
+    trace, begin = Trace(prepared), time.process_time()
+    finished = integrated(prepared, trace, stages=True)
+    run, begin = time.process_time() - begin, time.process_time()
+    fewer, shares = combined(spec, [one.name for one in design])
+    parameters = [design_parameter(fewer, str(k)) for k in range(len(shares))]
+    traced = Traced(prepared, finished, trace, ["tip_deflection"])
+    made = Made(spec, finished, prepared.measured, Recording(prepared.model, finished.solution.t,
+                np.asarray(finished.solution.y[:])))  # fmt: skip
+    measure = measure_of(trials.study.table.objective)
+    adjoint = by_adjoint(traced, parameters, [measure], made)[0][0] @ shares
+    middle = time.process_time()
+    weights = measure.reduce(measure.raw(made), made.t)[1][0]
+    result, _ = with_sensitivities(fewer, parameters)
+    tip = [one.values for one in result.sensitivities if one.signal == "tip_deflection"]
+    tangent = weights @ np.stack(tip, axis=1) @ shares
+    return {
+        "parameters": count,
+        "independent": len(shares),
+        "run_cpu_s": run,
+        "adjoint_runs": (middle - begin) / run,
+        "tangent_runs_with_the_run": (time.process_time() - middle) / run,
+        "largest_difference": float(np.abs(adjoint - tangent).max() / np.abs(tangent).max()),
+    }
+
+
 def random_designs(folder: Path) -> dict[str, Any]:
     """The best of 16 starts of the actuated beam, against the best of random designs."""
     begin = time.process_time()
@@ -228,6 +277,7 @@ def main() -> None:
                 frequency_slopes,
                 actuated_beam,
                 ringing_beam,
+                many_parameters,
                 random_designs,
             )
         }
