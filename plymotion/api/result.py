@@ -14,7 +14,8 @@ from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.math.compiled import tell_if_slow
 from ..solver.package.common.files import named_by_user
-from ..solver.results import RunResult, read_result, read_summary
+from ..solver.results import RunResult, Summary, read_result, read_summary
+from ..solver.results.codes import Entry
 from ..solver.run.inputs import up_to_date
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.exit_codes import shown
@@ -46,7 +47,7 @@ class Result:
     plymotion.api.case.UnknownName: no 'angel' among the signals; did you mean 'angle'?
     """
 
-    def __init__(self, folder: str | Path, summary: dict[str, Any] | None = None) -> None:
+    def __init__(self, folder: str | Path, summary: Summary | None = None) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(self.folder / "summary.json") if summary is None else summary
 
@@ -112,7 +113,7 @@ class Result:
         return bool(self.summary["completed"])
 
     @property
-    def warnings(self) -> list[dict[str, Any]]:
+    def warnings(self) -> list[Entry]:
         """Warnings with `code` and `message` (docs/warnings.md).
 
         >>> import plymotion as pm

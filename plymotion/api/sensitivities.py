@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from ..solver.math.arrays import Array
-from ..solver.results import RunResult
+from ..solver.results import RunResult, Summary
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.gradient import compute_gradient, gradient_table
 from ..solver.studies.exit_codes import shown
@@ -38,7 +37,7 @@ class Sensitivities:
     <Sensitivities pendulum/base: 3 signals by gravity.2, bodies.rod.mass>
     """
 
-    def __init__(self, result: RunResult, summary: dict[str, Any]) -> None:
+    def __init__(self, result: RunResult, summary: Summary) -> None:
         self.data, self.summary, self.t = result, summary, result.t
 
     @cached_property

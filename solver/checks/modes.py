@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil, tau
-from typing import Any
 
 import numpy as np
 
@@ -130,7 +129,7 @@ OWN = 0.25
 RIGID = 1e-10  # eigenvalue of motions without strain, over the largest
 
 
-def loaded_damping(run: FinishedRun) -> list[dict[str, Any]]:
+def loaded_damping(run: FinishedRun) -> list[dict[str, object]]:
     """Return, of each damped body, its damping ratio in the mechanism and by itself.
 
     Entries: `body`; `frequency_hz` and `damping_ratio` of the lowest vibration of the mechanism

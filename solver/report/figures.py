@@ -189,7 +189,7 @@ NEAR = 0.3  # exposure above which the line of failure is drawn
 
 def draw_exposure(path: Path, story: Story) -> Path:
     """Draw, for each body of a run, the highest exposure 1/R over time against the station."""
-    bodies: dict[str, Any] = story.summary["strength"]
+    bodies = story.summary["strength"]
     canvas = Canvas(5.4, 0.9 + 2.1 * len(bodies))
     # Far from failure, the line of failure would compress the curves onto the axis.
     for axes, (name, found) in zip(canvas.panels(len(bodies)), bodies.items(), strict=True):

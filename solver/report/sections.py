@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
 
@@ -134,8 +134,8 @@ def outcomes(stories: list[Story]) -> str:
     head += ["integrator", "steps", "rejected", "evaluations", "solve [s]", "preprocess [s]"]
     rows: list[Row] = []
     for story in stories:
-        checks: dict[str, Any] = story.summary.get("checks", {})
-        cost: dict[str, Any] = story.summary.get("cost", {})
+        checks = story.summary.get("checks", {})
+        cost = story.summary.get("cost", {})
         modes = ", ".join(f"{escape(b)} {n}" for b, n in checks.get("modes_used", {}).items())
         rows.append(
             [
@@ -306,16 +306,16 @@ def signals_section(stories: list[Story]) -> str:
     if not rows:
         return ""
     head = [*HEAD, "error bar"] if barred else HEAD
-    found = table("Final values and extremes of signals", head, rows)
+    text = table("Final values and extremes of signals", head, rows)
     if left_out := max(story.left_out for story in stories):
-        found += (
+        text += (
             f"<p>{left_out} more signals are not shown; their values are in "
             "<code>result.vtkhdf</code>, their extremes in <code>summary.json</code>.</p>"
         )
-    return section("signals", "Signals", found)
+    return section("signals", "Signals", text)
 
 
-def _jump(story: Story, name: str, found: dict[str, Any], end: str) -> str | Cell:
+def _jump(story: Story, name: str, found: Mapping[str, Any], end: str) -> str | Cell:
     """Return a button with the time of an extreme, which shows the run then."""
     time = found.get(f"t_{end}")
     if time is None:

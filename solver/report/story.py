@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
 from ..math.disk_cache import file_sha256
-from ..results import ResultError, RunResult, Signal, read_result, read_summary
+from ..results import ResultError, RunResult, Signal, Summary, read_result, read_summary
 
 # case.json: what the report needs to know of a case.
 
@@ -52,7 +52,7 @@ class Story:
 
     name: str
     title: str
-    summary: dict[str, Any]
+    summary: Summary
     result: RunResult
     content: str = ""  # digest of all that figures show
     inputs: dict[str, Any] = field(default_factory=dict)  # mechanism of the run file

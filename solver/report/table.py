@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..results.summary import findings, plain, verdict
+from ..results.summary import Summary, findings, plain, verdict
 
 ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries of a matrix are shown as 0
 WIDTH = 100  # columns of the screen that tables of signals take
@@ -15,7 +15,7 @@ VALUES = {"final": 5, "min": 4, "max": 4}  # of a signal, and their digits
 Signal = tuple[str, list[list[str]]]  # title, and values of each run
 
 
-def summary_table(summaries: Sequence[Mapping[str, Any]]) -> str:
+def summary_table(summaries: Sequence[Summary]) -> str:
     """Return aligned tables: outcome of the runs, and values of their signals."""
     if not summaries:
         return "no runs"
@@ -82,13 +82,13 @@ def number(value: float | None, digits: int = 3) -> str:
     return "-" if value is None else f"{value:.{digits}g}"
 
 
-def warning_codes(summary: Mapping[str, Any]) -> list[str]:
+def warning_codes(summary: Summary) -> list[str]:
     """Return the codes of the warnings, each once, with its count."""
     codes = [found.code for found in findings(summary)]
     return [f"{c} x{codes.count(c)}" if codes.count(c) > 1 else c for c in dict.fromkeys(codes)]
 
 
-def _outcome(summary: Mapping[str, Any]) -> list[str]:
+def _outcome(summary: Summary) -> list[str]:
     checks, cost = summary.get("checks", {}), summary.get("cost", {})
     return [
         ("invalid" if verdict(summary) == "bad" else "yes") if summary.get("completed") else "NO",

@@ -10,7 +10,7 @@ from .schema import (
     energy_in_play,
     relative_balance,
 )
-from .summary import read_summary, signal_summary, write_summary
+from .summary import Summary, read_summary, signal_summary, write_summary
 
 __all__ = [
     "BodyGeometry",
@@ -18,6 +18,7 @@ __all__ = [
     "ResultError",
     "RunResult",
     "Signal",
+    "Summary",
     "energy_in_play",
     "read_result",
     "read_summary",

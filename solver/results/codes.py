@@ -5,15 +5,26 @@ shells and blades are in these files; the preprocessor does not import this list
 compares codes and limits with its source.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isnan, nan
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 from ..package.common.plausible import ANGLE, MATERIAL, SIZE
 
 # error: the results cannot be used, or end early; warning: they may be wrong; note: worth knowing.
 Level = Literal["error", "warning", "note"]
+
+
+class Entry(TypedDict, total=False):
+    """A finding in summary.json."""
+
+    code: str
+    message: str
+    level: Level
+    body: str
+    t: float  # [s]
+    value: float
+    limit: float
 
 
 @dataclass(frozen=True)
@@ -31,17 +42,19 @@ class Finding:
     limit: float | None = None
     level: Level = "warning"
 
-    def entry(self) -> dict[str, Any]:
+    def entry(self) -> Entry:
         """Return the entry of summary.json; keys without a value are left out."""
         more = {"body": self.body or None, "t": self.t, "value": self.value, "limit": self.limit}
-        known = {key: value for key, value in more.items() if value is not None}
+        known: Any = {key: value for key, value in more.items() if value is not None}
         return {"code": self.code, "message": self.text, "level": self.level, **known}
 
     @classmethod
-    def of_entry(cls, entry: Mapping[str, Any]) -> "Finding":
+    def of_entry(cls, entry: Entry) -> "Finding":
         """Return the finding of an entry of summary.json."""
-        known = {
-            key: entry[key] for key in ("body", "t", "value", "limit", "level") if key in entry
+        known: Any = {
+            key: value
+            for key, value in entry.items()
+            if key in ("body", "t", "value", "limit", "level")
         }
         return cls(entry["code"], entry["message"], **known)
 

@@ -4,15 +4,38 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 
 from ..math.arrays import Array
 from ..math.rows import spans
 from ..package.common.files import write_text
-from .codes import UNDER_WAY, Finding
+from .codes import UNDER_WAY, Entry, Finding
 from .schema import ResultError, Signal
+
+
+class Summary(TypedDict, total=False):
+    """Content of summary.json (docs/runs.md); those of earlier versions may lack keys."""
+
+    case: str
+    run: str
+    completed: bool
+    status: str
+    message: str
+    t_end: float
+    signals: Mapping[str, Mapping[str, Any]]  # unit and MEASURES, by signal
+    checks: Mapping[str, Any]
+    provenance: Mapping[str, Any]
+    strength: Mapping[str, Any]  # by body
+    damping: Sequence[Mapping[str, Any]]
+    fatigue: Mapping[str, Any]
+    cost: dict[str, Any]
+    hints: list[str]
+    warnings: list[Entry]  # of `Finding.entry`
+    fidelity: Mapping[str, Any]
+    inputs_sha256: str
+
 
 # Single numbers of a signal over time, and its amplitude spectrum.
 
@@ -122,12 +145,12 @@ def _percent(ratio: float) -> str:
 Verdict = Literal["good", "doubt", "bad"]
 
 
-def findings(summary: Mapping[str, Any]) -> list[Finding]:
+def findings(summary: Summary) -> list[Finding]:
     """Return the findings of a summary, in its order."""
     return [Finding.of_entry(entry) for entry in summary.get("warnings", [])]
 
 
-def verdict(summary: Mapping[str, Any]) -> Verdict:
+def verdict(summary: Summary) -> Verdict:
     """Return what a run is worth.
 
     "bad": it ended early, or a finding of level error calls its results invalid; "doubt": it has
@@ -139,12 +162,12 @@ def verdict(summary: Mapping[str, Any]) -> Verdict:
     return "doubt" if "warning" in levels else "good"
 
 
-def is_under_way(summary: Mapping[str, Any]) -> bool:
+def is_under_way(summary: Summary) -> bool:
     """Tell whether a summary is that of the part so far of a run that goes on."""
     return any(found.code == UNDER_WAY.name for found in findings(summary))
 
 
-def invalid_words(summary: Mapping[str, Any]) -> str:
+def invalid_words(summary: Summary) -> str:
     """Return from when on a completed run is invalid, and why; empty if it is not."""
     errors = [found for found in findings(summary) if found.level == "error"]
     if not errors or not summary.get("completed", False):
@@ -158,7 +181,7 @@ def invalid_words(summary: Mapping[str, Any]) -> str:
 MEASURES = ("final", "min", "t_min", "max", "t_max", "rms", "peak_to_peak")
 
 
-def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
+def signal_summary(signal: Signal, t: Array) -> dict[str, object]:
     """Return unit, final value, both extremes with their times [s], and root mean square.
 
     NaN and inf are ignored; a signal without finite values
@@ -192,7 +215,7 @@ def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
     }
 
 
-def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
+def write_summary(path: str | Path, summary: Summary) -> None:
     """Write a summary as standard JSON: NaN and inf become null."""
     path = Path(path)
     try:
@@ -204,11 +227,11 @@ def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
     write_text(path, text + "\n")
 
 
-def read_summary(path: str | Path) -> dict[str, Any]:
+def read_summary(path: str | Path) -> Summary:
     """Read a summary. Raises ResultError if it is missing or not a JSON table."""
     path = Path(path)
     try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
+        summary: Summary = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:

@@ -18,7 +18,7 @@ from ..errors import PackageError, not_by_check
 from ..inputs.case.record import sealed
 from ..integrators.generic.drive import Steps, StopRequest, Watch
 from ..package import ModalPackage, read_package
-from ..results import RunResult, write_result, write_summary
+from ..results import RunResult, Summary, write_result, write_summary
 from ..results.codes import Finding
 from ..results.live import Copies
 from ..system.interrupts import completing, stop_requested
@@ -215,7 +215,7 @@ def execute(
     progress: bool = True,
     folder: Path | None = None,
     allow_python: bool = False,
-) -> tuple[RunResult, dict[str, object]]:
+) -> tuple[RunResult, Summary]:
     """Integrate one run; return the result and the summary.
 
     Parameters
@@ -281,7 +281,7 @@ def _collected(
     folder: Path | None,
     progress: bool,
     patience_s: float = float("inf"),
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, Summary]:
     stage = StageProgress(spec.run, "signals and reactions", show=progress, patience_s=patience_s)
     result, summary = collect(spec, prepared.measured, finished, solve_s, folder, stage)
     clock.lap("recover")
@@ -292,7 +292,7 @@ def _collected(
 
 
 # Result and summary of a run file with `[fidelity]`, from the run and the digest of its inputs.
-Planned = Callable[[RunSpec, str], tuple[RunResult, dict[str, object]]]
+Planned = Callable[[RunSpec, str], tuple[RunResult, Summary]]
 
 
 def run_file(
@@ -304,7 +304,7 @@ def run_file(
     allow_python: bool = False,
     allow_doubtful: bool = False,
     planned: Planned | None = None,
-) -> dict[str, Any]:
+) -> Summary:
     """Execute a run file and write result.vtkhdf and summary.json into `out`.
 
     Parameters
@@ -342,13 +342,13 @@ def _written(
     out: Path,
     spec: RunSpec,
     result: RunResult,
-    summary: dict[str, Any],
+    summary: Summary,
     digest: str,
     clock: Stopwatch,
     import_s: float,
     progress: bool,
     patience_s: float = float("inf"),
-) -> dict[str, Any]:
+) -> Summary:
     """Write result and summary of a run; return the summary."""
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)

@@ -12,7 +12,7 @@ from ..inputs.case.record import package_entries, solver_sha256
 from ..package import ModalPackage
 from ..package.common.design import moved
 from ..package.common.files import has_right_seal
-from ..results import ResultError, read_summary
+from ..results import ResultError, Summary, read_summary
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Fidelity, Mechanism
@@ -106,7 +106,7 @@ def text_sha256(plan: str) -> str:
     return hashlib.sha256(json.dumps(table, sort_keys=True, default=str).encode()).hexdigest()
 
 
-def up_to_date(file: Path, out: Path) -> dict[str, object] | None:
+def up_to_date(file: Path, out: Path) -> Summary | None:
     """Return the summary of a result that was not interrupted and has the inputs of a run file.
 
     The plan of a run with `[fidelity]`, which may be edited, is one of them.

@@ -27,7 +27,7 @@ from ..math.compiled import numba_version
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
-from ..results import BodyGeometry, RunResult, Signal, signal_summary
+from ..results import BodyGeometry, RunResult, Signal, Summary, signal_summary
 from ..results.codes import FEEDBACK
 from ..results.surfaces import MOST_STORED, all_positions
 from ..signals import Sensor, fatigue_entry, recorded
@@ -47,7 +47,7 @@ def collect(
     solve_s: float,
     folder: Path | None = None,
     progress: Callable[[float], None] = lambda _: None,
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, Summary]:
     """Recover everything of interest from a finished run, and judge it.
 
     What has a row for every output time is computed block by block. Of a run whose states are
@@ -105,7 +105,7 @@ def collect(
     # Remarks on the cost of a run are findings too; `hints` repeats them beside the integrator's.
     hints = [finding.text for finding in judgement.findings if finding.code == FEEDBACK.name]
     counters = solution.counters
-    summary = {
+    summary: Summary = {
         "case": spec.case,
         "run": spec.run,
         "completed": solution.status == "finished",

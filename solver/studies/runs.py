@@ -15,7 +15,7 @@ from ..errors import InputError, PackageError, few
 from ..inputs.case.messages import ERRORS, out_of_range
 from ..math.compiled import tell_if_slow
 from ..package.common.files import refuse_foreign
-from ..results import RunResult
+from ..results import RunResult, Summary
 from ..results.summary import damping_lines, invalid_words
 from ..run.execution import run_file
 from ..run.inputs import RunSpec, up_to_date
@@ -43,7 +43,7 @@ def run_one(
     import_s: float = 0.0,
     allow_python: bool = False,
     allow_doubtful: bool = False,
-) -> dict[str, Any]:
+) -> Summary:
     """Execute a run file; return its summary. See `run_file`."""
     return run_file(
         file,
@@ -58,7 +58,7 @@ def run_one(
 
 def _planned(
     file: Path, allow_doubtful: bool, spec: RunSpec, digest: str
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, Summary]:
     """Execute a run with `[fidelity]`."""
     from .fidelity.execution import delivered  # most runs need no planner
 
@@ -159,21 +159,21 @@ def _outcome(task: _Task) -> Outcome:
     return Outcome(_code(summary), _lines(summary, task.timing))
 
 
-def _code(summary: dict[str, Any]) -> int:
+def _code(summary: Summary) -> int:
     if summary["status"] == "interrupted":
         return INTERRUPTED
     refused = summary.get("fidelity", {}).get("verdict") == "not met"
     return INCOMPLETE if refused or _ending(summary) != DONE else 0
 
 
-def _ending(summary: dict[str, object]) -> str:
+def _ending(summary: Summary) -> str:
     """Return how a run ended, in a word or two."""
     if not summary["completed"]:
         return str(summary["status"])
     return invalid_words(summary) or DONE
 
 
-def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
+def _lines(summary: Summary, timing: bool) -> list[str]:
     cost = summary["cost"]
     ending = _ending(summary)
     words = ending if ending == DONE or not summary["completed"] else f"{ending}, ended"

@@ -4,10 +4,9 @@ import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from ...package import ModalPackage
-from ...results import RunResult
+from ...results import RunResult, Summary
 from ...run.execution import package_of, read_run
 from ...run.inputs import RunSpec, inputs_sha256, plan_file, plan_sha256, still
 from ...run.timing import Stopwatch, work_s
@@ -158,7 +157,7 @@ def answered(
 
 def delivered(
     file: Path, spec: RunSpec, digest: str, *, allow_doubtful: bool = False
-) -> tuple[RunResult, dict[str, Any]]:
+) -> tuple[RunResult, Summary]:
     """Return result and summary of a run file with `[fidelity]`; see `run_file`.
 
     Parameters

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +10,7 @@ from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...math.arrays import Array
 from ...package import ModalPackage
+from ...results import RunResult, Summary
 from ...run.inputs import RunSpec
 from ...run.outcome import collect
 from ...run.preparation import Prepared, complete, prepare
@@ -45,7 +45,7 @@ class Trial:
         """Return what errors of the signals are relative to, (o,)."""
         return np.where(self.sizes > 0.0, self.sizes, scales(metric, self.signals))
 
-    def outcome(self) -> tuple[Any, dict[str, Any]]:
+    def outcome(self) -> tuple[RunResult, Summary]:
         """Return result and summary of the run."""
         return collect(self.spec, self.prepared.measured, self.finished, self.cpu)
 

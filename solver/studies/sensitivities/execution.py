@@ -16,7 +16,7 @@ from ...integrators.radau import Radau
 from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.operations import Programs
-from ...results import Derivative, RunResult
+from ...results import Derivative, RunResult, Summary
 from ...run.coupled import Stepper
 from ...run.execution import Progress
 from ...run.inputs import RunSpec
@@ -220,7 +220,7 @@ def with_sensitivities(
     parameters: Sequence[Parameter],
     *,
     progress: bool = False,
-) -> tuple[RunResult, dict[str, object]]:
+) -> tuple[RunResult, Summary]:
     """Integrate a run with the derivatives of its motion; return result and summary.
 
     Parameters

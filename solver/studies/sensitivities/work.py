@@ -11,7 +11,7 @@ from ...errors import InputError
 from ...math.arrays import Array
 from ...package.common.files import refuse_foreign
 from ...report.table import aligned
-from ...results import Derivative, RunResult, write_result, write_summary
+from ...results import Derivative, RunResult, Summary, write_result, write_summary
 from ...run.inputs import RunSpec
 from ..modes.state import spec_of_run
 from .execution import with_sensitivities
@@ -31,7 +31,7 @@ def compute_sensitivities(
     packages: Path | None = None,
     coarse: bool = False,
     progress: bool = False,
-) -> tuple[RunResult, dict[str, object]]:
+) -> tuple[RunResult, Summary]:
     """Return result and summary of a run of a case, with its derivatives by the numbers at `keys`.
 
     Parameters
@@ -100,7 +100,7 @@ def asked_of(
     return spec, found, shares
 
 
-def write_sensitivities(folder: Path, result: RunResult, summary: dict[str, object]) -> list[str]:
+def write_sensitivities(folder: Path, result: RunResult, summary: Summary) -> list[str]:
     """Write result.vtkhdf and summary.json into a folder; return their names."""
     refuse_foreign(folder / SUMMARY)
     folder.mkdir(parents=True, exist_ok=True)
