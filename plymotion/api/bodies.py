@@ -265,7 +265,7 @@ def shell(
     'plate'
     """
 
-    def spec_of(entry: Entry) -> dict[str, Any]:
+    def spec_of(entry: Entry) -> dict[str, object]:
         return load_shell(entry.file, buckling, bound)
 
     return Shell(_analysed(Path(file), "shell", spec_of, out, force=force))
@@ -304,7 +304,7 @@ def solid(
     if size is not None and not size > 0.0:
         raise InputError(f"size = {size:g}: expected a length above 0")
 
-    def spec_of(entry: Entry) -> dict[str, Any]:
+    def spec_of(entry: Entry) -> dict[str, object]:
         return cast(dict[str, Any], solid_spec(entry.file, material, size))
 
     return Solid(_analysed(Path(file), "solid", spec_of, out, force=force))

@@ -95,7 +95,7 @@ class Keys(MutableMapping[str, Any]):
             return next((model for tag, model in named.items() if tag in tags), None)
         return kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
 
-    def _kinds(self) -> dict[str, Any]:
+    def _kinds(self) -> dict[str, object]:
         """Return the type of each key that the table may have."""
         if get_origin(kind := without_annotations(self._kind)) is dict:
             return dict.fromkeys(self._table, get_args(kind)[1])

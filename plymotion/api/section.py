@@ -121,7 +121,7 @@ class Section:
         made_of = {**own, "derivatives": plain(asked)} if asked else own
         name = f"{path.stem}-{data_sha256(made_of)[:8]}" if made_of else path.stem
 
-        def spec_of(entry: Entry) -> dict[str, Any]:
+        def spec_of(entry: Entry) -> dict[str, object]:
             return described_spec(entry.file, own, name, folder, asked)
 
         keep_preprocessors()

@@ -159,7 +159,7 @@ class Sweep:
         [-1.0, -0.91]
         """
         pd = pandas()
-        columns: dict[str, Any] = dict(self.parameters)
+        columns: dict[str, object] = dict(self.parameters)
         columns["status"] = self.status
         for name in self.data.signal_units:
             for measure in self.data.measures(name):
@@ -286,7 +286,7 @@ def _compute(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
     write_text(target / CSV, sweep_csv(result_of(plan, work.rows)))
 
 
-def _listed(vary: Mapping[str, Any]) -> dict[str, Any]:
+def _listed(vary: Mapping[str, Any]) -> dict[str, object]:
     """Return parameters as a case file has them. Raises InputError."""
     found = {}
     for name, values in vary.items():

@@ -138,7 +138,7 @@ def add_shell(parser: Any) -> None:
         "errors by the mesh: a mesh of half the cell size, which doubles to quadruples the time "
     )
     text += "of this step; error = false in [buckling] leaves it out"
-    kept: dict[str, Any] = {"nargs": "?", "const": 4, "metavar": "COUNT"}
+    kept: dict[str, object] = {"nargs": "?", "const": 4, "metavar": "COUNT"}
     parser.add_argument("--buckling", type=whole_number, help=text, **kept)
     text = "what no angles of the plies can exceed, and a lay-up near it: the lowest frequency, "
     text += "the load factor or the compliance under the one load case"

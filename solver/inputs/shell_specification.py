@@ -134,12 +134,12 @@ def shell_spec(table: Mapping[str, Any], file: Path) -> dict[str, Any]:
         *_references(description),
         *_loads_on_links(description),
     ]
-    mesh: dict[str, Any] = {}
+    mesh: dict[str, object] = {}
     with collected(problems):
         mesh = _mesh(description.mesh, file.parent)
         if description.mesh.file is not None:
             problems += _groups(description, file.parent / description.mesh.file)
-    stiffeners: dict[str, Any] = {}
+    stiffeners: dict[str, object] = {}
     with collected(problems):
         stiffeners = _stiffeners(description, file.parent)
     refuse(f"{file}: {problem}" for problem in problems)
@@ -206,8 +206,8 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, object]:
 
 def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, Any]]:
     """Laminates in use, and the regions with the names of their laminates."""
-    laminates: dict[str, Any] = {}
-    regions: dict[str, Any] = {}
+    laminates: dict[str, object] = {}
+    regions: dict[str, object] = {}
     for name, region in description.regions.items():
         laminate = region.laminate
         if laminate is not None:

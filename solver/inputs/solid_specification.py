@@ -124,7 +124,7 @@ def solid_table(
         table = {**table, "mesh": {**table["mesh"], "size": size}}
     description = validated(SolidDescription, table, file, **units)
     problems = [*check_materials(description.materials), *_references(description)]
-    mesh: dict[str, Any] = {}
+    mesh: dict[str, object] = {}
     with collected(problems):
         mesh = _mesh(description, file.parent)
     refuse(f"{file}: {problem}" for problem in problems)
@@ -151,7 +151,7 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
         See `solid_table`; a CAD file without a material.
     """
     if file.suffix.lower() in CAD:
-        table: dict[str, Any] = {
+        table: dict[str, object] = {
             "mesh": {"file": file.name},
             "materials": {"material": _material(file, material)},
             "regions": {"all": {"material": "material"}},

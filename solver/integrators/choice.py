@@ -140,7 +140,7 @@ def make_integrator(
             f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
             f"impacts, or of controllers with a sample_time; expected {' or '.join(able)}"
         )
-    options: dict[str, Any] = {
+    options: dict[str, object] = {
         "rtol": kind.local_share * solver.rtol,
         "atol": tolerances(model, y0, solver) if atol is None else atol,
         "block_starts": blocks(model),

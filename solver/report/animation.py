@@ -75,19 +75,19 @@ def write_glb(path: Path, result: RunResult) -> Path:
     rows = frame_rows(t, [], 1, len(t))
     out = _File()
     times = out.accessor((t[rows] - t[0]).astype(np.float32), "SCALAR", bounds=True)
-    samplers: list[dict[str, Any]] = []
-    channels: list[dict[str, Any]] = []
+    samplers: list[dict[str, object]] = []
+    channels: list[dict[str, object]] = []
     nodes, meshes, materials = [], [], []
     for number, (body, view) in enumerate(views):
         base, targets, weights = _mesh(result, rows, body, view)
         attributes = {"POSITION": out.accessor(base, "VEC3", VERTICES, bounds=True)}
         triangles = view.surface.triangles.ravel().astype(np.uint32)
-        primitive: dict[str, Any] = {
+        primitive: dict[str, object] = {
             "attributes": attributes,
             "indices": out.accessor(triangles, "SCALAR", INDICES),
             "material": number,
         }
-        mesh: dict[str, Any] = {"name": body.name, "primitives": [primitive]}
+        mesh: dict[str, object] = {"name": body.name, "primitives": [primitive]}
         if len(targets):
             moves = [out.accessor(each, "VEC3", VERTICES, bounds=True) for each in targets]
             primitive["targets"] = [{"POSITION": move} for move in moves]
@@ -165,7 +165,7 @@ class _File:
         view = {"buffer": 0, "byteOffset": len(self._data), "byteLength": values.nbytes}
         self._views.append(view | ({"target": target} if target else {}))
         self._data += np.ascontiguousarray(values).tobytes()
-        entry: dict[str, Any] = {
+        entry: dict[str, object] = {
             "bufferView": len(self._views) - 1,
             "componentType": UNSIGNED if values.dtype == np.uint32 else FLOAT,
             "count": len(values),
@@ -177,7 +177,7 @@ class _File:
         self._accessors.append(entry)
         return len(self._accessors) - 1
 
-    def bytes(self, table: dict[str, Any]) -> bytes:
+    def bytes(self, table: dict[str, object]) -> bytes:
         """Return the file: header, JSON and binary chunk, each padded to four bytes."""
         whole = table | {
             "accessors": self._accessors,
@@ -279,7 +279,7 @@ def _room(
     grid: h5py.Group, name: str, shape: tuple[int, ...], rows: int, unit: str, text: str
 ) -> None:
     """Add a dataset of single precision that is filled by `rows` rows at a time."""
-    pieces: dict[str, Any] = {"chunks": (max(rows, 1), *shape[1:])} if shape[0] else {}
+    pieces: dict[str, object] = {"chunks": (max(rows, 1), *shape[1:])} if shape[0] else {}
     squeeze = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if pieces else {}
     dataset = grid.create_dataset(name, shape, np.float32, **pieces, **squeeze)
     set_text(dataset, "unit", unit)

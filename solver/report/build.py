@@ -98,7 +98,9 @@ def page(
     return whole(view(left_out) if any(run["scene"] for run in runs) else "")
 
 
-def _animate(blob: Blob, stories: list[Story], runs: list[dict[str, Any]], room: int) -> list[str]:
+def _animate(
+    blob: Blob, stories: list[Story], runs: list[dict[str, object]], room: int
+) -> list[str]:
     """Give an animation to the first runs, as many as fit into `room` bytes.
 
     Returns the titles of the others.
@@ -329,7 +331,7 @@ def _result_sha256(case_dir: Path, run: str) -> str:
 def _content(
     case_dir: Path,
     runs: list[str],
-    case: dict[str, Any],
+    case: dict[str, object],
     results: dict[str, str],
     formats: list[str],
 ) -> str:

@@ -91,7 +91,7 @@ def histories(blob: Blob, result: RunResult, share: int) -> dict[str, Any]:
     }
     every = [np.asarray(each[3]) for group in groups.values() for each in group]
     rows = chosen_rows(every, len(result.t), max(share // (len(every) + 2), FEWEST))
-    found: dict[str, Any] = {
+    found: dict[str, object] = {
         "t": blob.add(np.asarray(result.t)[rows], "<f8"),
         "complete": len(rows) == len(result.t),
         "steps": len(result.t),

@@ -215,7 +215,7 @@ def foot(width: float) -> tuple[Array, IntArray]:
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 
 
-def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
+def scene(blob: Blob, story: Story, share: int) -> dict[str, object] | None:
     """Add the bodies and joints of a run; None if the result is older than views.
 
     share : numbers that its animation may take
@@ -254,7 +254,7 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
     }
 
 
-def _loads(blob: Blob, loads: Loads | None, origin: Array, share: int) -> dict[str, Any] | None:
+def _loads(blob: Blob, loads: Loads | None, origin: Array, share: int) -> dict[str, object] | None:
     """Add forces and moments of joints and force elements, and where they act."""
     if loads is None:
         return None
@@ -264,7 +264,7 @@ def _loads(blob: Blob, loads: Loads | None, origin: Array, share: int) -> dict[s
         "force": loads.load_G[..., :3],
         "moment": loads.load_G[..., 3:],
     }
-    found: dict[str, Any] = {"names": loads.names, "t": blob.add(loads.t[rows], "<f8")}
+    found: dict[str, object] = {"names": loads.names, "t": blob.add(loads.t[rows], "<f8")}
     for name, values in arrays.items():  # (r, n, 3) in steps of the largest, enough for a picture
         top = float(np.abs(values).max(initial=0.0)) or 1.0
         steps = blob.add(np.round(HALF + HALF * (values[rows] / top)), "<u2")
@@ -351,7 +351,7 @@ def _body(
 STEPS = 255  # of the colours of a field: one byte
 
 
-def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, Any]:
+def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, object]:
     """Fields of the sites at the times of `q` (k, m), and of each mode alone.
 
     A field is stored in steps of 1/255 of its largest value, which is what colours can show. The
@@ -361,7 +361,7 @@ def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, Any]:
     unit = np.eye(q.shape[1])
     both = np.concatenate([unit, -unit])
     fields = {"energy": (site_energy, unit)}
-    found: dict[str, Any] = {"dimension": sites.dimension}
+    found: dict[str, object] = {"dimension": sites.dimension}
     if len(sites.stress_M):
         fields |= {"exposure": (site_exposure, both), "stress": (site_stress, both)}
         used, ply = np.unique(weakest_ply(sites, q), return_inverse=True)
@@ -386,7 +386,7 @@ def _ply_name(sites: Sites, row: int) -> str:
 
 def _ground(
     blob: Blob, links: list[Link], origin: Array, size: float, count: int
-) -> list[dict[str, Any]]:
+) -> list[dict[str, object]]:
     """Return a body without motion at `count` times with the sides of joints on the ground."""
     places = [side for link in links for side in link.sides if side.body < 0]
     if not places:
@@ -419,7 +419,7 @@ def _ground(
     ]
 
 
-def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str, Any]]:
+def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str, object]]:
     """Both sides of each joint: body and row of its nodes; of the ground a position."""
     counts = {number: len(body.nodes_B) for number, body in enumerate(bodies)}
     found = []

@@ -256,7 +256,7 @@ def _flat(inputs: Any, prefix: str = "") -> dict[str, Any]:
     """Return a nested table by dotted keys; keys without a value are left out."""
     if not isinstance(inputs, dict):
         return {} if inputs is None else {prefix: inputs}
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     for key, value in inputs.items():
         found |= _flat(value, f"{prefix}.{key}" if prefix else str(key))
     return found

@@ -35,7 +35,7 @@ def case_table(found: Any) -> dict[str, Any]:
     return found
 
 
-def _is_figure(figure: dict[str, Any]) -> bool:
+def _is_figure(figure: dict[str, object]) -> bool:
     runs = figure.get("runs")
     words = [figure.get("title"), figure.get("signal"), *(runs if isinstance(runs, list) else [0])]
     return all(isinstance(word, str) for word in words)
@@ -55,7 +55,7 @@ class Story:
     summary: Summary
     result: RunResult
     content: str = ""  # digest of all that figures show
-    inputs: dict[str, Any] = field(default_factory=dict)  # mechanism of the run file
+    inputs: dict[str, object] = field(default_factory=dict)  # mechanism of the run file
     sha256: str = ""  # of result.vtkhdf
     left_out: int = 0  # signals beyond MOST_SIGNALS
 
@@ -152,7 +152,7 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
     return found
 
 
-def read_inputs(case_dir: Path, run: str) -> dict[str, Any]:
+def read_inputs(case_dir: Path, run: str) -> dict[str, object]:
     """Return the mechanism of a run as `check` wrote it; empty if its file is not there."""
     try:
         table = json.loads((case_dir / "runs" / f"{run}.json").read_text(encoding="utf-8"))

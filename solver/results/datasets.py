@@ -48,7 +48,7 @@ def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
     return (rows, *reversed(columns))
 
 
-def packing(values: Array | IntArray | LongRows) -> dict[str, Any]:
+def packing(values: Array | IntArray | LongRows) -> dict[str, object]:
     """Return how a large array is stored: in packed chunks, unless a sample hardly shrinks.
 
     The sample is of its middle. Others are contiguous.
@@ -160,9 +160,9 @@ def write_record(group: h5py.Group, record: Record, layout: Layout) -> None:
             item.attrs[key] = value
 
 
-def read_record(group: h5py.Group) -> dict[str, Any]:
+def read_record(group: h5py.Group) -> dict[str, object]:
     """Return what `write_record` wrote."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
 
     def take(path: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
@@ -174,7 +174,7 @@ def read_record(group: h5py.Group) -> dict[str, Any]:
     return found | _attributes("", group)
 
 
-def _attributes(path: str, item: h5py.HLObject) -> dict[str, Any]:
+def _attributes(path: str, item: h5py.HLObject) -> dict[str, object]:
     return {
         f"{path}{key}": as_text(value) if isinstance(value, bytes | str) else value
         for key, value in item.attrs.items()
@@ -205,10 +205,10 @@ def write_table(
         put_array(group, f"{field}/shapes", shapes, ("-", "-"))
 
 
-def read_table(group: h5py.Group) -> tuple[list[str], list[dict[str, Any]]]:
+def read_table(group: h5py.Group) -> tuple[list[str], list[dict[str, object]]]:
     """Return names and records of a table. Raises KeyError, ValueError for a damaged one."""
     names = read_texts(group["name"])
-    records: list[dict[str, Any]] = [{} for _ in names]
+    records: list[dict[str, object]] = [{} for _ in names]
     for field, item in _fields(group):
         if isinstance(item, h5py.Dataset):
             values: list[Any] = list(read_texts(item))
@@ -273,7 +273,7 @@ SIDE = ("position_B", "A_BM", "phi_B", "psi_B")
 
 def view_record(view: BodyView) -> Record:
     """Return what a file has of the view of a body."""
-    found: dict[str, Any] = {
+    found: dict[str, object] = {
         "first_position": view.first_position,
         "mass": view.mass,
         "labels": json.dumps(view.labels) if view.labels else "[]",
@@ -288,7 +288,7 @@ def view_record(view: BodyView) -> Record:
 
 def link_record(link: Link) -> Record:
     """Return what a file has of a joint: m, rad; axes as in results/schema.py."""
-    found: dict[str, Any] = {"kind": link.kind, "free": json.dumps(link.free)}
+    found: dict[str, object] = {"kind": link.kind, "free": json.dumps(link.free)}
     for number, side in enumerate(link.sides, 1):
         found[f"body_{number}"] = side.body
         found |= {f"{name}_{number}": getattr(side, name) for name in SIDE}

@@ -340,7 +340,7 @@ def _sites(
 ) -> Sites:
     """Put sites together with the points that govern at the times of q (t, m)."""
     stress, point_kind, point_ply = [], [], []
-    plies: list[dict[str, Any]] = []
+    plies: list[dict[str, object]] = []
     for k, points in enumerate(parts):
         rows = governing_points(points, resultants_E[kind == k], q)
         stress.append(points.stress_M[rows])

@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -186,7 +185,7 @@ def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, .
 def provenance(packages: Mapping[str, ModalPackage]) -> dict[str, object]:
     """Return versions, the digest of the inputs of each package, and the command if it started
     the run."""
-    found: dict[str, Any] = {
+    found: dict[str, object] = {
         "versions": dict(_versions()),
         "packages": {name: p.provenance.get("inputs_sha256") for name, p in packages.items()},
     }

@@ -291,7 +291,7 @@ def recorded(
         yield recording, ((name, sensor.values(recording)) for name, sensor in sensors.items())
 
 
-def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, Any]:
+def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, object]:
     """Return the fatigue of a stress with an S-N line, from its turning points in SI."""
     assert sensor.life is not None
     return fatigue_summary(rainflow_cycles(turning.points().tolist()), sensor.life)

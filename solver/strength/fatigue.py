@@ -7,7 +7,7 @@ compression as none. Miner's sum adds count / N over all cycles; failure is expe
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def rainflow_cycles(points: Iterable[float]) -> Cycles:
     return Cycles(*found.T)
 
 
-def fatigue_summary(cycles: Cycles, line: StressLife) -> dict[str, Any]:
+def fatigue_summary(cycles: Cycles, line: StressLife) -> dict[str, object]:
     """The entry of a stress signal in summary.json: Miner's sum and classes of ranges."""
     damage = line.damage(cycles)
     total, top = float(damage.sum()), float(cycles.ranges.max(initial=0.0))

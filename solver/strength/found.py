@@ -127,7 +127,7 @@ def failure_text(body: str, failure: Failure) -> str:
     )
 
 
-def _entry(failure: Failure) -> dict[str, Any]:
+def _entry(failure: Failure) -> dict[str, object]:
     return {
         "ratio": failure.ratio,
         "margin": failure.ratio - 1.0,

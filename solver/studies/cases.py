@@ -185,7 +185,7 @@ def _commands(out: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _same(folder: Path, states: dict[str, Any]) -> bool:
+def _same(folder: Path, states: dict[str, object]) -> bool:
     return all(
         state_of(folder / name) == state
         if state is not None

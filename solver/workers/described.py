@@ -21,7 +21,7 @@ class Entry:
 
     name: str
     file: Path
-    changes: dict[str, Any] = field(default_factory=dict)  # dotted key -> value
+    changes: dict[str, object] = field(default_factory=dict)  # dotted key -> value
 
     @property
     def where(self) -> str:

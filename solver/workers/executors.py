@@ -319,7 +319,7 @@ class Dask:
 
     def submit(self, lane: int, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
         """Begin a task; another worker than the lane's takes it if that one is gone or busy."""
-        hint: dict[str, Any] = {}
+        hint: dict[str, object] = {}
         if self._workers:
             worker = self._workers[lane % len(self._workers)]
             hint = {"workers": [worker], "allow_other_workers": True}

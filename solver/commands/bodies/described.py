@@ -62,7 +62,7 @@ def show_each(
     as_json: bool,
 ) -> int:
     """Show one after the other, as text or as one JSON table; returns the exit code."""
-    tables: dict[str, Any] = {}
+    tables: dict[str, object] = {}
     code = 0
     for one in made:
         if one.status == "failed":

@@ -6,7 +6,6 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ...errors import InputError
 from ...inputs.common.text_file import read_toml
@@ -141,7 +140,7 @@ def _entries(options: argparse.Namespace) -> list[Entry]:
 def _show(made: Sequence[Made], titles: dict[str, str], options: argparse.Namespace) -> int:
     """Show one section after the other; returns the exit code."""
 
-    def table_of(one: Made) -> dict[str, Any]:
+    def table_of(one: Made) -> dict[str, object]:
         if options.figures:
             figures_of(one.file)
         return section_json(read_results(one.file), options.order)

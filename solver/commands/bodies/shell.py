@@ -22,7 +22,7 @@ MOST_MODES = 6  # with a figure of their own
 def run_shell(options: argparse.Namespace) -> int:
     """Make and show the requested results; returns the exit code."""
 
-    def table_of(one: Made) -> dict[str, Any]:
+    def table_of(one: Made) -> dict[str, object]:
         shell, numbers = read_shown(one.file, shell_json)
         if options.figures:
             figures_of(shell, one.file)

@@ -50,7 +50,7 @@ class Materials:
         rho = self._number(entry, f"{path}.rho")
         if not entry.get("orth"):
             return self._isotropic(entry, path) | {"rho": rho}
-        found: dict[str, Any] = {"rho": rho}
+        found: dict[str, object] = {"rho": rho}
         for key, names in (
             ("E", ("E1", "E2", "E3")),
             ("G", ("G12", "G13", "G23")),

@@ -4,7 +4,6 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -479,7 +478,7 @@ def _msh(mesh: StationMesh) -> str:
 
 
 def _description(blade: Blade, r: float, name: str, mesh: StationMesh) -> str:
-    regions: dict[str, dict[str, Any]] = {}
+    regions: dict[str, dict[str, object]] = {}
     for region, band in mesh.bands.items():
         regions[region] = {"material": band.material}
         if blade.materials[band.material]["kind"] == "orthotropic":

@@ -82,7 +82,7 @@ class CheckedStudy:
         A shell is refined once. A run with `[fidelity]` takes all modes of its check.
         """
 
-        def merged_of(run: str) -> dict[str, Any]:
+        def merged_of(run: str) -> dict[str, object]:
             table = self._merged_of(run)
             planned = table.pop("fidelity", None)
             for name, body in table.get("bodies", {}).items():

@@ -115,7 +115,7 @@ def load_whole_case(file: Path) -> Case:
 
 
 def checked_case(
-    table: dict[str, Any],
+    table: dict[str, object],
     file: Path,
     *,
     coarse: bool = False,

@@ -77,7 +77,7 @@ def needed(signals: Mapping[str, Any]) -> dict[str, list[str]]:
 
 def with_parts(names: Collection[str], signals: Mapping[str, Any]) -> dict[str, Any]:
     """Return signals by name with all those that they read in the same run."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     left = list(names)
     while left:
         name = left.pop()

@@ -270,7 +270,7 @@ class CheckedSweep:
 
 
 def base_of(
-    where: str, merged: dict[str, Any], specs: BodySpecs
+    where: str, merged: dict[str, object], specs: BodySpecs
 ) -> tuple[Mechanism, dict[str, str]]:
     """Return `mechanism_of` a run that is varied. Raises InputError."""
     try:

@@ -164,7 +164,7 @@ def _groups(group: h5py.Group) -> dict[str, h5py.Group]:
     return {name: own for name, own in parent.items() if isinstance(own, h5py.Group)}
 
 
-def _targets(group: h5py.Group) -> list[dict[str, Any]] | None:
+def _targets(group: h5py.Group) -> list[dict[str, object]] | None:
     """Return the targets of a parameter; None if they are of another form."""
     try:
         found = json.loads(get_text(group, "targets", "[]"))

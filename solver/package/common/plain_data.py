@@ -234,7 +234,7 @@ def json_text(where: str, value: Any) -> str:
         raise PackageError(f"{where}: {cause}") from cause
 
 
-def json_table(where: str, text: str) -> dict[str, Any]:
+def json_table(where: str, text: str) -> dict[str, object]:
     """Return the table of a JSON text. Raises PackageError."""
     try:
         found = json.loads(text)

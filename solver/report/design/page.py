@@ -33,7 +33,7 @@ def design_sections(case_dir: Path) -> list[str]:
     ]
 
 
-def write_page(folder: Path, found: dict[str, Any]) -> Path:
+def write_page(folder: Path, found: dict[str, object]) -> Path:
     """Write the page of a study into its folder; return its path."""
     title = f"{found['case']}: {found['title']}"
     body = f"<header><h1>{escape(title)}</h1></header><main>{study_section(found)}</main>"

@@ -231,7 +231,7 @@ def order_of(code: str) -> Order:
     return _BEAM_FIRST if code in ("plymotion", "vabs") else _BEAM_LAST
 
 
-def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, Any]:
+def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, object]:
     """Return the numbers as plain data; K, M and the estimate in the order of `code`.
 
     The centres are x2, x3 of the section in every order.
@@ -260,9 +260,9 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
 OF_DERIVATIVES = ("shear_centre", "tension_centre", "mass_centre")
 
 
-def _derivatives(results: SectionResults, code: str) -> dict[str, Any]:
+def _derivatives(results: SectionResults, code: str) -> dict[str, object]:
     """Derivatives of K, M and the centres by each parameter."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     for one in results.design:
         zero = np.zeros((6, 6))
         found[one.name] = {
@@ -401,7 +401,7 @@ def write_summary(folder: Path, stem: str, rows: Sequence[Row]) -> list[Path]:
     return files
 
 
-def summary_json(rows: Sequence[Row]) -> dict[str, Any]:
+def summary_json(rows: Sequence[Row]) -> dict[str, object]:
     """Return status, changes and numbers (or the error) of each section by name."""
     return {
         row.name: {"status": row.status, "changes": row.changes}

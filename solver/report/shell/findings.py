@@ -247,10 +247,10 @@ def read_shown(file: Path, shown: Callable[[ShellFile], Shown]) -> tuple[ShellFi
         raise InputError(f"{file}: {error}") from error
 
 
-def shell_json(shell: ShellFile) -> dict[str, Any]:
+def shell_json(shell: ShellFile) -> dict[str, object]:
     """Return the numbers of a shell as plain data, SI."""
     modes = shell.modes
-    table: dict[str, Any] = {
+    table: dict[str, object] = {
         "name": shell.name,
         "title": title_of(shell),
         "nodes": len(shell.mesh.nodes_G),
@@ -315,7 +315,7 @@ def _listed(error: Array | None, rows: Array | slice) -> list[float] | None:
     return None if error is None else error[rows].tolist()
 
 
-def _laminate(laminate: ShellLaminate) -> dict[str, Any]:
+def _laminate(laminate: ShellLaminate) -> dict[str, object]:
     ABD = laminate.ABD
     return {
         "stacking": stacking(laminate),
@@ -376,7 +376,7 @@ def _finite(ratio: float) -> float | None:
     return ratio if math.isfinite(ratio) else None
 
 
-def _ply(shell: ShellFile, ply: PlyExtreme) -> dict[str, Any]:
+def _ply(shell: ShellFile, ply: PlyExtreme) -> dict[str, object]:
     return {
         "ply": ply.ply,
         "material": ply.material,

@@ -1,7 +1,5 @@
 """A shell file as text for the screen."""
 
-from typing import Any
-
 import numpy as np
 
 from ...math.arrays import Array, IntArray
@@ -99,7 +97,7 @@ def _short(text: str, width: int = 60) -> str:
     return text if len(text) <= width else f"{text[: width - 3]}..."
 
 
-def _character(report: dict[str, Any]) -> list[str]:
+def _character(report: dict[str, object]) -> list[str]:
     lines = []
     if "symmetric" in report and "balanced" in report:
         words = [

@@ -410,7 +410,7 @@ def beside_motion(
     S: Array,
     h: float,
     pair: tuple[Variant, Variant],
-    held: dict[str, Any],
+    held: dict[str, object],
 ) -> Iterator[tuple[Variant, Recording]]:
     """Yield mechanisms beside a run, and their motions along a column of its tangent."""
     for sign, each in zip((-1.0, 1.0), pair, strict=True):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,7 +44,7 @@ class Parameter:
 
 
 def with_parameters(
-    table: dict[str, Any], file: Path, run: str, keys: Sequence[str], *, coarse: bool = False
+    table: dict[str, object], file: Path, run: str, keys: Sequence[str], *, coarse: bool = False
 ) -> tuple[Case, list[tuple[str, float, CheckedSweep]]]:
     """Return a checked case, and for each key its number and the run with that less and plus h.
 

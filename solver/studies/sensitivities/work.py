@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,7 @@ MANY = 50  # design parameters, above which they are combined
 
 
 def compute_sensitivities(
-    table: dict[str, Any],
+    table: dict[str, object],
     file: Path,
     run: str,
     keys: Sequence[str],

@@ -40,7 +40,7 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
     if not divided:
         return mechanism
     table = mechanism.model_dump()
-    bodies: dict[str, Any] = {}
+    bodies: dict[str, object] = {}
     joints: dict[str, object] = {}
     for name, body in table["bodies"].items():
         if name not in divided:
@@ -133,7 +133,7 @@ class _Divided:
         found = {}
         for k in range(self.count):
             shape, origin, A_BS = self._shape(k)
-            interfaces: dict[str, Any] = {"start": {"at": "start"}, "end": {"at": "end"}}
+            interfaces: dict[str, object] = {"start": {"at": "start"}, "end": {"at": "end"}}
             interfaces |= {_inner(n): {"at": f} for n, f in self._inner[k].items()}
             modes = [self._mode(mode, k) for mode in table["modes"]]
             turn = np.degrees(matrix_to_vector(A_GB @ A_BS))

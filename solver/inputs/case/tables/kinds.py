@@ -102,7 +102,7 @@ def by_freedoms(table: Any) -> Any:
         for joint in JOINTS.values():
             whole = len(joint.removes) == len(joint.units)
             if whole and set(FREEDOMS) - set(joint.removes) == local:
-                own: dict[str, Any] = {"kind": joint.kind}
+                own: dict[str, object] = {"kind": joint.kind}
                 if any(key.name == "axis" for key in joint.keys):
                     own["axis"] = [float(k == axis) for k in range(3)]
                 return {**{k: v for k, v in table.items() if k != "free"}, **own}

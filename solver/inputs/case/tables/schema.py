@@ -347,7 +347,7 @@ def output_findings(mechanism: Mechanism) -> list[str]:
 
 
 def mechanism_of(
-    table: dict[str, Any], folder: Path, units: str = "m"
+    table: dict[str, object], folder: Path, units: str = "m"
 ) -> tuple[Mechanism, dict[str, str]]:
     """Return a mechanism as a user wrote it, and the texts at dotted keys in place of numbers.
 
