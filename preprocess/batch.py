@@ -120,7 +120,7 @@ def print_outcome(outcome: Outcome, place: str) -> None:
     print(f"error: {outcome.spec}: {outcome.error}", file=sys.stderr, flush=True)
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> dict[str, object]:
     try:
         spec = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:

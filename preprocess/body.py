@@ -48,7 +48,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     return _build_beam(spec)
 
 
-def _build_beam(spec: dict[str, Any]) -> ModalPackage:
+def _build_beam(spec: dict[str, object]) -> ModalPackage:
     """Analyse the section, solve the modes and collect the package of one beam.
 
     The eigenproblem and the inertia invariants use the same mass: the

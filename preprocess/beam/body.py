@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -122,7 +121,7 @@ def beam_input(model: BeamModel, solver: EigenSolver) -> tuple[Condition, list[S
 
 
 def beam_package(
-    model: BeamModel, modes: Modes, sections: Sequence[SectionData], provenance: dict[str, Any]
+    model: BeamModel, modes: Modes, sections: Sequence[SectionData], provenance: dict[str, object]
 ) -> ModalPackage:
     """Collect mesh, modes and inertia of a beam in a modal package.
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,12 +59,12 @@ class StationSection(NamedTuple):
     end_compliance: Array | None = None  # (6, 6) of a uniform beam, see SectionFile
 
 
-def is_given(table: dict[str, Any]) -> bool:
+def is_given(table: dict[str, object]) -> bool:
     """True for a section with matrices instead of a mesh."""
     return not GIVEN.keys().isdisjoint(table)
 
 
-def given_section(table: dict[str, Any]) -> StationSection:
+def given_section(table: dict[str, object]) -> StationSection:
     """Return a section from `stiffness`, `mass` and `trapeze`. Raises SpecError for other forms."""
     K, M, trapeze = (_numbers(table, key, shape) for key, shape in GIVEN.items())
     return StationSection(LineSection(K, M, trapeze), None, 0, ())
@@ -78,7 +78,7 @@ def analysed_section(result: SectionFile, theory: str) -> StationSection:
     return StationSection(line, result.recovery, dofs, warnings, result.end_compliance)
 
 
-def _numbers(table: dict[str, Any], key: str, shape: tuple[int, ...]) -> Array:
+def _numbers(table: dict[str, object], key: str, shape: tuple[int, ...]) -> Array:
     form = " x ".join(map(str, shape))
     try:
         found = np.array(table[key], dtype=float)

@@ -129,7 +129,7 @@ class BeamSpec:
     damping_ratio: float
 
 
-def read_spec(spec: dict[str, Any]) -> BeamSpec:
+def read_spec(spec: dict[str, object]) -> BeamSpec:
     """Read a specification (solver/package/specification.py).
 
     Raises

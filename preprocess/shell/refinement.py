@@ -114,7 +114,7 @@ def _quality(points: Array, quads: IntArray) -> tuple[Array, BoolArray]:
 COUNT = "n_"  # scripts of meshes/shells: parameters that count the cells of a direction
 
 
-def finer_parameters(path: Path, parameters: Mapping[str, Any], times: int) -> dict[str, Any]:
+def finer_parameters(path: Path, parameters: Mapping[str, Any], times: int) -> dict[str, object]:
     """Parameters of a script of the library with twice as many cells in each direction, `times`
     times.
 

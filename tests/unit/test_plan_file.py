@@ -41,7 +41,7 @@ def refusal(file, content):
         kept_plan(file, KNOWN, "digest")
     text = str(error.value)
     assert text.startswith(f"{file}: ")
-    assert len(text) < len(str(file)) + 300
+    assert all(len(line) < len(str(file)) + 300 for line in text.splitlines())
     return text.removeprefix(f"{file}: ")
 
 
@@ -91,69 +91,87 @@ def test_digest_of_a_plan_is_that_of_what_it_says(file):
 
 LINES = {
     "format": [
-        ("format = 2", "format = 2: expected 1"),
-        ('format = "1"', 'format = "1": expected an integer'),
-        ("format = true", "format = true: expected an integer"),
-        ("", "format: missing; expected an integer"),
+        ("format = 2", "format = 2: value should be less than or equal to 1"),
+        ('format = "1"', 'format = "1": value should be a valid integer'),
+        ("format = true", "format = True: value should be a valid integer"),
+        ("", "format: missing; expected a value: version of the format"),
     ],
     "inputs_sha256": [
-        ("", "inputs_sha256: missing; expected text"),
-        ("inputs_sha256 = 5", "inputs_sha256 = 5: expected text"),
+        ("", "inputs_sha256: missing; expected a value: digest"),
+        ("inputs_sha256 = 5", "inputs_sha256 = 5: expected a text in quotes"),
     ],
     "rtol": [
-        ("rtol = nan", "rtol = nan: expected from 1e-15 to 0.1"),
-        ("rtol = -nan", "rtol = nan: expected from 1e-15 to 0.1"),
-        ("rtol = inf", "rtol = inf: expected from"),
-        ("rtol = -1e-4", "rtol = -0.0001: expected from"),
-        ("rtol = 0", "rtol = 0: expected from"),
-        ("rtol = 1e-300", "rtol = 1e-300: expected from"),
-        ("rtol = 0.2", "rtol = 0.2: expected from"),
-        (f"rtol = {10**300}", "rtol = an integer of 997 bits: expected from"),
-        (f"rtol = 0x{'f' * 5000}", "rtol = an integer of 20000 bits: expected from"),
+        ("rtol = nan", "rtol = nan: value should be a finite number"),
+        ("rtol = -nan", "rtol = nan: value should be a finite number"),
+        ("rtol = inf", "rtol = inf: value should be a finite number"),
+        ("rtol = -1e-4", "rtol = -0.0001: value should be greater than or equal to 1e-15"),
+        ("rtol = 0", "rtol = 0: value should be greater than or equal to 1e-15"),
+        ("rtol = 1e-300", "rtol = 1e-300: value should be greater"),
+        ("rtol = 0.2", "rtol = 0.2: value should be less than or equal to 0.1"),
+        (f"rtol = {10**300}", "...: value should be less than or equal to 0.1"),
+        (
+            f"rtol = 0x{'f' * 5000}",
+            "rtol = a number of thousands of digits: value should",
+        ),
         (f"rtol = {'9' * 5000}", "not valid TOML"),
-        ('rtol = "1e-4"', 'rtol = "1e-4": expected a number'),
-        (f'rtol = "{"x" * 5000}"', f'rtol = "{"x" * 79}...: expected a number'),
-        ("rtol = true", "rtol = true: expected a number"),
-        ("rtol = [1e-4]", "rtol = [0.0001]: expected a number"),
-        ("rtol = 1979-05-27", "rtol = datetime.date(1979, 5, 27): expected a number"),
+        ('rtol = "1e-4"', 'rtol = "1e-4": value should be a valid number, without quotes'),
+        (f'rtol = "{"x" * 5000}"', f'rtol = "{"x" * 50}'),
+        ("rtol = true", "rtol = True: value should be a valid number"),
+        ("rtol = [1e-4]", "rtol = [0.0001]: value should be a valid number"),
+        ("rtol = 1979-05-27", "rtol = datetime.date(1979, 5, 27): value should be a valid number"),
         ("rtoll = 1e-4", "rtoll: unknown key; did you mean 'rtol'?"),
         ("rtol = 1e-4\nrtol = 1e-5", "not valid TOML"),
         ("rtol = ", "not valid TOML"),
     ],
     "geometric_stiffening": [
-        ("geometric_stiffening = 1", "geometric_stiffening = 1: expected true or false"),
-        ("geometric_stiffening = {}", "geometric_stiffening = {}: expected true or false"),
+        ("geometric_stiffening = 1", "geometric_stiffening = 1: value should be a valid boolean"),
+        ("geometric_stiffening = {}", "geometric_stiffening = {}: value should be a valid boolean"),
     ],
     "vibrations": [
         ('vibrations = "bending-xy 1"', 'bodies.link.vibrations = "bending-xy 1": expected a list'),
-        ("vibrations = [1]", "bodies.link.vibrations = 1: no such vibration"),
-        ('vibrations = [["bending-xy 1"]]', "bodies.link.vibrations = ['bending-xy 1']: no such"),
+        ("vibrations = [1]", "bodies.link.vibrations.0 = 1: value should be a valid string"),
+        (
+            'vibrations = [["bending-xy 1"]]',
+            "vibrations.0 = ['bending-xy 1']: value should be",
+        ),
         ('vibrations = ["bending-xz 1"]', "did you mean 'bending-xy 1'?"),
         ('vibrations = ["torsion 1", "torsion 1"]', '"torsion 1": twice; expected it once'),
-        ("vibrations = [nan]", "bodies.link.vibrations = nan: no such vibration"),
+        ("vibrations = [nan]", "bodies.link.vibrations.0 = nan: value should be a valid string"),
     ],
     "static_shapes": [
-        ("static_shapes = -1", "bodies.link.static_shapes = -1: expected 0 to 20"),
-        ("static_shapes = 21", "bodies.link.static_shapes = 21: expected 0 to 20"),
-        ("static_shapes = 1.0", "bodies.link.static_shapes = 1.0: expected an integer"),
-        (f"static_shapes = {2**63}", "bodies.link.static_shapes = 9223372036854775808: expected 0"),
-        ("static_shapes = true", "bodies.link.static_shapes = true: expected an integer"),
+        (
+            "static_shapes = -1",
+            "static_shapes = -1: value should be greater than or equal to 0",
+        ),
+        (
+            "static_shapes = 21",
+            "static_shapes = 21: value should be less than or equal to 20",
+        ),
+        ("static_shapes = 1.0", "bodies.link.static_shapes = 1.0: value should be a valid integer"),
+        (
+            f"static_shapes = {2**63}",
+            "static_shapes = 9223372036854775808: value should be less",
+        ),
+        (
+            "static_shapes = true",
+            "static_shapes = True: value should be a valid integer",
+        ),
     ],
     "ringing": [
-        ('ringing = "true"', 'bodies.link.ringing = "true": expected true or false'),
-        ("ringing = 0", "bodies.link.ringing = 0: expected true or false"),
-        ("", "bodies.link.ringing: missing; expected true or false"),
+        ('ringing = "true"', 'bodies.link.ringing = "true": value should be a valid boolean'),
+        ("ringing = 0", "bodies.link.ringing = 0: value should be a valid boolean"),
+        ("", "bodies.link.ringing: missing; expected a value: the static shapes are"),
         ("rings = true", "bodies.link.rings: unknown key; did you mean 'ringing'?"),
     ],
     "mesh": [
-        ('mesh = "fine"', 'bodies.link.mesh = "fine": expected "model" or "check"'),
-        ("mesh = 2", "bodies.link.mesh = 2: expected text"),
+        ('mesh = "fine"', "bodies.link.mesh = \"fine\": value should be 'model' or 'check'"),
+        ("mesh = 2", "bodies.link.mesh = 2: value should be 'model' or 'check'"),
         ('mesh = "check"\nvibrations.a = 1', "not valid TOML"),
     ],
     "[bodies.link]": [
         ("[bodies.lnik]", "bodies.lnik: no such flexible body; did you mean 'link'?"),
         ("[bodies]\nlink = 3\nother = 2\n[rest]", "rest: unknown key"),
-        ("[bodies]", "bodies.vibrations: no such flexible body; known: link"),
+        ("[bodies]", "bodies.static_shapes = 2: expected a table with vibrations"),
         ("[[bodies]]", "bodies = [{"),
         ("[bodies.link]\n[bodies.link.link]", "bodies.link.link: unknown key"),
     ],

@@ -276,8 +276,8 @@ def read_layups(path: Path, deck: Sequence[Card], nodes: Array, cells: Cells) ->
         for name, fields in cards
         if name in ("PCOMP", "PSHELL", "MAT8", "MAT1")
     }
-    materials: dict[str, dict[str, Any]] = {}
-    laminates: dict[str, dict[str, Any]] = {}
+    materials: dict[str, dict[str, object]] = {}
+    laminates: dict[str, dict[str, object]] = {}
     rows, numbers, axes = [], [], []
     try:
         for cell, (name, fields) in enumerate(listed):

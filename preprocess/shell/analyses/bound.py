@@ -23,7 +23,7 @@ Transverse shear makes a shell softer, so the bound is one of shells with it, to
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -329,7 +329,7 @@ def _check(problem: ShellProblem, where: str) -> None:
         raise ShellError(f"{where}: expected elements.plate = dkmt or dkt")
 
 
-def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, Any]:
+def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, object]:
     """A bound of a quantity over all lay-ups, and a lay-up near it, as plain data.
 
     Parameters

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -67,7 +66,7 @@ DESIGNED = {"laminates", "materials", "regions", "stiffeners"}  # tables with de
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
 
-def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
+def build_shell_body(spec: dict[str, object]) -> ModalPackage:
     """Assemble the shell, solve its modes and collect the package of one body.
 
     Parameters
@@ -178,7 +177,7 @@ def shell_modes(model: ShellModel) -> Modes:
 def shell_package(
     model: ShellModel,
     modes: Modes,
-    provenance: dict[str, Any],
+    provenance: dict[str, object],
     exact: bool = False,
     near: Near | None = None,
 ) -> ModalPackage:

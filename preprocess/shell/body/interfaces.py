@@ -66,7 +66,7 @@ class ShellBodySpec:
     second_order: bool = False
 
 
-def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
+def read_shell_body(spec: dict[str, object]) -> ShellBodySpec:
     """Read a specification (solver/package/specification.py).
 
     Raises

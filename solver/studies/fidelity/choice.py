@@ -6,11 +6,12 @@ The cheapest additions come first, until the losses are small.
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from ...errors import InputError, nearest, printable
+from ...errors import InputError, nearest, printable, refuse, unknown
+from ...inputs.common.table import Table, entry, validated
 from ...inputs.common.text_file import read_toml
 from ...math.arrays import Array
 from ...package.common.files import write_text
@@ -138,32 +139,29 @@ def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: 
 
 
 FORMAT = 1
-BOUNDS_RTOL = 1e-15, 0.1  # those of the solver
 MOST_SHAPES = 20
-MESHES = "model", "check"
-BODY_KEYS: dict[str, type] = {
-    "vibrations": list,
-    "static_shapes": int,
-    "ringing": bool,
-    "mesh": str,
-}
-KEYS: dict[str, type] = {
-    "format": int,
-    "inputs_sha256": str,
-    "rtol": float,
-    "geometric_stiffening": bool,
-    "bodies": dict,
-}
-WORDS: dict[type, str] = {
-    list: "a list",
-    int: "an integer",
-    float: "a number",
-    bool: "true or false",
-    str: "text",
-    dict: "a table",
-}
+
+
+class BodyTable(Table):
+    """`[bodies.NAME]` of the file of a plan."""
+
+    vibrations: list[str] = entry("labels of the vibrations, as in the package")
+    static_shapes: int = entry("number of static shapes", ge=0, le=MOST_SHAPES)
+    ringing: bool = entry("the static shapes are undamped")
+    mesh: Literal["model", "check"] = entry("package that the modes come from")
+
+
+class PlanTable(Table):
+    """The file of a plan."""
+
+    format: int = entry("version of the format", ge=FORMAT, le=FORMAT)
+    inputs_sha256: str = entry("digest of what the plan was made for")
+    rtol: float = entry("tolerance of the integrator", ge=1e-15, le=0.1)  # as of the solver
+    geometric_stiffening: bool = entry("geometric stiffening")
+    bodies: dict[str, BodyTable] = entry("the flexible bodies")
+
+
 Known = Mapping[str, Mapping[str, tuple[str, ...]]]
-Table = Mapping[str, Any]
 
 
 def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
@@ -190,9 +188,9 @@ def kept_plan(file: Path, known: Known, digest: str) -> Plan | None:
     if not file.exists():
         return None
     table = read_toml(file, "plan")
-    own = {key: value for key, value in table.items() if key == "inputs_sha256"}
-    _check_form(f"{file}: ", own, {"inputs_sha256": str})
-    return plan_of_table(file, table, known) if table["inputs_sha256"] == digest else None
+    there = table.get("inputs_sha256")
+    other = isinstance(there, str) and there != digest
+    return None if other else plan_of_table(file, table, known)
 
 
 def read_plan(file: Path, known: Known) -> Plan:
@@ -210,62 +208,23 @@ def read_plan(file: Path, known: Known) -> Plan:
     return plan_of_table(file, read_toml(file, "plan"), known)
 
 
-def plan_of_table(file: Path, table: Table, known: Known) -> Plan:
+def plan_of_table(file: Path, content: Mapping[str, Any], known: Known) -> Plan:
     """Return the plan of the content of a file; see `read_plan`."""
-    _check_form(f"{file}: ", table, KEYS)
-    if table["format"] != FORMAT:
-        raise InputError(f"{file}: format = {_shown(table['format'])}: expected {FORMAT}")
-    rtol, (least, most) = table["rtol"], BOUNDS_RTOL
-    if not least <= rtol <= most:
-        raise InputError(f"{file}: rtol = {_shown(rtol)}: expected from {least:g} to {most:g}")
-    where = f"{file}: bodies"
-    bodies = {name: _body(where, name, each, known) for name, each in table["bodies"].items()}
+    table = validated(PlanTable, content, file)
+    bodies = dict[str, BodyPlan]()
+    for name, body in table.bodies.items():
+        where = f"{file}: bodies.{name}"
+        if name not in known:
+            raise InputError(f"{where}: no such flexible body{nearest(name, known)}")
+        labels, there = body.vibrations, known[name][body.mesh]
+        for i, label in enumerate(labels):
+            refuse(unknown(f"{where}.vibrations.{i}", label, "vibration", there))
+            if label in labels[:i]:
+                raise InputError(f'{where}.vibrations.{i} = "{label}": twice; expected it once')
+        bodies[name] = BodyPlan(tuple(labels), body.static_shapes, body.ringing, body.mesh)
     for name in known:
         if name not in bodies:
-            raise InputError(f"{where}.{name}: missing; expected a table for each flexible body")
-    return Plan(bodies, table["geometric_stiffening"], float(rtol), table["inputs_sha256"])
-
-
-def _body(where: str, name: str, entry: Any, known: Known) -> BodyPlan:
-    where = f"{where}.{name}"
-    if name not in known:
-        raise InputError(f"{where}: no such flexible body{nearest(name, known)}")
-    if not isinstance(entry, dict):
-        raise InputError(f"{where} = {_shown(entry)}: expected a table")
-    _check_form(f"{where}.", entry, BODY_KEYS)
-    static, mesh, labels = entry["static_shapes"], entry["mesh"], entry["vibrations"]
-    if not 0 <= static <= MOST_SHAPES:
-        value = _shown(static)
-        raise InputError(f"{where}.static_shapes = {value}: expected 0 to {MOST_SHAPES}")
-    if mesh not in MESHES:
-        raise InputError(f'{where}.mesh = {_shown(mesh)}: expected "model" or "check"')
-    for i, label in enumerate(labels):
-        if label not in known[name][mesh]:
-            hint = nearest(label, known[name][mesh]) if isinstance(label, str) else ""
-            raise InputError(f"{where}.vibrations = {_shown(label)}: no such vibration{hint}")
-        if label in labels[:i]:
-            raise InputError(f"{where}.vibrations = {_shown(label)}: twice; expected it once")
-    return BodyPlan(tuple(labels), static, entry["ringing"], mesh)
-
-
-def _check_form(where: str, table: Table, keys: Mapping[str, type]) -> None:
-    for key in table:
-        if key not in keys:
-            raise InputError(f"{where}{key}: unknown key{nearest(key, keys)}")
-    for key, kind in keys.items():
-        if key not in table:
-            raise InputError(f"{where}{key}: missing; expected {WORDS[kind]}")
-        value = table[key]
-        fits = isinstance(value, int | float) if kind is float else isinstance(value, kind)
-        if not fits or (kind is not bool and isinstance(value, bool)):
-            raise InputError(f"{where}{key} = {_shown(value)}: expected {WORDS[kind]}")
-
-
-def _shown(value: Any) -> str:
-    """Return a value as TOML has it, cut where it is long."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, int) and value.bit_length() > 200:  # no decimals of an endless number
-        return f"an integer of {value.bit_length()} bits"
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
-    return text if len(text) <= 80 else f"{text[:80]}..."
+            raise InputError(
+                f"{file}: bodies.{name}: missing; expected a table for each flexible body"
+            )
+    return Plan(bodies, table.geometric_stiffening, table.rtol, table.inputs_sha256)
