@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, TypedDict
 
@@ -24,7 +24,7 @@ class Summary(TypedDict, total=False):
     status: str
     message: str
     t_end: float
-    signals: Mapping[str, Mapping[str, Any]]  # unit and MEASURES, by signal
+    signals: Mapping[str, MutableMapping[str, Any]]  # unit and MEASURES, by signal
     checks: Mapping[str, Any]
     provenance: Mapping[str, Any]
     strength: Mapping[str, Any]  # by body
@@ -34,6 +34,7 @@ class Summary(TypedDict, total=False):
     hints: list[str]
     warnings: list[Entry]  # of `Finding.entry`
     fidelity: Mapping[str, Any]
+    error_bars: Mapping[str, Any]
     inputs_sha256: str
 
 

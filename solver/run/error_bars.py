@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.rows import spans
-from ..results import RunResult, Signal
+from ..results import RunResult, Signal, Summary
 from ..results.codes import LOADED_START
 from .inputs import RunSpec
 
@@ -30,12 +30,10 @@ FEWER = 1.0 / 3.0
 SAFETY, SAFETY_RIGID = 1.2, 0.5
 
 # Integrates a run and returns its result and summary.
-Execute = Callable[[RunSpec], tuple[RunResult, dict[str, Any]]]
+Execute = Callable[[RunSpec], tuple[RunResult, Summary]]
 
 
-def with_error_bars(
-    summary: dict[str, Any], spec: RunSpec, result: RunResult, execute: Execute
-) -> None:
+def with_error_bars(summary: Summary, spec: RunSpec, result: RunResult, execute: Execute) -> None:
     """Add `error_bar` to the signals of the summary of a finished run, and the entry `error_bars`.
 
     A bar is the largest difference over all output times, in the unit of the signal, times a factor

@@ -192,7 +192,7 @@ def _lines(summary: Summary, timing: bool) -> list[str]:
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
 
 
-def error_bars_line(summary: dict[str, Any]) -> str:
+def error_bars_line(summary: Summary) -> str:
     """Return the error bars of a run as a line."""
     found = summary["error_bars"]
     bars = [
