@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from ..solver.math.arrays import Array
 from ..solver.results import RunResult, Summary

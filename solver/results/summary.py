@@ -35,6 +35,7 @@ class Summary(TypedDict, total=False):
     warnings: list[Entry]  # of `Finding.entry`
     fidelity: Mapping[str, Any]
     error_bars: Mapping[str, Any]
+    objective: Mapping[str, Any]
     inputs_sha256: str
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ...inputs.case.design import unknown_subject
 from ...inputs.case.tables.design import Quantity
 from ...inputs.common.table import validated
 from ...report.table import aligned
-from ...results import RunResult
+from ...results import RunResult, Summary
 from ...run.outcome import collect
 from ...run.preparation import integrated, prepare
 from ..sensitivities.execution import Trace
@@ -20,7 +20,7 @@ from ..sensitivities.work import asked_of
 from .exact import Traced, by_adjoint
 from .measures import Made, measure_of
 
-OBJECTIVE = "objective"  # of summary.json
+OBJECTIVE: Final = "objective"  # of summary.json
 
 
 def compute_gradient(
@@ -33,7 +33,7 @@ def compute_gradient(
     build: Path,
     packages: Path | None = None,
     coarse: bool = False,
-) -> tuple[RunResult, dict[str, object]]:
+) -> tuple[RunResult, Summary]:
     """Return result and summary of a run; `objective` of the summary has value and derivatives.
 
     Parameters
@@ -79,7 +79,7 @@ def compute_gradient(
     return result, summary
 
 
-def gradient_table(summary: Mapping[str, Any]) -> str:
+def gradient_table(summary: Summary) -> str:
     """Return the value of an objective and its derivatives, the largest first."""
     found = summary[OBJECTIVE]
     rows = [[name, f"{rate:.6g}"] for name, rate in found["derivatives"].items()]
