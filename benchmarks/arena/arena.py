@@ -75,6 +75,7 @@ def main() -> None:
 
             results |= coverage.measured(told.coverage, told.lanes)
             cpu["error bars"] = cpu_s() - sum(cpu.values())
+        file.write_text(json.dumps(results, indent=1), encoding="utf-8")
     if not (told.quick or told.words) and "stability" not in results:
         before = cpu_s()
         results["stability"] = stability.measured(codes)

@@ -51,7 +51,8 @@ def verdicts(rows: Rows, bars: dict[str, float]) -> dict[str, Any]:
                 break
             for key in ("process_s", "solution_s"):
                 best = cheapest(own, target, key)
-                if not best or (len(best) == 1 and OURS not in best):
+                timed = any(row["code"] == OURS and row[key] is not None for row in own)
+                if not timed or not best or (len(best) == 1 and OURS not in best):
                     continue
                 others = {c: s for c, s in best.items() if c != OURS}
                 mine = best.get(OURS, math.inf)
@@ -282,7 +283,7 @@ def write(results: dict[str, Any], folder: Path) -> None:
             ]
             parts.append(f"<table>{''.join(cells)}</table>")
             continue
-        text = html.escape(lines[k].lstrip("# "))
+        text = html.escape(lines[k].lstrip("# ").replace("`", ""))
         parts.append(f"<h2>{text}</h2>" if lines[k].startswith("#") else f"<p>{text}</p>")
         k += 1
     if "stability" in results:

