@@ -129,6 +129,17 @@ def planned_run(
     return RunSpec("sample", "planned", mechanism, packages[0]), packages[1]
 
 
+def chosen_modes(table: Table, side: str, modes: list[Table], **solver: Any) -> RunSpec:
+    """A run of a scene without `[fidelity]`, with some modes of its rich packages."""
+    spec, check = planned_run(table, side)
+    changes = {f"solver.{key}": value for key, value in solver.items()}
+    mechanism = spec.changed(changes).mechanism.model_copy(update={"fidelity": None})
+    bodies = {n: b.model_copy(update={"reduced": None}) for n, b in mechanism.bodies.items()}
+    spec = replace(spec, mechanism=mechanism.model_copy(update={"bodies": bodies}))
+    spec = spec.changed({f"bodies.{name}.modes": modes for name in bodies})
+    return replace(spec, packages={name: selected(p, modes) for name, p in check.items()})
+
+
 def true_signals(table: Table, side: str, rtol: float) -> dict[str, np.ndarray]:
     """Signals with all vibrations and load shapes of the check in the plane, stiffened."""
     spec, check = planned_run(table, side)

@@ -1,7 +1,6 @@
 """Error bars of runs beside their true errors, and where they are said."""
 
 import json
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,11 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from samples.case_samples import case_runs
-from samples.fidelity_samples import Table, pendulum, planned_run, true_signals
+from samples.fidelity_samples import Table, chosen_modes, pendulum, true_signals
 
 from plymotion.solver.inputs.case.bodies.specifications import check_fidelity
 from plymotion.solver.inputs.case.tables.schema import Mechanism
-from plymotion.solver.package.body.selection import selected
 from plymotion.solver.report.table import summary_table
 from plymotion.solver.run.error_bars import with_error_bars
 from plymotion.solver.run.execution import execute, run_file
@@ -27,17 +25,6 @@ def barred(spec: RunSpec) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     result, summary = silent(spec)
     with_error_bars(summary, spec, result, silent)
     return {signal.name: signal.values for signal in result.signals}, summary
-
-
-def flexible(table: Table, side: str, modes: list[Table], **solver: Any) -> RunSpec:
-    """A run of the scene, with some modes of its rich packages."""
-    spec, check = planned_run(table, side)
-    changes = {f"solver.{key}": value for key, value in solver.items()}
-    mechanism = spec.changed(changes).mechanism.model_copy(update={"fidelity": None})
-    bodies = {n: b.model_copy(update={"reduced": None}) for n, b in mechanism.bodies.items()}
-    spec = replace(spec, mechanism=mechanism.model_copy(update={"bodies": bodies}))
-    spec = spec.changed({f"bodies.{name}.modes": modes for name in bodies})
-    return replace(spec, packages={name: selected(p, modes) for name, p in check.items()})
 
 
 BENDING = {"kind": "bending-xy", "count": 3}
@@ -57,7 +44,7 @@ TIP = {"kind": "attachment", "at": "tip", "directions": ["x", "y"]}
 def test_bars_contain_the_errors(side: str, modes: list[Table], solver: Table) -> None:
     table = pendulum(speed=4.0, t_end=0.2)
     table["solver"]["start"] = "quasi-static"
-    found, summary = barred(flexible(table, side, modes, **solver))
+    found, summary = barred(chosen_modes(table, side, modes, **solver))
     exact = true_signals(table, side, 1e-8)
     assert summary["error_bars"]["reason"] == ""
     for name, values in found.items():
@@ -96,7 +83,7 @@ def test_a_run_file_has_them_where_it_asks(repository: Path, tmp_path: Path) -> 
 
 
 def test_a_second_run_that_ends_early_leaves_no_bars() -> None:
-    spec = flexible(pendulum(t_end=0.1), "stiff", [BENDING])
+    spec = chosen_modes(pendulum(t_end=0.1), "stiff", [BENDING])
     result, summary = silent(spec)
     with_error_bars(summary, spec, result, lambda one: silent(one.changed({"solver.t_end": 0.05})))
     assert {signal["error_bar"] for signal in summary["signals"].values()} == {None}
@@ -105,7 +92,7 @@ def test_a_second_run_that_ends_early_leaves_no_bars() -> None:
 
 def test_reactions_at_a_sudden_start_have_no_bar() -> None:
     """No number of modes gives them; bars were up to three times too small."""
-    _, summary = barred(flexible(pendulum(t_end=0.1), "soft", [BENDING]))
+    _, summary = barred(chosen_modes(pendulum(t_end=0.1), "soft", [BENDING]))
     assert "loads-begin-suddenly" in [found["code"] for found in summary["warnings"]]
     assert summary["signals"]["force"]["error_bar"] is None
     assert summary["signals"]["bending"]["error_bar"] > 0.0
