@@ -112,9 +112,9 @@ def test_an_edited_plan_is_checked_and_kept(folder):
 @pytest.mark.parametrize(
     ("line", "new", "message"),
     [
-        ("rtol", "rtol = 2.0", "rtol = 2.0: expected from 1e-15 to 0.1"),
-        ("vibrations", 'vibrations = ["bending-xy 9"]', 'vibrations = "bending-xy 9": no such'),
-        ("mesh", 'mesh = "fine"', 'mesh = "fine": expected "model" or "check"'),
+        ("rtol", "rtol = 2.0", "rtol = 2.0: value should be less than or equal to 0.1"),
+        ("vibrations", 'vibrations = ["bending-xy 9"]', 'vibrations.0 = "bending-xy 9": no such'),
+        ("mesh", 'mesh = "fine"', "mesh = \"fine\": value should be 'model' or 'check'"),
         ("ringing", "rings = true", "rings: unknown key"),
         ("static_shapes", "", "static_shapes: missing"),
     ],
