@@ -103,6 +103,21 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert pm.load(tmp_path / "out").forces.wrist_damping.derivative == 0.7
 
 
+def test_stops_that_leave_no_room(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A finger that mimics another one in the opposite direction, as grippers of PR2 have it."""
+    text = (ROBOTS / "gripper.urdf").read_text()
+    assert 'multiplier="-1"' in text
+    limit = '<limit lower="0" upper="0.05" effort="10" velocity="1"/>'
+    text = re.sub(r"<limit [^>]*/>", limit, text)
+    (tmp_path / "gripper.urdf").write_text(text)
+    words = ["import", str(tmp_path / "gripper.urdf"), "--joints", "motor", "--no-meshes"]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().err
+    assert "jaw_2: no stops: its limits 0 to 0.05 leave no room to the joint that it mimics" in told
+    assert "jaw_1_stop" in pm.load(tmp_path / "out").forces
+    assert "jaw_2_stop" not in pm.load(tmp_path / "out").forces
+
+
 def test_small_things_keep_their_inertia(tmp_path: Path) -> None:
     """Of 1 ug and 0.1 mm: what is rounding is a matter of the link, not of 1e-15 kg m2."""
     file = tmp_path / "grain.urdf"

@@ -456,11 +456,17 @@ class _Writer:
         if joint.lower is None or joint.upper is None:
             return
         first, limits = start(self._robot, joint), f"{joint.lower:g} to {joint.upper:g}"
+        room = _mimicked(self._robot, joint)
         if joint.lower == joint.upper:
             self._notes.append(f"{joint.name}: no stops: its <limit> is {limits}")
         elif not joint.effort > 0.0:
             self._notes.append(f"{joint.name}: no stops: its <limit> has no effort above 0")
-        else:
+        elif room and max(room[0], joint.lower) >= min(room[1], joint.upper):
+            self._notes.append(
+                f"{joint.name}: no stops: its limits {limits} leave no room to the joint that it "
+                "mimics"
+            )
+        elif not room or room[0] < joint.lower or joint.upper < room[1]:
             if not joint.lower <= first <= joint.upper:
                 self._notes.append(
                     f"{joint.name}: stands at {first:g}, outside its limits {limits}: its stop "
@@ -475,6 +481,21 @@ class _Writer:
                 "exponent": 1.0,
                 "restitution": 0.5,
             }
+
+
+def _mimicked(robot: Robot, joint: UrdfJoint) -> tuple[float, float] | None:
+    """Return the range that stops of another joint leave to one that mimics it; None without.
+
+    Two stops that meet, or that act at the same instant, have impacts that follow each other
+    without end.
+    """
+    if joint.mimic is None:
+        return None
+    other, mimic = robot.joints[joint.mimic.joint], joint.mimic
+    if other.lower is None or other.upper is None or not other.effort > 0.0:
+        return None
+    first, last = sorted(mimic.offset + mimic.multiplier * x for x in (other.lower, other.upper))
+    return first, last
 
 
 def _numbers(values: Array, least: float = 1e-15) -> list[float]:
