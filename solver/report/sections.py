@@ -307,6 +307,15 @@ def signals_section(stories: list[Story]) -> str:
         return ""
     head = [*HEAD, "error bar"] if barred else HEAD
     text = table("Final values and extremes of signals", head, rows)
+    if barred:
+        bars = [story.summary["error_bars"] for story in stories if "error_bars" in story.summary]
+        without = dict.fromkeys(what for one in bars for what in one["not_contained"])
+        reasons = dict.fromkeys(one["reason"] for one in bars if one["reason"])
+        notes = [f"They do not contain: {', '.join(without)}."] if without else []
+        notes += [f"Bars are missing: {reason}." for reason in reasons]
+        text += (
+            f"<p>Error bars are of tolerance, modes and stiffening. {escape(' '.join(notes))}</p>"
+        )
     if left_out := max(story.left_out for story in stories):
         text += (
             f"<p>{left_out} more signals are not shown; their values are in "

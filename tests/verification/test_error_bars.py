@@ -12,7 +12,10 @@ from samples.fidelity_samples import Table, chosen_modes, pendulum, true_signals
 
 from plymotion.solver.inputs.case.bodies.specifications import check_fidelity
 from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.report.sections import signals_section
+from plymotion.solver.report.story import Story
 from plymotion.solver.report.table import summary_table
+from plymotion.solver.results.file import read_result
 from plymotion.solver.run.error_bars import with_error_bars
 from plymotion.solver.run.execution import execute, run_file
 from plymotion.solver.run.inputs import RunSpec
@@ -80,6 +83,10 @@ def test_a_run_file_has_them_where_it_asks(repository: Path, tmp_path: Path) -> 
     assert all(signal["error_bar"] > 0.0 for signal in summary["signals"].values())
     assert "without mesh, section, theory of beams and shells" in error_bars_line(summary)
     assert "+-" in summary_table([summary])
+    result = read_result(tmp_path / "out/result.vtkhdf")
+    words = signals_section([Story("layup-1", "Lay-up 1", summary, result)])
+    assert "error bar</th>" in words
+    assert "They do not contain: mesh, section, theory of beams and shells." in words
 
 
 def test_a_second_run_that_ends_early_leaves_no_bars() -> None:
