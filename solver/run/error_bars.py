@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..inputs.case.record import has_reaction
 from ..math.rows import spans
 from ..results import RunResult, Signal, Summary
 from ..results.codes import LOADED_START
@@ -54,8 +55,8 @@ def with_error_bars(summary: Summary, spec: RunSpec, result: RunResult, execute:
         reason = f"the coarser run: {error}"
     unknown = []
     if any(found["code"] == LOADED_START.name for found in summary["warnings"]):
-        kinds = {name: signal.kind for name, signal in spec.mechanism.signals.items()}
-        unknown = [name for name, kind in kinds.items() if kind == "reaction"]
+        signals = spec.mechanism.signals
+        unknown = [name for name in signals if has_reaction(name, signals)]
     for one in result.signals:
         stated = known and one.name not in unknown
         bar = safety * largest_difference(one, known[one.name]) if stated else None

@@ -99,9 +99,12 @@ def test_a_second_run_that_ends_early_leaves_no_bars() -> None:
 
 def test_reactions_at_a_sudden_start_have_no_bar() -> None:
     """No number of modes gives them; bars were up to three times too small."""
-    _, summary = barred(chosen_modes(pendulum(t_end=0.1), "soft", [BENDING]))
+    table = pendulum(t_end=0.1)
+    table["signals"]["size"] = {"kind": "norm", "of": ["force"]}
+    _, summary = barred(chosen_modes(table, "soft", [BENDING]))
     assert "loads-begin-suddenly" in [found["code"] for found in summary["warnings"]]
     assert summary["signals"]["force"]["error_bar"] is None
+    assert summary["signals"]["size"]["error_bar"] is None
     assert summary["signals"]["bending"]["error_bar"] > 0.0
     assert "force, because loads begin suddenly" in error_bars_line(summary)
 

@@ -48,6 +48,7 @@ def solver_sha256() -> str:
 
 
 KINDS = ("difference", "norm")
+REACTION = "reaction"  # kind of the signals that are joint forces
 
 
 def parts(signal: Any) -> list[str]:
@@ -57,6 +58,12 @@ def parts(signal: Any) -> list[str]:
     if signal.kind != "difference":
         return []
     return [signal.of, *([signal.minus] if signal.minus and signal.run is None else [])]
+
+
+def has_reaction(name: str, signals: Mapping[str, Any]) -> bool:
+    """Whether a signal is a joint force, or combined of one."""
+    signal = signals[name]
+    return signal.kind == REACTION or any(has_reaction(part, signals) for part in parts(signal))
 
 
 def elsewhere(signal: Any) -> list[str]:

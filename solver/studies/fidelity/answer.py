@@ -36,9 +36,6 @@ def not_compared(model: Trial, check: Trial) -> str:
     return "; ".join(found)
 
 
-REACTION = "reaction"  # kind of the signals that are joint forces
-
-
 @dataclass
 class Answer:
     """A plan with what is known of it.

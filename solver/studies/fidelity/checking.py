@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...run.timing import work_s
-from .answer import REACTION, Answer, not_compared
+from .answer import Answer, not_compared
 from .choice import accuracy_over_rtol
 from .comparison import kind_of_signal
 from .plan import (
