@@ -7,17 +7,7 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ..errors import counted
-from ..results.codes import (
-    BRANCH,
-    BUCKLING,
-    BUCKLING_LOAD,
-    INDEFINITE,
-    RUN_FAILED,
-    RUN_INTERRUPTED,
-    SINGULAR,
-    SPIN,
-    Finding,
-)
+from ..results.codes import RUN_CODES, Finding
 from ..results.summary import findings, invalid_words, is_under_way, verdict
 from .story import Story
 from .table import measure, number
@@ -95,17 +85,7 @@ def name_of(story: Story) -> str:
 # The top of report.html: outcome and warnings of each run.
 
 _RANK = {"good": 0, "doubt": 1, "bad": 2}
-# What ended a run, in plain words.
-_WHY = {
-    RUN_FAILED.name: "the integrator could not go on",
-    RUN_INTERRUPTED.name: "interrupted",
-    SINGULAR.name: "a singular position",
-    BRANCH.name: "motion on another branch",
-    SPIN.name: "linear bodies have no stiffness left at that speed",
-    BUCKLING.name: "the motion buckles a body",
-    BUCKLING_LOAD.name: "loads buckle a linear body",
-    INDEFINITE.name: "a stiffened body is too far from its frame",
-}
+_WHY = {code.name: code.why for code in RUN_CODES if code.why}
 
 
 def banner(stories: list[Story]) -> str:

@@ -61,11 +61,15 @@ class Finding:
 
 @dataclass(frozen=True)
 class Code:
-    """A kind of finding; docs/warnings.md has meaning, threshold and remedy."""
+    """A kind of finding; docs/warnings.md has meaning, threshold and remedy.
+
+    `why` says in plain words what ended a run.
+    """
 
     name: str
     level: Level
     limit: float = nan
+    why: str = ""
 
     def finding(
         self, text: str, *, body: str = "", t: float | None = None, value: float | None = None
@@ -78,8 +82,8 @@ class Code:
 _RUNS: list[Code] = []
 
 
-def _run(name: str, level: Level = "warning", limit: float = nan) -> Code:
-    _RUNS.append(Code(name, level, limit))
+def _run(name: str, level: Level = "warning", limit: float = nan, why: str = "") -> Code:
+    _RUNS.append(Code(name, level, limit, why))
     return _RUNS[-1]
 
 
@@ -90,8 +94,8 @@ def _of_files(*codes: str | tuple[str, float]) -> tuple[Code, ...]:
 
 
 # The end of a run.
-RUN_FAILED = _run("run-failed", "error")
-RUN_INTERRUPTED = _run("run-interrupted", "error")
+RUN_FAILED = _run("run-failed", "error", why="the integrator could not go on")
+RUN_INTERRUPTED = _run("run-interrupted", "error", why="interrupted")
 UNDER_WAY = _run("run-under-way", "note")
 # Start and constraints.
 REDUNDANT = _run("redundant-constraints", "note")
@@ -116,22 +120,28 @@ ORDER_TWO = _run("rtol-not-kept", limit=1e-5)
 BREAKS_UNSEARCHED = _run("breaks-not-searched", limit=50000.0)
 CHATTERS = _run("law-chatters")
 # Singular positions on the way.
-SINGULAR = _run("singular-position", "error")
-BRANCH = _run("branch-change", "error")
+SINGULAR = _run("singular-position", "error", why="a singular position")
+BRANCH = _run("branch-change", "error", why="motion on another branch")
 SINGULAR_PASSED = _run("singular-passed", "note")
 # Balances.
 ENERGY_DRIFT = _run("energy-drift", limit=1e-3)
 ENERGY_JUMP = _run("energy-jump", limit=1e-3)
 MOMENTUM = _run("momentum-balance", limit=1e-8)
 # Elastic motion.
-SPIN = _run("spin-above-clamped-frequency", "error")
+SPIN = _run(
+    "spin-above-clamped-frequency",
+    "error",
+    why="linear bodies have no stiffness left at that speed",
+)
 ROTATION = _run("elastic-rotation-large", limit=0.1)
 FEW_MODES = _run("modes-too-few", limit=0.1)
 CUT_EARLY = _run("modes-cut-early", limit=0.02)
 MATTERS = _run("stiffening-matters", limit=0.05)
-BUCKLING = _run("buckling-by-motion", "error", 0.0)
-BUCKLING_LOAD = _run("buckling-load", "error")
-INDEFINITE = _run("stiffened-mass-indefinite", "error", -1e-12)
+BUCKLING = _run("buckling-by-motion", "error", 0.0, why="the motion buckles a body")
+BUCKLING_LOAD = _run("buckling-load", "error", why="loads buckle a linear body")
+INDEFINITE = _run(
+    "stiffened-mass-indefinite", "error", -1e-12, why="a stiffened body is too far from its frame"
+)
 NO_STIFFENING_DATA = _run("stiffening-without-data")
 PLY_FAILURE = _run("ply-failure", limit=1.0)
 PLAN_TOO_COARSE = Code("plan-too-coarse", "warning")
