@@ -206,25 +206,64 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
 # Common words, and what they are in a file; with a dot the key of another table. Words that a table
 # does not know are not proposed for it.
 WORDS = """
-b: width; h: height; k: stiffness; c: damping; damping: restitution
-p kp: proportional; i ki: integral; d kd: derivative; moi: inertia; density rho: rho air_density
-length width n_length n_width: parameters; normal reference_axis: axis; fix: fixed; edge curve: at
-e young: E E1; g: G12; nu nu21 poisson: nu nu12; circle: ellipse; pipe: tube
-angle: angle_deg ply_angle_deg rotation_deg start_deg joint; angles: angles_deg
-layup lay_up laminate plies: layup laminate sections.NAME.description; bending: bending-xy
-bernoulli euler_bernoulli: classical; second_order: solver.geometric_stiffening
-ball: spherical; hinge pin: revolute; slider: prismatic; weld: fixed; bodies places: between
-damper: spring; torsional_spring: rotary_spring; pid: controller; plane ground floor: contact
-force: expression; friction mu: coefficient; contact normal_force: force; loads: forces
-magnitude value: law; target reference: setpoint; max min: bounds; average mean: rms
-displacement: deflection; stress: ply_stress; torque: moment
-algorithm method optimizer optimiser: driver integrator; newmark: generalized-alpha; tolerance: rtol
-dt: output_step; duration time: t_end; static: equilibrium
-constraint constraints limits: subject_to; maximize: maximise; minimize objective: minimise
+b: width
+h: height
+k: stiffness
+c: damping
+damping: restitution
+p kp: proportional
+i ki: integral
+d kd: derivative
+moi: inertia
+density rho: rho air_density
+length width n_length n_width: parameters
+normal reference_axis: axis
+fix: fixed
+edge curve: at
+e young: E E1
+g: G12
+nu nu21 poisson: nu nu12
+circle: ellipse
+pipe: tube
+angle: angle_deg ply_angle_deg rotation_deg start_deg joint
+angles: angles_deg
+layup lay_up laminate plies: layup laminate sections.NAME.description
+bending: bending-xy
+bernoulli euler_bernoulli: classical
+second_order: solver.geometric_stiffening
+ball: spherical
+hinge pin: revolute
+slider: prismatic
+weld: fixed
+bodies places: between
+damper: spring
+torsional_spring: rotary_spring
+pid: controller
+plane ground floor: contact
+force: expression
+friction mu: coefficient
+contact normal_force: force
+loads: forces
+magnitude value: law
+target reference: setpoint
+max min: bounds
+average mean: rms
+displacement: deflection
+stress: ply_stress
+torque: moment
+algorithm method optimizer optimiser: driver integrator
+newmark: generalized-alpha
+tolerance: rtol
+dt: output_step
+duration time: t_end
+static: equilibrium
+constraint constraints limits: subject_to
+maximize: maximise
+minimize objective: minimise
 """
 MEANT = {
     word: meaning.split()
-    for words, _, meaning in (entry.partition(":") for entry in re.split("[;\n]", WORDS))
+    for words, _, meaning in (line.partition(":") for line in WORDS.splitlines())
     for word in words.split()
 }
 
