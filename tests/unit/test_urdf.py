@@ -118,6 +118,18 @@ def test_stops_that_leave_no_room(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "jaw_2_stop" not in pm.load(tmp_path / "out").forces
 
 
+def test_limits_without_room_of_their_own_limit_no_other_joint(tmp_path: Path) -> None:
+    """jaw_1 has no stops, because it has no limits: the joints that mimic it keep theirs."""
+    text = (ROBOTS / "gripper.urdf").read_text()
+    text = text.replace('lower="0" upper="0.1"', 'lower="0" upper="0"')
+    (tmp_path / "gripper.urdf").write_text(text)
+    words = ["import", str(tmp_path / "gripper.urdf"), "--joints", "motor", "--no-meshes"]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    forces = pm.load(tmp_path / "out").forces
+    assert "jaw_1_stop" not in forces
+    assert "jaw_2_stop" in forces
+
+
 def test_small_things_keep_their_inertia(tmp_path: Path) -> None:
     """Of 1 ug and 0.1 mm: what is rounding is a matter of the link, not of 1e-15 kg m2."""
     file = tmp_path / "grain.urdf"

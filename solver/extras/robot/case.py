@@ -492,7 +492,9 @@ def _mimicked(robot: Robot, joint: UrdfJoint) -> tuple[float, float] | None:
     if joint.mimic is None:
         return None
     other, mimic = robot.joints[joint.mimic.joint], joint.mimic
-    if other.lower is None or other.upper is None or not other.effort > 0.0:
+    if other.lower is None or other.upper is None or other.lower == other.upper:
+        return None
+    if not other.effort > 0.0:
         return None
     first, last = sorted(mimic.offset + mimic.multiplier * x for x in (other.lower, other.upper))
     return first, last
