@@ -158,6 +158,8 @@ def test_many_parameters_of_a_body(repository, tmp_path):
     write_package(file, replace(package, design=design))
     case = pm.load(repository / "cases/robot-arm/case.toml")
     case, names = case.changed({"solver.t_end": 0.2}), [one.name for one in design]
+    with pytest.raises(InputError, match=r"has derivatives by it .*/design/g60.*did you mean 'g"):
+        pm.sensitivities(case, "base", of=[*names, "g60"], packages=packages)
     objective = {"signal": "tip_z", "of": "rms"}
     every = pm.sensitivities(case, "base", of=names, packages=packages)
     adjoint = pm.sensitivities(case, "base", of=names, packages=packages, objective=objective)

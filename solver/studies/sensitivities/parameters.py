@@ -105,21 +105,25 @@ def design_parameter(spec: RunSpec, name: str) -> Parameter:
     InputError
         No package has derivatives by it.
     """
-    steps, known = list[float](), set[str]()
+    steps = list[float]()
     for package in spec.packages.values():
-        known |= {one.name for one in package.design}
         values = all_values(package)
         for path, rate in next((d.values for d in package.design if d.name == name), {}).items():
             size = float(np.abs(values[path]).max(initial=0.0))
             if rate.any() and size > 0.0:
                 steps.append(RELATIVE * size / float(np.abs(rate).max()))
     if not steps:
-        raise InputError(
-            f"--of {name}: no package of {spec.run} has derivatives by it (/design/{name}); "
-            f"expected a dotted key of a number{nearest(name, known)}"
-        )
+        raise _without_derivatives(spec, name)
     h = min(steps)
     return Parameter(name, "", 0.0, h, spec.moved(name, -h), spec.moved(name, h))
+
+
+def _without_derivatives(spec: RunSpec, name: str) -> InputError:
+    known = {one.name for package in spec.packages.values() for one in package.design}
+    return InputError(
+        f"--of {name}: no package of {spec.run} has derivatives by it (/design/{name}); "
+        f"expected a dotted key of a number{nearest(name, known)}"
+    )
 
 
 def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
@@ -128,7 +132,21 @@ def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
     A parameter moves all packages as the sum of its shares does. There are as many as the
     derivatives of the packages have independent directions: 1000 plies of a section change its
     stiffness in 21 ways at most.
+
+    Raises
+    ------
+    InputError
+        As `design_parameter`.
     """
+    changing = {
+        one.name
+        for package in spec.packages.values()
+        for one in package.design
+        if any(rate.any() for rate in one.values.values())
+    }
+    for name in names:
+        if name not in changing:
+            raise _without_derivatives(spec, name)
     columns, places = list[Array](), list[tuple[str, str, Array]]()
     for body, package in spec.packages.items():
         known, values = {one.name: one.values for one in package.design}, all_values(package)

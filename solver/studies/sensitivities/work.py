@@ -81,19 +81,16 @@ def asked_of(
     dotted = [key for key in keys if "." in key]
     case, members = with_parameters(table, file, run, dotted, coarse=coarse)
     spec = spec_of_run(case, run, build, packages)
-    numbers = [parameter_of(spec, *member) for member in members]
     names = [key for key in keys if "." not in key]
     shares = None
     if len(names) > MANY:
-        for name in names:
-            design_parameter(spec, name)  # refuses one that is not there
         spec, own = combined(spec, names)
-        shares = np.zeros((len(numbers) + len(own), len(keys)))
-        for k, number in enumerate(numbers):
-            shares[k, keys.index(number.name)] = 1.0
-        shares[len(numbers) :, [keys.index(name) for name in names]] = own
-        numbers = [parameter_of(spec, *member) for member in members]
+        shares = np.zeros((len(members) + len(own), len(keys)))
+        for k, member in enumerate(members):
+            shares[k, keys.index(member[0])] = 1.0
+        shares[len(members) :, [keys.index(name) for name in names]] = own
         names = [str(k) for k in range(len(own))]
+    numbers = [parameter_of(spec, *member) for member in members]
     found = [*numbers, *(design_parameter(spec, name) for name in names)]
     if shares is None:
         found.sort(key=lambda parameter: keys.index(parameter.name))
