@@ -105,7 +105,7 @@ $(COMPILED): $(HOT_SOURCES) $(LIGHT)
 # make ... NO_SCRIPTS=1        mesh scripts of the case are refused (docs/security.md)
 FOUND := $(patsubst cases/%/case.toml,%,$(filter cases/%/case.toml,$(call plain,cases/*/case.toml)))
 # Names that are taken: targets of this file, and files in build/.
-TAKEN := $(shell sed -n 's/^\.PHONY: //p' Makefile) FORCE Makefile distclean fenicsx.env compiled \
+TAKEN := $(shell sed -n 's/^\.PHONY: //p' Makefile) FORCE Makefile distclean fenicsx.env compiled laid-out \
     charts peers benchmarks fe-numbers% numba-% %-coarse section-% shell-%
 taken = $(or $(filter $(TAKEN),$(1)),$(findstring -sweep-,$(1)))
 CASES := $(foreach case,$(FOUND),$(if $(call taken,$(case)),,$(case)))
@@ -259,14 +259,23 @@ lint: $(TESTS) ## Style: ruff
 	$(VENV)/bin/ruff check --quiet --output-format concise .
 	$(VENV)/bin/ruff format --check --quiet .
 
+# mypy and import-linter read folders as an installed package has them, and do not run
+# plymotion/__init__.py, which finds the halves in a checkout (docs/adr/0001).
+LAID_OUT := build/laid-out
+.PHONY: $(LAID_OUT)
+$(LAID_OUT):
+	@rm -rf $@ && mkdir -p $@/plymotion
+	@ln -s $(patsubst %,$(CURDIR)/%,preprocess solver $(wildcard plymotion/*)) $@/plymotion
+
 .PHONY: types
-types: $(TESTS) ## Types: mypy
+types: $(TESTS) | $(LAID_OUT) ## Types: mypy
 	$(PY) tools/types_of_sources.py
 	$(PY) tools/types_of_sources.py tools
 
 .PHONY: imports
-imports: $(TESTS) ## Allowed directions between modules: import-linter
-	$(VENV)/bin/lint-imports
+imports: $(TESTS) | $(LAID_OUT) ## Allowed directions between modules: import-linter
+	cd $(LAID_OUT) && $(CURDIR)/$(VENV)/bin/lint-imports $(CURDIR)/pyproject.toml \
+	    --cache-dir $(CURDIR)/.import_linter_cache
 
 .PHONY: test-quick
 test-quick: $(TESTS) | $(COMPILED) ## The tests without FEniCSx but those that take long (tests/conftest.py)

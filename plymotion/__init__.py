@@ -2,7 +2,7 @@
 
 Two halves meet in one file: `plymotion.preprocess` (FEniCSx) writes a modal
 package per body, `plymotion.solver` (NumPy) reads packages and integrates the
-mechanism. See docs/adr/0001 for the two links in this folder.
+mechanism. docs/adr/0001 says where both lie.
 
     import plymotion as pm
 
@@ -13,7 +13,9 @@ docs/python.md explains the names below. Each is imported when it is asked for.
 """
 
 import os as _os
+import sys as _sys
 from importlib import import_module as _import_module
+from importlib.machinery import PathFinder as _PathFinder
 
 __version__ = "0.1.0"
 
@@ -71,8 +73,16 @@ def __dir__() -> list[str]:
     return __all__
 
 
-# A checkout without symbolic links (Windows) has text files where the links should be: look for the
-# halves beside this folder instead.
-_root = _os.path.dirname(_os.path.realpath(__file__))
-if not _os.path.isdir(_os.path.join(_root, "solver")):
-    __path__.append(_os.path.dirname(_root))
+class _Halves:
+    """Find the halves beside this folder, as in a checkout, and nothing else that lies there."""
+
+    folders = (_os.path.dirname(_os.path.dirname(_os.path.realpath(__file__))),)
+    names = (f"{__name__}.solver", f"{__name__}.preprocess")
+
+    @classmethod
+    def find_spec(cls, name, path=None, target=None):
+        return _PathFinder.find_spec(name, cls.folders) if name in cls.names else None
+
+
+if not _os.path.isdir(_os.path.join(__path__[0], "solver")):  # inside in an installed package
+    _sys.meta_path.append(_Halves)

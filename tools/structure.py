@@ -24,10 +24,9 @@ Graph = dict[str, set[str]]
 
 
 def sources(root: Path) -> dict[str, str]:
-    """Return the text of every source file by its path; links of plymotion/ are not followed."""
+    """Return the text of every source file by its path."""
     files = (path for part in PARTS for path in sorted((root / part).rglob("*.py")))
-    own = (path for path in files if not any(p.is_symlink() for p in path.parents))
-    return {path.relative_to(root).as_posix(): path.read_text("utf-8") for path in own}
+    return {path.relative_to(root).as_posix(): path.read_text("utf-8") for path in files}
 
 
 def docstrings(tree: ast.Module) -> Iterator[ast.Expr]:

@@ -66,7 +66,7 @@ def reasons(report: Report) -> str:
 def checkouts() -> list[Path]:
     """The checkout of this code, if any; never the current folder, whose files may be anybody's."""
     here = Path(plymotion.__file__).resolve().parent.parent
-    return [here] if (here / "plymotion" / "preprocess").is_dir() else []
+    return [here] if (here / "preprocess").is_dir() else []
 
 
 def candidates(folders: list[Path]) -> list[str]:

@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -67,11 +68,21 @@ def test_the_rule_leaves_others_alone(line: str) -> None:
     assert not REGISTRY_HOST.search(line)
 
 
-@pytest.mark.parametrize("half", ["meshes", "preprocess", "solver"])
-def test_links_are_relative(repository: Path, half: str) -> None:
-    link = repository / "plymotion" / half
-    assert link.is_symlink()
-    assert link.readlink() == Path("..") / half
+def test_no_symbolic_link_is_in_the_repository(repository: Path) -> None:
+    """git on Windows writes a text file in the place of a link (docs/adr/0001)."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--stage"], cwd=repository, capture_output=True, text=True, check=True
+    )
+    assert not [line for line in listed.stdout.splitlines() if line.startswith("120000")]
+
+
+def test_a_checkout_offers_the_halves_and_nothing_else_that_lies_there() -> None:
+    for half in ("solver", "preprocess"):
+        found = find_spec(f"plymotion.{half}")
+        assert found is not None
+        assert Path(str(found.origin)).parent.name == half
+    for other in ("tests", "cases", "tools", "plymotion", "meshes"):
+        assert find_spec(f"plymotion.{other}") is None
 
 
 def test_decisions_are_numbered_without_gaps(repository: Path) -> None:

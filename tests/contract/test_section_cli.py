@@ -218,6 +218,8 @@ def test_installed_package_hides_nothing_of_the_other_python(
     # As a wheel lies in site-packages, beside modules that are built for this Python.
     site = folder / "site-packages"
     shutil.copytree(repository / "plymotion", site / "plymotion")  # its bytecode stays valid
+    for part in ("solver", "preprocess", "meshes"):
+        shutil.copytree(repository / part, site / "plymotion" / part)
     (site / "gmsh.py").write_text("raise ImportError('of the wrong Python')\n")
     if not system:
         done = process(

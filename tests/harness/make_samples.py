@@ -17,7 +17,7 @@ class Project:
         self.folder = folder
         folder.mkdir()
         shutil.copy(repository / "Makefile", folder)
-        shutil.copytree(repository / "plymotion", folder / "plymotion", symlinks=True)
+        shutil.copytree(repository / "plymotion", folder / "plymotion")
         for name in ("solver", "preprocess", "meshes", "tools", "tests", ".venv"):
             (folder / name).symlink_to((repository / name).resolve())
         (folder / "cases").mkdir()

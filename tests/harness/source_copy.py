@@ -28,8 +28,6 @@ def copy_with_recipes(repository: Path, folder: Path) -> Path:
         shutil.copytree(repository / half, folder / half)
     (folder / "plymotion").mkdir()
     shutil.copy(repository / "plymotion/__init__.py", folder / "plymotion")
-    for half in HALVES:
-        (folder / "plymotion" / half).symlink_to(Path("..") / half)
     for name, text in recipe_files(repository).items():
         file = folder / name
         assert not file.exists(), name

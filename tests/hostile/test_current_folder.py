@@ -28,7 +28,7 @@ def test_no_interpreter_of_the_current_folder(tmp_path, monkeypatch):
         program.parent.mkdir(parents=True, exist_ok=True)
         program.write_text(f"#!/bin/sh\ntouch {tmp_path}/STRUCK\n")
         program.chmod(0o755)
-    (tmp_path / "plymotion/preprocess").mkdir(parents=True)
+    (tmp_path / "preprocess").mkdir()
     (tmp_path / "build").mkdir()
     (tmp_path / "build/fenicsx.env").write_text(f"FENICSX_PYTHON='{planted}'\n")
     monkeypatch.chdir(tmp_path)

@@ -105,13 +105,11 @@ def script_path(name: str) -> Path:
     """Path of a script of the library: beside the package in a wheel, at the top of a checkout."""
     if not name.replace("-", "_").isidentifier():
         raise SectionError(f"gmsh script {name!r}: expected the name of a script of the library")
-    here = Path(__file__)
-    folders = [root.parents[3] / "meshes" for root in (here, here.resolve())]
-    for folder in folders:
-        for suffix in (".geo", ".py"):
-            if (folder / f"{name}{suffix}").is_file():
-                return folder / f"{name}{suffix}"
-    raise SectionError(f"gmsh script {name}: not found in {folders[0]}")
+    folder = Path(__file__).parents[3] / "meshes"
+    for suffix in (".geo", ".py"):
+        if (folder / f"{name}{suffix}").is_file():
+            return folder / f"{name}{suffix}"
+    raise SectionError(f"gmsh script {name}: not found in {folder}")
 
 
 def _source(spec: Mapping[str, Any], where: str) -> Path:

@@ -40,9 +40,7 @@ _OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the file
 
 def library(folder: str) -> Path:
     """Return a folder of meshes/: at the top of a checkout, beside the package in a wheel."""
-    here = Path(__file__)
-    roots = [root.parents[3] / "meshes" / folder for root in (here, here.resolve())]
-    return next((root for root in roots if root.is_dir()), roots[0])
+    return Path(__file__).parents[3] / "meshes" / folder
 
 
 def mesh_source(name: str, folder: Path) -> tuple[Path, str]:
