@@ -1027,7 +1027,7 @@ class Builders:
             in place of `joint`, two places: the coordinate is their distance
         expression :
             force that pushes the coordinate up; reads `x`, its rate `v`, `t` and more, see
-            forces.md [N or N m]
+            expressions.md [N or N m]
 
         Returns
         -------

@@ -64,7 +64,7 @@ def test_the_closed_loop(
     repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
 ) -> None:
     """It closes where the page puts its bodies, and has the values of the page."""
-    (text,) = BLOCK.findall((repository / "docs/mechanisms.md").read_text("utf-8"))
+    (text,) = BLOCK.findall((repository / "docs/four-bar.md").read_text("utf-8"))
     monkeypatch.chdir(tmp_path)
     Path("four-bar.toml").write_text(text)
     assert main(["four-bar.toml", "--quiet", "--no-report"]) == 0

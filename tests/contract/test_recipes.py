@@ -191,9 +191,9 @@ def test_the_page_on_forces_has_a_line_for_each_force_element(repository):
     assert not [kind for kind in FORCES if f"`{kind}`" not in rows]
 
 
-def test_the_page_on_mechanisms_has_a_line_for_each_joint(repository):
-    """docs/mechanisms.md: kind, rows, what it leaves free, coordinates, drives."""
-    page = (repository / "docs/mechanisms.md").read_text("utf-8")
+def test_the_page_on_joints_has_a_line_for_each_joint(repository):
+    """docs/joints.md: kind, rows, what it leaves free, coordinates, drives."""
+    page = (repository / "docs/joints.md").read_text("utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (\d) \|[^|]*\|([^|]*)\|([^|]*)\|$", page, re.M)
     found = {
         kind: (int(n), re.findall("`(.*?)`", free), re.findall("`(.*?)`", drives))

@@ -10,7 +10,7 @@ COORDINATE_FORCE = CoordinateForce(
             "expression",
             "N or N m",
             "force that pushes the coordinate up; reads `x`, its rate `v`, `t` and more, see "
-            "forces.md",
+            "expressions.md",
             required=True,
         ),
     ),

@@ -76,7 +76,7 @@ FRICTION = CoordinateForce(
     meaning="friction of Coulomb and Stribeck",
     remark="-(coulomb + (static - coulomb) exp(-(v/stribeck_velocity)^2)) tanh(v/rest_velocity) "
     "- viscous v. At rest it creeps: below `rest_velocity` it is a damper. `bristle_friction` "
-    "sticks. With `coefficient` it grows with the reaction of the joint, see forces.md.",
+    "sticks. With `coefficient` it grows with the reaction of the joint, see friction.md.",
     keys=(
         *SLIDING,
         Number(

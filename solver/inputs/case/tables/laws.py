@@ -218,7 +218,7 @@ class RotationDrive(_Law):
     )
     table: DriveTable | None = optional("angles [rad] at given times")
     smooth_step: SmoothStep | None = optional("from 0 to an angle")
-    expression: str | None = optional("of the time `t` and of parameters, see forces.md", "rad")
+    expression: str | None = optional("of `t` and of parameters, see expressions.md", "rad")
 
 
 class TranslationDrive(_Law):
@@ -236,7 +236,7 @@ class TranslationDrive(_Law):
     )
     table: DriveTable | None = optional("displacements [m] at given times")
     smooth_step: SmoothStep | None = optional("from 0 to a displacement")
-    expression: str | None = optional("of the time `t` and of parameters, see forces.md", "m")
+    expression: str | None = optional("of `t` and of parameters, see expressions.md", "m")
 
     more_lengths = ("polynomial", "table.values", "smooth_step.value")
 
@@ -259,7 +259,7 @@ class LoadLaw(_Law):
     table: LoadTable | None = optional("values at given times")
     smooth_step: SmoothStep | None = optional("from 0 to a value")
     expression: str | None = optional(
-        "of the time, coordinates and parameters, see forces.md", "N or N m"
+        "of the time, coordinates and parameters, see expressions.md", "N or N m"
     )
 
 
@@ -271,7 +271,7 @@ class WindLaw(_Law):
     smooth_step: SmoothStep | None = optional("from 0 to a speed")
     table: LoadTable | None = optional("values [m/s] at given times")
     expression: str | None = optional(
-        "of the time `t` and of parameters, see forces.md, such as 10 + 2*step(t - 5)", "m/s"
+        "of the time `t` and of parameters, see expressions.md, such as 10 + 2*step(t - 5)", "m/s"
     )
 
 
