@@ -136,7 +136,8 @@ class Datasets:
 # HDF5 takes about 5 ms for the group of a body or joint and 1 ms for the dataset of a signal. Where
 # there are many, a table has a dataset for each field, with the values of all records end to end.
 
-MOST_NAMED = 100  # bodies, joints or signals that have a group or dataset of their own
+MOST_NAMED = 100  # signals that have a dataset of their own, joints whose loads are in pictures
+MOST_GROUPS = 4  # bodies or joints that have a group of their own; a table of more is faster
 ABSENT = -1  # number of axes of a value that a record does not have
 RECORD_BYTES = 50_000  # bytes above which an array is compressed
 

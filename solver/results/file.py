@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import h5py
 import numpy as np
@@ -24,6 +24,7 @@ from ..package.common.dataset import field_values
 from ..package.common.object_file import check_file_checksum, version_of, write_file_checksum
 from .datasets import (
     LAYOUT,
+    MOST_GROUPS,
     MOST_NAMED,
     Datasets,
     Record,
@@ -55,7 +56,6 @@ from .schema import (
 from .summary import plain
 from .surfaces import MOST_STORED, drawn_by_views, positions_of_views
 
-Item = TypeVar("Item")
 AT_ONCE = 6_000_000  # bytes of positions in memory, which do not grow with output times
 MULTIPLIER_UNIT = "N, N m"
 
@@ -92,7 +92,8 @@ def write_result(
         result = replace(result, node_positions_G=np.asarray(result.node_positions_G[:]))
     with new_file(path) as file:
         set_text(file, "format", FORMAT)
-        many = max(len(result.bodies), len(result.links), len(result.signals)) > MOST_NAMED
+        many = max(len(result.bodies), len(result.links)) > MOST_GROUPS
+        many |= len(result.signals) > MOST_NAMED
         version = TABLES_VERSION if many else FORMAT_VERSION
         file.attrs["format_version"] = np.array(version, dtype=np.int64)
         set_text(file, "case", result.case)
@@ -141,7 +142,7 @@ def _write_results(
         put(group, f"violations/{name}", values, units.get(name, "-"), "-", text)
     if len(result.signals) > MOST_NAMED:
         _write_signals(group.create_group("signals_table"), result, datasets)
-    for index, signal in enumerate(_named(result.signals)):
+    for index, signal in enumerate(result.signals if len(result.signals) <= MOST_NAMED else ()):
         item = put(
             group, f"signals/{signal.name}", signal.values, signal.unit, "-", signal.description
         )
@@ -172,11 +173,6 @@ def _write_sensitivities(
     return datasets.written
 
 
-def _named(items: Sequence[Item]) -> Sequence[Item]:
-    """Return items that have a group or dataset of their own: all, or none of many."""
-    return items if len(items) <= MOST_NAMED else ()
-
-
 def _write_records(
     group: h5py.Group,
     name: str,
@@ -184,15 +180,16 @@ def _write_records(
     record: Callable[[Any], Record],
 ) -> None:
     """Write bodies or joints: a group for each, or a table of many."""
-    for index, item in enumerate(_named(items)):
-        own = group.create_group(f"{name}/{item.name}")
-        own.attrs["index"] = index
-        write_record(own, record(item), LAYOUT)
-    if len(items) > MOST_NAMED:
+    if len(items) > MOST_GROUPS:
         records = [record(item) for item in items]
         write_table(
             group.create_group(f"{name}_table"), [item.name for item in items], records, LAYOUT
         )
+        return
+    for index, item in enumerate(items):
+        own = group.create_group(f"{name}/{item.name}")
+        own.attrs["index"] = index
+        write_record(own, record(item), LAYOUT)
 
 
 def _body_record(body: BodyGeometry) -> Record:
