@@ -12,7 +12,15 @@ from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
 from ..solver.package.section.schema import SectionFile, SectionRecovery
 from ..solver.package.section.stress import thinned
-from .beam.body import BeamModel, beam_input, beam_model, beam_modes, beam_package, mode_warnings
+from .beam.body import (
+    BeamModel,
+    beam_input,
+    beam_model,
+    beam_modes,
+    beam_package,
+    mode_warnings,
+    stiffness_error,
+)
 from .beam.sections import StationSection, analysed_section, given_section, is_given
 from .beam.spec import BeamSpec, read_spec
 from .design import Parameter, change_of_inputs, derivatives, read_parameters
@@ -90,6 +98,9 @@ def _build_beam(spec: dict[str, object]) -> ModalPackage:
     # derivatives belong to all digits of the values beside them
     data = sections.data(results, *(() if parameters else (thinned,)))
     package = beam_package(model, modes, data, provenance)
+    if beam.errors:
+        stiffer = [result.stiffer() for result in results]
+        package = replace(package, stiffness_error=stiffness_error(model, modes, stiffer))
     if not parameters:
         return package
 
@@ -128,7 +139,8 @@ class BeamSections:
             design = {p.name: p.below(place) for p in parameters if p.below(place)}
             given = is_given(table)
             self._places.append(place)
-            self._files.append(None if given else _analysed(canonical(table), canonical(design)))
+            texts = canonical(table), canonical(design)
+            self._files.append(None if given else _analysed(*texts, beam.errors))
 
     def at(self, parameter: Parameter | None = None, distance: float = 0.0) -> list[StationSection]:
         """Sections of the stations, with a parameter moved by a distance."""
@@ -171,13 +183,13 @@ class BeamSections:
 
 
 @functools.lru_cache(maxsize=256)
-def _analysed(text: str, design: str) -> SectionFile:
+def _analysed(text: str, design: str, estimate: bool) -> SectionFile:
     """Analyse a section once and reuse the result for other bodies."""
     asked = json.loads(design)
     return analyse(
         json.loads(text),
         where="section",
-        estimate=False,
+        estimate=estimate,
         recovery_degree=RECOVERY_DEGREE,
         **({"design": asked} if asked else {}),
     )

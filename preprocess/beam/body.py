@@ -181,10 +181,32 @@ def beam_package(
 def mode_warnings(model: BeamModel, modes: Modes) -> list[dict[str, str]]:
     """Warnings about omitted modes, and about a mesh that is too coarse for the kept modes."""
     n_eigen = modes.kinds.count("fixed_normal")
-    columns_B = modes.columns_B[:, :n_eigen]
-    error = frequency_error(model.line, modes.values[:n_eigen], columns_B, model.spec.mass_form)
+    error = mesh_error(model, modes)[:n_eigen]
     coarse = coarse_mesh_warnings(modes.labels[:n_eigen], error, model.spec.elements)
     return [*modes.warnings, *coarse]
+
+
+def mesh_error(model: BeamModel, modes: Modes) -> Array:
+    """Relative error of the frequency of each mode by the mesh, (m,)."""
+    line, halves = model.line, None
+    if len(model.profile.sections) > 1:
+        middles = 0.5 * (line.nodes_B[:-1] + line.nodes_B[1:])
+        nodes = np.insert(line.nodes_B, np.arange(1, line.n_node), middles, axis=0)
+        halves = model.profile.line(nodes, np.repeat(line.A_BE, 2, axis=0)).sections
+    form = model.spec.mass_form
+    return frequency_error(line, modes.values, modes.columns_B, form, halves)
+
+
+def stiffness_error(model: BeamModel, modes: Modes, stiffer: Sequence[LineSection]) -> Array:
+    """Expected error of the modal stiffness, (m, m) [N m].
+
+    `stiffer` are the sections of the stations with their errors of K twice. The errors add up,
+    whatever their signs.
+    """
+    line = beam_model(model.spec, *stiffer).line
+    gained = modes.columns_B.T @ (line.stiffness() - model.line.stiffness()) @ modes.columns_B
+    mesh = np.diag(2.0 * np.abs(mesh_error(model, modes)) * modes.values)
+    return np.asarray(0.5 * (gained + gained.T) + mesh)
 
 
 def _interface(

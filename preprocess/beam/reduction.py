@@ -1,5 +1,6 @@
 """Input of a beam to the mode computation: reference, static and spinning shapes, mesh error."""
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -11,13 +12,19 @@ from ...solver.package.specification import DIRECTIONS
 from ..modes.reduced import StaticLoad, accelerations, inertia_loads
 from ..modes.reference import Condition, HeldDofs, MeanAxis
 from .element import BeamElement, scaled_inverse
-from .line import BeamLine
+from .line import BeamLine, LineSection
 from .spec import ModeSpec
 
 LIMIT = 0.01  # relative frequency error above which a mesh is reported as coarse
 
 
-def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: str) -> Array:
+def frequency_error(
+    line: BeamLine,
+    values: Array,
+    columns_B: Array,
+    mass_form: str,
+    halves: Sequence[LineSection] | None = None,
+) -> Array:
     """Estimated relative error of the frequencies, (m,); positive where they are too high.
 
     Parameters
@@ -26,26 +33,33 @@ def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: 
     values : (m,) eigenvalues [rad2/s2]
     columns_B : (6 n, m) mass-normalised modes, body axes
     mass_form : "consistent" or "lumped"
+    halves : (2 e,) sections of both halves of each element of a tapered beam; None: uniform
     """
     nodal_E = line.to_element(columns_B)
     change = np.zeros(len(values))
     for span in line.spans:
         element, mass = span.element, span.section.mass
         d = nodal_E[span.numbers]
-        half = BeamElement(0.5 * element.length, element.K)
+        k, L = 2 * span.numbers[0], 0.5 * element.length
         # nodes of the halved element: first, last (12 values), middle (6)
-        P = np.vstack([np.eye(12), element.shape(np.array([half.length]))[0]])
+        P = np.vstack([np.eye(12), element.shape(np.array([L]))[0]])
         first, second = np.r_[0:6, 12:18], np.r_[12:18, 6:12]
         K_fine, M_fine = np.zeros((18, 18)), np.zeros((18, 18))
-        for dofs in (first, second):
+        own = [span.section] * 2 if halves is None else halves[k : k + 2]
+        for dofs, section in zip((first, second), own, strict=True):
+            half = BeamElement(L, section.K)
             K_fine[np.ix_(dofs, dofs)] += half.stiffness()
-            M_fine[np.ix_(dofs, dofs)] += half.mass_matrix(mass, mass_form)
+            M_fine[np.ix_(dofs, dofs)] += half.mass_matrix(section.mass, mass_form)
         gained = P.T @ M_fine @ P - element.mass_matrix(mass, mass_form)
-        change += np.einsum("eim,ij,ejm->m", d, gained, d, optimize=True)
-        r = np.einsum("ij,ejm->eim", M_fine[12:] @ P, d)
+        change += values * np.einsum("eim,ij,ejm->m", d, gained, d, optimize=True)
+        r = values * np.einsum("ij,ejm->eim", M_fine[12:] @ P, d)
+        if halves is not None:  # of a uniform element both are 0
+            gained = P.T @ K_fine @ P - element.stiffness()
+            change -= np.einsum("eim,ij,ejm->m", d, gained, d, optimize=True)
+            r -= np.einsum("ij,ejm->eim", K_fine[12:] @ P, d)
         follow = scaled_inverse(K_fine[12:, 12:])
-        change += values * np.einsum("eim,ij,ejm->m", r, follow, r, optimize=True)
-    return 0.5 * 4.0 / 3.0 * change
+        change += np.einsum("eim,ij,ejm->m", r, follow, r, optimize=True)
+    return 0.5 * 4.0 / 3.0 * change / values
 
 
 def coarse_mesh_warnings(

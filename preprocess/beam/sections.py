@@ -57,6 +57,17 @@ class StationSection(NamedTuple):
     dofs: int
     warnings: tuple[dict[str, str], ...]
     end_compliance: Array | None = None  # (6, 6) of a uniform beam, see SectionFile
+    error: Array | None = None  # (6, 6) expected size of the error of K, if it was asked for
+
+    def stiffer(self) -> LineSection:
+        """The section with a stiffness that has its expected error twice.
+
+        K_ij (1 + r_i / 2 + r_j / 2), r the errors of the diagonal: definite, however K is coupled.
+        """
+        if self.error is None:
+            return self.line
+        d = np.sqrt(1.0 + np.diag(self.error) / np.diag(self.line.K))
+        return replace(self.line, K=self.line.K * np.outer(d, d))
 
 
 def is_given(table: dict[str, object]) -> bool:
@@ -75,7 +86,8 @@ def analysed_section(result: SectionFile, theory: str) -> StationSection:
     trapeze = trapeze_strains(section_stiffness(result.K, theory), result.recovery)
     line = LineSection(result.K, result.M, trapeze)
     dofs, warnings = result.provenance["dofs"], tuple(result.warnings)
-    return StationSection(line, result.recovery, dofs, warnings, result.end_compliance)
+    of_ends, error = result.end_compliance, result.error_estimate
+    return StationSection(line, result.recovery, dofs, warnings, of_ends, error)
 
 
 def _numbers(table: dict[str, object], key: str, shape: tuple[int, ...]) -> Array:

@@ -112,6 +112,7 @@ class BeamSpec:
     reference : how the body frame is attached to the beam
     modes : requested modes
     damping_ratio : of every mode, fraction of critical
+    errors : True if errors of the modal stiffness are estimated
     """
 
     body: str
@@ -127,6 +128,7 @@ class BeamSpec:
     reference: Reference
     modes: ModeSpec
     damping_ratio: float
+    errors: bool = False
 
 
 def read_spec(spec: dict[str, object]) -> BeamSpec:
@@ -161,6 +163,7 @@ def read_spec(spec: dict[str, object]) -> BeamSpec:
         reference=read_reference(table["reference"], interfaces),
         modes=read_modes(table["modes"], interfaces),
         damping_ratio=float(table["damping_ratio"]),
+        errors=table.get("errors", False),
     )
 
 

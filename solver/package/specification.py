@@ -49,6 +49,7 @@ are taken.
 A shell's or solid's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they
 go to the provenance of the package. `"candidates": true` of a beam or shell: a plan of
 `[fidelity]` takes some of the modes, so the package has no remarks on modes that were requested.
+`"errors": true` of a beam: the package has the errors of its stiffness by mesh and sections.
 """
 
 from collections.abc import Mapping
@@ -57,7 +58,7 @@ from typing import Any, Literal, NotRequired, TypedDict, get_args
 from ..math.disk_cache import sources_sha256
 from .common.plain_data import inputs_sha256
 
-FORMAT_VERSION = (1, 5)  # of the modal package that is made from it
+FORMAT_VERSION = (1, 6)  # of the modal package that is made from it
 Theory = Literal["timoshenko", "classical"]
 MassForm = Literal["consistent", "lumped"]
 ReferenceKind = Literal["clamped", "chord", "mean-axis"]
@@ -291,6 +292,7 @@ class BeamSpecification(_Provenance):
     damping_ratio: float
     interfaces: dict[str, BeamInterfaceTable]
     candidates: NotRequired[bool]
+    errors: NotRequired[bool]
     design: NotRequired[dict[str, list[DesignTarget]]]
 
 

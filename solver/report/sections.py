@@ -294,7 +294,8 @@ def signals_section(stories: list[Story]) -> str:
         notes = [f"They do not contain: {', '.join(without)}."] if without else []
         notes += [f"Bars are missing: {reason}." for reason in reasons]
         text += (
-            f"<p>Error bars are of tolerance, modes and stiffening. {escape(' '.join(notes))}</p>"
+            "<p>Error bars are of tolerance, modes, stiffening, mesh and section. "
+            f"{escape(' '.join(notes))}</p>"
         )
     if left_out := max(story.left_out for story in stories):
         text += (

@@ -61,6 +61,33 @@ def test_axial_modes_of_a_long_thin_beam() -> None:
 
 
 @pytest.mark.one_end
+def test_errors_of_the_stiffness_are_those_of_mesh_and_section(tmp_path: Path) -> None:
+    """Too stiff in twist by a section of a few cells, in bending by four elements."""
+    counts = {"bending-xy": 2, "torsion": 1}
+    modes = [{"kind": kind, "count": count} for kind, count in counts.items()]
+    fine = rectangle_spec(0.06, 0.015, ALUMINIUM)
+    parameters = fine["mesh"]["parameters"] | {"columns": [0.3, 0.7, 1.0], "rows": [1.0]}
+    few = {**fine, "mesh": {**fine["mesh"], "parameters": parameters}}
+    coarse, fine = (
+        build_body(arm(section=section, modes=modes, elements=elements, errors=True))
+        for section, elements in ((few, 4), (fine, 24))
+    )
+    write_package(tmp_path / "arm.vtkhdf", coarse)
+    assert [f for f in validate(tmp_path / "arm.vtkhdf") if f.level == "error"] == []
+    coarse = read_package(tmp_path / "arm.vtkhdf")
+    rows = [coarse.mode_labels.index(label) for label in sorted(coarse.mode_labels)]
+    true = [fine.mode_labels.index(label) for label in sorted(fine.mode_labels)]
+    assert coarse.stiffness_error is not None
+    stated = np.diag(coarse.stiffness_error)[rows] / np.diag(coarse.stiffness)[rows]
+    error = np.diag(coarse.stiffness)[rows] / np.diag(fine.stiffness)[true] - 1.0
+    assert error.min() > 1e-4
+    assert error.max() > 1e-2
+    ratio = stated / error
+    assert ratio.min() > 0.8
+    assert ratio.max() < 1.5
+
+
+@pytest.mark.one_end
 @pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
 def test_package_is_sound_and_complete(tmp_path: Path, mass_form: str) -> None:
     path = tmp_path / "arm.vtkhdf"

@@ -17,7 +17,7 @@ from samples.shell_specs import CFRP, METAL
 from plymotion.preprocess.section.analysis import analyse
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import material_from_dict
-from plymotion.solver.studies.fidelity.indicators.beam_theory import OTHER_END
+from plymotion.solver.run.error_bars import OTHER_END
 
 Record = Callable[[str, Any], None]
 FOAM = {"kind": "isotropic", "E": 70e6, "nu": 0.3, "rho": 60.0}

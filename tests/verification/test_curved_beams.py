@@ -10,7 +10,9 @@ import scipy.special
 from samples.beam_samples import CLAMPED, coupled_stiffness, reduced
 from samples.curved_samples import BAR, meshed
 
+from plymotion.preprocess.beam.body import mesh_error, stiffness_error
 from plymotion.preprocess.beam.line import LineSection, SectionMass
+from plymotion.preprocess.beam.sections import StationSection
 from plymotion.solver.inputs.case.bodies.beams import line_of
 from plymotion.solver.inputs.case.tables.beams import BeamBody
 from plymotion.solver.math.rotations import matrix_to_vector, skew, vector_to_matrix
@@ -125,6 +127,31 @@ def test_wedge_has_kirchhoffs_frequencies() -> None:
     two = [{"kind": "bending-xz", "count": 2}]
     beam = reduced(CLAMPED, two, elements=60, sections=sections, stations=stations)
     np.testing.assert_allclose(beam.package.frequencies, np.square(roots) / 4.0, rtol=4e-3)
+
+
+def test_estimated_mesh_error_of_a_tapered_beam_is_the_true_one() -> None:
+    """Elements have the sections of their middles: an error of second order, too soft or stiff."""
+    sections = [LineSection(K, MASS), LineSection(0.2 * K, 0.4 * MASS)]
+    entries = {"sections": sections, "stations": [{"at": a, "section": {}} for a in (0.0, 1.0)]}
+    asked = [{"kind": "lowest", "count": 4}]
+    true = reduced(CLAMPED, asked, elements=64, **entries).package.frequencies
+    for elements in (4, 8):
+        beam = reduced(CLAMPED, asked, elements=elements, **entries)
+        estimate = mesh_error(beam.model, beam.modes)
+        np.testing.assert_allclose(estimate, beam.package.frequencies / true - 1.0, rtol=0.3)
+
+
+def test_stiffness_error_has_those_of_the_section_and_of_the_mesh() -> None:
+    """A section that is too stiff by 1e-3, in four elements."""
+    coupled, asked = coupled_stiffness(K), [{"kind": "lowest", "count": 3}]
+    coarse, fine = (reduced(CLAMPED, asked, elements=n, K=coupled) for n in (4, 32))
+    section = StationSection(LineSection(coupled, MASS), None, 0, (), error=1e-3 * coupled)
+    error = stiffness_error(coarse.model, coarse.modes, [section.stiffer()])
+    too_high = np.diag(coarse.package.stiffness) / np.diag(fine.package.stiffness) - 1.0
+    assert too_high.max() > 5e-3
+    share = np.diag(error) / np.diag(coarse.package.stiffness)
+    np.testing.assert_allclose(share, 1e-3 + too_high, rtol=0.2)
+    np.testing.assert_allclose(error - np.diag(np.diag(error)), 0.0, atol=1e-9)
 
 
 def test_tapered_beam_has_sections_at_all_nodes() -> None:

@@ -43,11 +43,19 @@ def toml(value: Any, path: str = "") -> str:
     """A table of tables, lists and plain values as TOML."""
     plain = {k: v for k, v in value.items() if not isinstance(v, dict)}
     text = f"[{path}]\n" if path and (plain or not value) else ""
-    text += "".join(f"{json.dumps(k)} = {json.dumps(v)}\n" for k, v in plain.items())
+    text += "".join(f"{json.dumps(k)} = {_inline(v)}\n" for k, v in plain.items())
     for key, v in value.items():
         if isinstance(v, dict):
             text += toml(v, f"{path}.{json.dumps(key)}" if path else json.dumps(key))
     return text
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_inline, value))}]"
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{json.dumps(k)} = {_inline(v)}' for k, v in value.items())} }}"
+    return json.dumps(value)
 
 
 def numbers(sheet: Sheet, folder: Path) -> Sheet:

@@ -90,6 +90,8 @@ def content_findings(package: ModalPackage) -> list[Remark]:
             error(f"{where}/node_ids", f"no node has the identifier {unknown[0]}")
         rotations(f"{where}/A_BI", interface.A_BI, error)
     _second_order(package, error)
+    if package.stiffness_error is not None:
+        symmetric("modes/stiffness_error", package.stiffness_error, error)
     if package.compliance is not None:
         wanted = 6 * len(package.interfaces) + 12
         if len(package.compliance) != wanted:

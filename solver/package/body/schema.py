@@ -276,6 +276,16 @@ class ModalPackage:
             "modes/compliance",
         ),
     ] = None
+    stiffness_error: Annotated[
+        Array | None,
+        Data(
+            "m, m",
+            "N m",
+            "-",
+            "expected error of the modal stiffness by mesh and section, which are too stiff",
+            "modes/stiffness_error",
+        ),
+    ] = None
     provenance: dict[str, Any] = field(default_factory=dict)
     design: tuple[Derivative, ...] = ()  # of the datasets above by design parameters
 

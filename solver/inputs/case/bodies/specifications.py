@@ -143,7 +143,8 @@ class BodySpecs:
                 if material is not None:
                     parts.append(mechanism.materials[material])
         own = body.model_dump_json(exclude=STATE)
-        key = (name, own, str(candidates), *(part.model_dump_json() for part in parts))
+        errors = mechanism.solver.error_bars and isinstance(body, BeamBody)
+        key = (name, own, f"{candidates} {errors}", *(part.model_dump_json() for part in parts))
         if key not in self._known:
             content: Specification
             if isinstance(body, BeamBody):
@@ -156,6 +157,8 @@ class BodySpecs:
                 content, sources = imported_spec(name, body, self.folder)
             if candidates and content["kind"] in ("beam", "shell"):
                 content["candidates"] = True
+            if errors and content["kind"] == "beam":
+                content["errors"] = True
             self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
         return self._known[key]
 

@@ -10,31 +10,18 @@ from ....inputs.section.shapes.library import walls
 from ....math.arrays import Array
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
+from ....run.error_bars import held_ends
 from ..plan import BodyPlan, Rich, kind_of
 from .response import Indicators
 
 if TYPE_CHECKING:
     from ....inputs.case.tables.schema import Mechanism
 
-# Saint-Venant's warping of F1, M2, M3 lies in the section, that of F2, F3, M1 along the beam: seen
-# from the other end, one of the two has the other sign.
-OTHER_END = np.array([1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
-
-
-def _ends_of(package: ModalPackage) -> tuple[Array, Array] | None:
-    """Return resultants (s, 6, m) and end compliance (6, 6) of a uniform beam, if it has them."""
-    if package.recovery is None or len(package.sections) != 1:
-        return None
-    S = package.sections[0].end_compliance
-    return None if S is None else (package.recovery.resultants_E, S)
-
 
 def share_of_ends(package: ModalPackage, q: Array) -> float | None:
     """Return what both ends take from the strain energy, at most, over the largest energy.
 
-    A beam whose end sections are held as rigid faces has F' S F / 2 less energy at each, with the
-    resultants F there and S of the section (docs/format.md, end_compliance): so much less do its
-    loads move, relative to what they do. Interfaces between the ends are left out.
+    So much less do its loads move, relative to what they do; see `held_ends`.
 
     Parameters
     ----------
@@ -44,15 +31,10 @@ def share_of_ends(package: ModalPackage, q: Array) -> float | None:
     -------
     None if the package does not have the data: not a uniform beam with an analysed section.
     """
-    known = _ends_of(package)
-    if known is None:
+    ends = held_ends(package)
+    if ends is None:
         return None
-    resultants, S = known
-    lost = np.zeros(len(q))
-    for station, sign in ((0, np.ones(6)), (-1, OTHER_END)):
-        F = q @ resultants[station].T * sign
-        lost += np.einsum("ki,ij,kj->k", F, S, F)
-    energy = np.einsum("ki,ij,kj->k", q, package.stiffness, q)
+    lost, energy = (np.einsum("ki,ij,kj->k", q, A, q) for A in (ends, package.stiffness))
     largest = float(energy.max(initial=0.0))
     return float(min(1.0, max(0.0, lost.max(initial=0.0)) / largest)) if largest > 0.0 else 0.0
 
@@ -63,10 +45,10 @@ def held_lengths(package: ModalPackage) -> Array | None:
     The sums of F' S F over those of F' K^-1 F along the beam, with its resultants F in the mode.
     None without the data, as in `share_of_ends`.
     """
-    known = _ends_of(package)
-    if known is None:
+    if package.recovery is None or held_ends(package) is None:
         return None
-    (F, S), C = known, np.linalg.inv(package.sections[0].K)
+    section, F = package.sections[0], package.recovery.resultants_E
+    S, C = np.asarray(section.end_compliance), np.linalg.inv(section.K)
     taken, whole = (np.einsum("sim,ij,sjm->m", F, A, F) for A in (S, C))
     return np.maximum(taken, 0.0) / np.maximum(whole, np.finfo(float).tiny)
 
