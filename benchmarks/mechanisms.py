@@ -27,8 +27,7 @@ from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.run.preparation import integrated, prepare
 
 ROOT = Path(__file__).parents[1]
-# With [fidelity], two large packages for each body; a solid of 7 MB.
-NOT_SHIPPED = {"planned-arm", "suspension-arm"}
+NOT_SHIPPED = {"planned-arm"}  # [fidelity]: two large packages for each body
 DEFAULTS = ("integrator", "rtol", "atol_position", "atol_velocity", "max_step", "constraints")
 LONGEST = 10.0  # [s]
 HEAD = ["mechanism", "end [s]", "steps", "refused", "CPU [s]", "remarks"]

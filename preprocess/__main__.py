@@ -12,46 +12,27 @@ from ..solver.package.common.plain_data import shard
 from ..solver.system.interrupts import INTERRUPTED, exit_code, handled_signals
 from .mesh_input import scripts
 
-BODY_EPILOG = """\
-Writes the modal package DIR/SPEC.vtkhdf for each SPEC.json. A package whose stored
-inputs (specification, preprocessor sources, format version) are unchanged is not
-written again, so make does not repeat runs that read it. SPEC `-` alone reads
-names from standard input and builds each one immediately.
-
-exit code: 0 all packages are up to date; 2 a body could not be built (the others
-were built); 130 interrupted.
-"""
-SECTION_EPILOG = """\
-Writes the section file SPEC.vtkhdf for each SPEC.json. A file whose stored inputs
-(specification, options, preprocessor sources, format version) are unchanged is
-not written again. @LIST reads arguments from the lines of the file LIST. SPEC `-`
-alone reads names from standard input and processes each one immediately.
-
+EPILOG = """\
+Writes SPEC.vtkhdf for each SPEC.json. A file whose stored inputs (specification,
+options, preprocessor sources, format version) are unchanged is not written again,
+so make does not repeat runs that read it. @LIST reads arguments from the lines of
+the file LIST. SPEC `-` alone reads names from standard input and processes each
+one immediately.
 {ranks}
-
-exit code: 0 all files are up to date; 2 a section could not be analysed (the others
-were analysed); 130 interrupted.
+exit code: 0 all files are up to date; 2 a file could not be made (the others were
+made); 130 interrupted.
 """
-SHELL_EPILOG = """\
-Writes the shell file SPEC.vtkhdf for each SPEC.json: displacements, resultants and
-reactions of its load cases, natural modes. A file whose stored inputs
-(specification, preprocessor sources, format version) are unchanged is not written
-again. SPEC `-` alone reads names from standard input and processes each one
-immediately. `mpirun -n N python -m plymotion.preprocess shell ...` analyses one
-shell after the other with all ranks, each with its own cells; rank 0 writes and
-prints.
-
-exit code: 0 all files are up to date; 2 a shell could not be analysed (the others
-were analysed); 130 interrupted.
+RANKS = """
+`mpirun -n N python -m plymotion.preprocess {name} ...` analyses one {name} after
+the other with all ranks, each with its own cells; rank 0 writes and prints.
 """
-RANKS_EPILOG = """\
-`mpirun -n N python -m plymotion.preprocess section ...` analyses one section
-after the other with all ranks, each with its own cells; rank 0 writes and prints."""
-POOL_EPILOG = """\
-Start this command with
-    mpirun -n N python -m mpi4py.futures -m plymotion.preprocess section-batch ...
-Rank 0 distributes the sections and prints. Every other rank analyses one section
-at a time and keeps meshes and factorisations for the next."""
+COMMANDS = {
+    "body": "build the modal packages of bodies: modes, inertia",
+    "solid": "build the modal packages of solids that are analysed alone",
+    "section": "analyse cross-sections: stiffness, mass, recovery of stresses",
+    "shell": "analyse laminated plates and shells: load cases and natural modes",
+}
+WITH_RANKS = ("section", "shell")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -97,36 +78,14 @@ def _parser() -> argparse.ArgumentParser:
         description="Build modal packages from laminates, meshes and materials (needs FEniCSx).",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    sections = "{}: stiffness, mass, recovery of stresses."
-    for name, help_, description, epilog in (
-        ("body", "build the modal packages of bodies", "{}: modes, inertia.", BODY_EPILOG),
-        (
-            "solid",
-            "build the modal packages of solids that are analysed alone",
-            "{}: modes, inertia.",
-            BODY_EPILOG,
-        ),
-        ("section", "analyse cross-sections", sections, SECTION_EPILOG.format(ranks=RANKS_EPILOG)),
-        (
-            "section-batch",
-            "analyse many cross-sections over the ranks of an MPI job",
-            sections,
-            SECTION_EPILOG.format(ranks=POOL_EPILOG),
-        ),
-        (
-            "shell",
-            "analyse laminated plates and shells",
-            "{}: load cases and natural modes.",
-            SHELL_EPILOG,
-        ),
-    ):
+    for name, text in COMMANDS.items():
         command = commands.add_parser(
             name,
-            help=help_,
-            description=description.format(f"{help_[0].upper()}{help_[1:]}"),
-            epilog=epilog,
+            help=text,
+            description=f"{text[0].upper()}{text[1:]}.",
+            epilog=EPILOG.format(ranks=RANKS.format(name=name) if name in WITH_RANKS else ""),
             formatter_class=argparse.RawDescriptionHelpFormatter,
-            fromfile_prefix_chars=None if name in ("body", "solid") else "@",
+            fromfile_prefix_chars="@",
         )
         _add_arguments(command, name)
     commands.add_parser(
@@ -140,40 +99,27 @@ def _parser() -> argparse.ArgumentParser:
 def _add_arguments(parser: argparse.ArgumentParser, name: str) -> None:
     """Arguments of a command that makes files."""
     add = parser.add_argument
-    kind = name.removesuffix("-batch")
-    asked = "body" if name in ("body", "solid") else kind
-    writer = (
-        "`plymotion check` or `solid` writes it"
-        if asked == "body"
-        else f"`plymotion {kind}` writes it"
-    )
-    text = f"specification of one {asked}, as {writer}"
+    of, writer = "body" if name == "solid" else name, "check" if name == "body" else name
+    text = f"specification of one {of}, as `plymotion {writer}` writes it"
     add("specs", nargs="+", type=Path, metavar="SPEC.json", help=text)
     add("--force", action="store_true", help="build all files, also those that are up to date")
     add("--no-scripts", action="store_true", help="refuse mesh scripts of the user (.geo, .py)")
     place = parser.add_mutually_exclusive_group()
-    if kind == "shell":
-        place.add_argument(
-            "--out", type=Path, metavar="FILE", help="name of the file, for one SPEC"
-        )
-    text = (
-        "of the packages (default: SPEC's)"
-        if asked == "body"
-        else "of the files (default: beside SPEC)"
-    )
-    place.add_argument("--out-dir", type=Path, metavar="DIR", help=f"folder {text}")
-    if kind == "section":
+    if name == "shell":
+        text = "name of the file, for one SPEC"
+        place.add_argument("--out", type=Path, metavar="FILE", help=text)
+    text = "folder of the files (default: beside SPEC)"
+    place.add_argument("--out-dir", type=Path, metavar="DIR", help=text)
+    if name == "section":
         text = "refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A"
         add("--accuracy", type=float, metavar="A", help=text)
         add("--no-estimate", action="store_true", help="skip the error estimate (faster)")
-    if kind in ("section", "shell"):
-        what = "K" if kind == "section" else "energies and frequencies"
-        text = f"compute {what} by a second method as well, and compare"
-        add("--verify", action="store_true", help=text)
-    if kind == "section":
         text = "only the k-th of N shares"
         add("--shard", type=shard, default=(1, 1), metavar="k/N", help=text)
-    add("--json", action="store_true", help=f"print one line of JSON per {asked}")
+    if name in WITH_RANKS:
+        text = "compute K, or energies and frequencies, by a second method as well, and compare"
+        add("--verify", action="store_true", help=text)
+    add("--json", action="store_true", help=f"print one line of JSON per {of}")
 
 
 if __name__ == "__main__":

@@ -7,8 +7,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,10 @@ from ..solver.errors import InputError
 from ..solver.package.common.container import has_fingerprint
 from ..solver.package.common.plain_data import SpecError, by_mesh, mesh_key, share
 from ..solver.package.specification import fingerprint
-from .batch import USER_ERROR, Outcome, Product, Progress, Report, build, build_all, reporter
+from .batch import Progress, build_all, reporter
 
 # Environment variables that the common MPI launchers set.
 LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
-CHUNKS = 4  # tasks of a worker: enough to balance, few enough to keep sections of one mesh together
 
 
 class BodyPackages:
@@ -179,16 +177,14 @@ class ShellFiles(AnalysedFiles):
 
 FILES: dict[str, type[AnalysedFiles]] = {
     "section": SectionFiles,
-    "section-batch": SectionFiles,
     "shell": ShellFiles,
 }
 
 
 def run(options: argparse.Namespace) -> int:
     """Make the files that a command asks for; returns the exit code."""
-    pool = options.command == "section-batch"
     files = FILES.get(options.command)
-    team = None if pool else launched_ranks()
+    team = launched_ranks()
     if team is not None and not files:
         if team.size > 1:
             raise InputError(
@@ -212,10 +208,6 @@ def run(options: argparse.Namespace) -> int:
         if files is SectionFiles:
             groups = by_mesh((path, _mesh_key(path)) for path in specs)
             specs = share([path for group in groups for path in group], options.shard)
-        if pool and _world_size() > 1:
-            assert isinstance(product, SectionFiles)
-            product.progress = None  # progress of workers would come from another process
-            return _build_over_ranks(product, specs, target_of, **how)
         return build_all(product, specs, target_of, **how)
 
 
@@ -235,53 +227,9 @@ def launched_ranks() -> Any:
     return ranks
 
 
-def _world_size() -> int:
-    from .fenicsx.team import world_size
-
-    return world_size()
-
-
 def _mesh_key(path: Path) -> str:
     """Text that is equal for equal meshes; an unreadable specification is a group of its own."""
     try:
         return mesh_key(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, AttributeError):
         return str(path)  # its error is reported when it is processed
-
-
-def _build_over_ranks(
-    product: Product,
-    specs: Sequence[Path],
-    target_of: Callable[[Path], Path],
-    *,
-    force: bool,
-    report: Report,
-) -> int:
-    """Make all files on the workers of the MPI job; returns the exit code.
-
-    Only the first rank reports. Each worker keeps the data that sections of a mesh share.
-    """
-    from .fenicsx.team import pool
-
-    code, count = 0, 0
-    largest = max(1, math.ceil(len(specs) / (CHUNKS * (_world_size() - 1))))
-    with pool() as executor:
-        if executor is None:  # a worker that has received the signal to stop
-            return code
-        futures = []
-        for group in by_mesh((path, _mesh_key(path)) for path in specs):
-            for i in range(0, len(group), largest):
-                files = [(path, target_of(path)) for path in group[i : i + largest]]
-                futures.append(executor.submit(_build_some, product, files, force))
-        for future in as_completed(futures):
-            for outcome in future.result():
-                count += 1
-                report(outcome, f"{count}/{len(specs)}")
-                if outcome.status == "failed":
-                    code = USER_ERROR
-    return code
-
-
-def _build_some(product: Product, files: list[tuple[Path, Path]], force: bool) -> list[Outcome]:
-    """Task of a worker: a few sections of one mesh."""
-    return [build(product, path, target, force=force) for path, target in files]

@@ -6,8 +6,6 @@ the sum."""
 
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
 
@@ -189,25 +187,3 @@ class Ranks(Team):
         for rank, found in enumerate(self._private.allgather(error and str(error))):
             if found is not None:
                 raise error or RankError(f"rank {rank}: {found}")
-
-
-def world_size() -> int:
-    """Number of processes that mpirun started; 1 without it."""
-    return int(stack.MPI.COMM_WORLD.size)
-
-
-@contextmanager
-def pool() -> Iterator[Any]:
-    """An executor over all ranks except the first; None on a rank that has finished its work.
-
-    There are two ways to start: `mpirun -n N python -m mpi4py.futures -m MODULE ...`, where
-    only rank 0 calls this, and `mpirun -n N python -m MODULE ...`, where all ranks do.
-    """
-    from mpi4py.futures import MPICommExecutor, MPIPoolExecutor
-
-    if "mpi4py.futures" in sys.orig_argv:
-        with MPIPoolExecutor(max_workers=world_size() - 1, main=False) as executor:
-            yield executor
-    else:
-        with MPICommExecutor(stack.MPI.COMM_WORLD, root=0) as executor:
-            yield executor

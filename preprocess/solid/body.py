@@ -18,8 +18,9 @@ from ..exchange.import_table import SI, Reduction
 from ..exchange.reduce import reduce_body
 from ..provenance import body_provenance
 from .analysis import accurate_model, findings
-from .model import MOST_FACTORISED
-from .recovery import face_stresses, second_order_forces
+from .mesh import CORNERS
+from .model import MOST_FACTORISED, SolidModel, from_corners
+from .recovery import face_stresses, rounded, second_order_forces
 
 NOT_COUNTED = {
     "code": "modes-not-counted",
@@ -61,7 +62,6 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
     except InputError as error:
         raise SpecError(str(error).removeprefix(": ")) from error
     n = len(model.body.nodes)
-    connectivity, offsets, types = vtk_cells(model.mesh.corners)
     cases: dict[str, Array] = {}
     source = package.provenance["source"]
     warnings = [*package.provenance["warnings"], *([] if model.counts else [NOT_COUNTED])]
@@ -74,12 +74,36 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
     seconds = {"solid": assembled - start, "modes": time.perf_counter() - assembled}
     provenance = body_provenance(spec, {"body": 3 * n}, seconds, warnings)
     return dataclasses.replace(
+        _at_corners(package, model),
+        face_stresses=stresses,
+        provenance={**provenance, "solid": source},
+    )
+
+
+def _at_corners(package: ModalPackage, model: SolidModel) -> ModalPackage:
+    """The package with its outer faces as cells and without the nodes between the corners of cells.
+
+    Corners take the mass of these nodes, in the proportions of linear functions, so that mass and
+    centre stay. Shapes are rounded, except those of the reference points.
+    """
+    mesh, n = model.mesh, len(model.body.nodes)
+    kept = np.unique(mesh.plain.cells[:, : CORNERS[mesh.plain.cell]])
+    rows = np.concatenate([kept, np.arange(n, len(package.nodes_B))])
+    mass, shapes = package.node_mass.copy(), package.shapes_B[:, rows]
+    mass[:n] = from_corners(mesh.plain).T @ mass[:n]
+    if len(shapes):
+        shapes[:, : len(kept)] = rounded(shapes[:, : len(kept)], (1, 2))
+    connectivity, offsets, types = vtk_cells(np.searchsorted(kept, mesh.corners))
+    return dataclasses.replace(
         package,
+        nodes_B=package.nodes_B[rows],
+        node_ids=package.node_ids[rows],
         connectivity=connectivity,
         offsets=offsets,
         cell_types=types,
-        face_stresses=stresses,
-        provenance={**provenance, "solid": source},
+        shapes_B=shapes,
+        node_mass=mass[rows],
+        node_inertia_B=package.node_inertia_B[rows],
     )
 
 

@@ -62,7 +62,7 @@ class Iterative:
     counts = False
 
     def __init__(self, plain: PlainMesh, parts: Constrained) -> None:
-        P = _from_corners(plain, parts)
+        P = _coarse(plain, parts)
         self._P = {P.shape[0]: P}
         self._last: tuple[Any, Any] | None = None
 
@@ -92,15 +92,20 @@ class Iterative:
         return self._last[1]
 
 
-def _from_corners(plain: PlainMesh, parts: Constrained) -> sp.csr_matrix:
-    """Independent unknowns from those at corners and of rigid interfaces, linear in each cell."""
-    n, vertices = len(plain.points), CORNERS[plain.cell]
-    W = linear_weights(plain.cell)  # (nodes, corners)
+def from_corners(plain: PlainMesh) -> sp.csr_matrix:
+    """Weights (n, n) of all nodes in functions that are linear in each cell; its columns are those
+    of corners."""
+    n, W = len(plain.points), linear_weights(plain.cell)  # W: (nodes, corners)
     node, corner = np.nonzero(W)
     pairs = plain.cells[:, node] * n + plain.cells[:, corner]
     places, first = np.unique(pairs, return_index=True)
     values = np.tile(W[node, corner], len(plain.cells))[first]
-    nodal = sp.csr_matrix((values, np.divmod(places, n)), (n, n))
+    return sp.csr_matrix((values, np.divmod(places, n)), (n, n))
+
+
+def _coarse(plain: PlainMesh, parts: Constrained) -> sp.csr_matrix:
+    """Independent unknowns from those at corners and of rigid interfaces, linear in each cell."""
+    nodal, vertices = from_corners(plain), CORNERS[plain.cell]
     T = sp.csc_matrix(parts.T)
     loose = T.shape[1] - 6 * len(parts.reference_dofs)
     dof = T.indices[T.indptr[:loose]]  # the only entry of its column

@@ -21,8 +21,7 @@ from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.preparation import output_times, prepare
 
 ROOT = Path(__file__).parents[2]
-# With [fidelity], two large packages for each body; a solid of 7 MB (make test-cases runs it).
-NOT_SHIPPED = {"planned-arm", "suspension-arm"}
+NOT_SHIPPED = {"planned-arm"}  # [fidelity]: two large packages for each body
 CASES = [
     (file.parent.name, run)
     for file in sorted((ROOT / "cases").glob("*/case.toml"))

@@ -203,34 +203,6 @@ def test_ranks_work_on_one_section_together(
     assert again[:2] == (0, "[1/1] a: unchanged\n")
 
 
-@pytest.mark.parametrize("start", ["futures", "plain"])
-def test_ranks_share_a_batch(tmp_path: Path, capfd: pytest.CaptureFixture[str], start: str) -> None:
-    files = write(tmp_path, a=bar(0), b=bar(0, 0.05), c=bar(30), made=bar(60), bad=BAD)
-    here(capfd, "section", files[3], "--no-estimate")
-    line = command("section-batch", *files, "--json", "--no-estimate")
-    if start == "futures":
-        line[1:1] = ["-m", "mpi4py.futures"]
-    done = run([*mpirun(3), *line])
-    assert done.returncode == 2
-    told = {Path(one["file"]).stem: one for one in lines(done.stdout)}
-    assert {name: one["status"] for name, one in told.items()} == {
-        **dict.fromkeys("abc", "built"),
-        "made": "unchanged",
-        "bad": "failed",
-    }
-    K = read_section(tmp_path / "c.vtkhdf").K
-    _, stdout, _ = here(capfd, "section", *files[:3], "--json", "--no-estimate")
-    assert [one["status"] for one in lines(stdout)] == 3 * ["unchanged"]
-    here(capfd, "section", files[2], "--force", "--no-estimate")
-    assert np.allclose(read_section(tmp_path / "c.vtkhdf").K, K, rtol=1e-9, atol=1e-9 * K.max())
-
-
-def test_batch_without_ranks_is_a_batch(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    files = write(tmp_path, a=bar(0), b=bar(30))
-    code, stdout, _ = here(capfd, "section-batch", *files, "--no-estimate")
-    assert (code, stdout) == (0, "[1/2] a: 1125 dofs\n[2/2] b: 1125 dofs\n")
-
-
 @pytest.mark.one_end
 def test_interrupt_leaves_nothing_half_written(tmp_path: Path) -> None:
     files = write(tmp_path, **{f"bar_{i:02d}": bar(4.0 * i) for i in range(20)})
