@@ -18,7 +18,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common import cells as tables
 from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
-from ..fenicsx import NamedNodes, PlainMesh
+from ..fenicsx import PlainMesh
 from ..mesh_input import is_ours
 from .cells import Edges, ShellError
 from .refinement import Unpaired, finer_parameters, paired, split
@@ -120,14 +120,11 @@ def _made(table: str, file: str, content: str) -> ShellMesh:
     del content  # part of the cache key: a changed file gives another entry
     spec, path = json.loads(table), Path(file)
     parameters, left = spec.get("parameters", {}), spec.get("refine", 0)
-    if path.suffix == ".npz":
-        plain = _from_arrays(path)
-    else:
-        if left and path.suffix == ".py" and is_ours(path):
-            parameters, left = finer_parameters(path, parameters, left), 0
-        numbers = [n for n in parameters.values() if isinstance(n, int | float)]
-        counted = not is_ours(path) or max(numbers, default=0.0) > FEW
-        plain = fenicsx.surface_mesh(path, parameters, 3, counted=counted)
+    if left and path.suffix == ".py" and is_ours(path):
+        parameters, left = finer_parameters(path, parameters, left), 0
+    numbers = [n for n in parameters.values() if isinstance(n, int | float)]
+    counted = not is_ours(path) or max(numbers, default=0.0) > FEW
+    plain = fenicsx.surface_mesh(path, parameters, 3, counted=counted)
     element = spec.get("element")
     unpaired = NOTHING_LEFT
     if element == "quadrilateral" and plain.cell != "quadrilateral" and plain.degree == 1:
@@ -180,28 +177,3 @@ def _known(rows: IntArray, name: str, where: str) -> IntArray:
             "(`Point{..} In Surface{..}`, BooleanFragments), or remove it from the group"
         )
     return rows
-
-
-def _from_arrays(path: Path) -> PlainMesh:
-    """The mesh of another program, as solver/inputs/shell_specification.py wrote it."""
-    with np.load(path, allow_pickle=False) as file:
-        data = dict(file)
-    named = {
-        kind: {
-            name.removeprefix(f"{kind}:"): rows.astype(np.int64)
-            for name, rows in data.items()
-            if name.startswith(f"{kind}:")
-        }
-        for kind in ("curve", "point")
-    }
-    tags = np.arange(1, len(data["points"]) + 1)
-    return PlainMesh(
-        data["points"],
-        data["cells"],
-        "triangle" if data["cells"].shape[1] == 3 else "mixed",
-        1,
-        data["region"],
-        tuple(map(str, data["regions"])),
-        {},
-        NamedNodes(tags, named["curve"], named["point"]),
-    )

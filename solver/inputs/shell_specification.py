@@ -5,77 +5,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..errors import InputError, collected, few, nearest, refuse, under, unknown
-from ..math.arrays import IntArray
 from .common.materials import check_materials, plain, unknown_materials
 from .common.mesh_files import SUFFIXES as SCRIPTS
 from .common.mesh_files import content_sha256, is_gmsh_mesh, library, mesh_source, physical_groups
 from .common.table import plain_table
 from .common.text_file import read_toml
-from .section.foreign import in_one_region, named_sets, read_mesh, region_sets, write_npz
+from .section.foreign import gmsh_mesh
 from .shell import Mesh, Region, ShellDescription, checked
 
-# Surface meshes of other programs, read by meshio into arrays for the preprocessor.
-#
-# An .npz file with `points` (n, 3), `cells` (c, 3), or (c, 4) with -1 as fourth node of a triangle,
-# `region` (c,) rows of `regions`, and for each named curve and point `curve:NAME` (s, 2) and
-# `point:NAME` (k,). Its name has the hash of its content.
-
-BUILD = Path("build/shells")  # folder of the arrays
-PLANE = {"triangle": 3, "quad": 4}
-
-
-def shell_arrays(file: Path, where: str) -> tuple[Path, str]:
-    """Write the arrays of a mesh; return their file and its SHA-256.
-
-    Regions and curves are the named sets of cells and lines, points the named sets of nodes.
-
-    Raises
-    ------
-    InputError : no mesh, cells of other kinds, cells in no region or in two.
-    """
-    mesh = read_mesh(file, where)
-    blocks = [i for i, block in enumerate(mesh.cells) if block.type in PLANE]
-    others = sorted({b.type for b in mesh.cells if b.dim >= 2} - set(PLANE))
-    if others or not blocks:
-        raise InputError(
-            f"{where}: its cells are of type {', '.join(others) or 'none'}, expected triangle and "
-            "quad, of degree 1, in space"
-        )
-    wide = max(PLANE[mesh.cells[i].type] for i in blocks)
-    cells = np.concatenate([_padded(mesh.cells[i].data, wide) for i in blocks])
-    sets = region_sets(mesh, blocks, file.name, None)
-    region = in_one_region(sets, f"{where}: cell")
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : np.shape(mesh.points)[1]] = mesh.points
-    used = np.unique(cells[cells >= 0])
-    row = np.full(len(points), -1)
-    row[used] = np.arange(len(used))
-    arrays: dict[str, object] = {
-        "points": points[used],
-        "cells": np.where(cells < 0, -1, row[np.maximum(cells, 0)]),
-        "region": region,
-        "regions": np.array(list(sets)),
-    }
-    arrays |= {f"curve:{name}": row[lines] for name, lines in _curves(mesh).items()}
-    arrays |= {f"point:{name}": row[np.asarray(n)] for name, n in mesh.point_sets.items()}
-    return write_npz(BUILD, file.stem, **arrays)
-
-
-def _padded(data: Any, wide: int) -> IntArray:
-    data = np.asarray(data, dtype=np.int64)
-    return np.pad(data, ((0, 0), (0, wide - data.shape[1])), constant_values=-1)
-
-
-def _curves(mesh: Any) -> dict[str, IntArray]:
-    lines = [i for i, block in enumerate(mesh.cells) if block.type == "line"]
-    if not lines:
-        return {}
-    ends = np.concatenate([mesh.cells[i].data for i in lines]).astype(np.int64)
-    return {name: ends[mask] for name, mask in named_sets(mesh, lines).items()}
-
+BUILD = Path("build/shells")  # folder of meshes of other programs, written as those of gmsh
 
 # From a shell description to the specification that the FE side reads.
 #
@@ -198,10 +137,10 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, object]:
         raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
         raise InputError(f"{key}: not a mesh of gmsh")
-    known = file.suffix in (".msh", *SCRIPTS)
-    mesh, content = (file, content_sha256(file)) if known else shell_arrays(file, key)
+    if file.suffix not in (".msh", *SCRIPTS):
+        file = gmsh_mesh(file, key, BUILD, 2)
     options = table.model_dump(exclude={"file", "shape"}, exclude_defaults=True)
-    return {"file": os.path.relpath(mesh), "sha256": content, **options}
+    return {"file": os.path.relpath(file), "sha256": content_sha256(file), **options}
 
 
 def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -8,11 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..errors import InputError, collected, did_you_mean, refuse, unknown
-from ..math.arrays import IntArray
-from ..package.common.files import temporary_sibling
 from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
 from .common.library import LIBRARY
 from .common.materials import check_materials, plain
@@ -20,77 +16,10 @@ from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source
 from .common.table import plain_table, validated
 from .common.text_file import read_toml
 from .common.units import LENGTHS, UNITS, file_units
-from .section.foreign import in_one_region, named_sets, read_mesh, region_sets
+from .section.foreign import gmsh_mesh
 from .solid import SolidDescription
 
-BUILD = Path("build/solids")  # folder of the meshes
-# Cells in the opposite order of nodes: MED counts those of solids the other way round.
-MIRRORED = {
-    "tetra": [0, 2, 1, 3],
-    "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
-    "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
-}
-
-
-def gmsh_mesh(file: Path, where: str) -> Path:
-    """Write a mesh with its named sets of cells, faces and lines for gmsh; returns the file.
-
-    Raises
-    ------
-    InputError : no mesh, cells in no region or in two.
-    """
-    target = BUILD / f"{file.stem}-{content_sha256(file)[:12]}.msh"
-    if target.is_file():
-        return target
-    import meshio
-
-    mesh = read_mesh(file, where)
-    names: dict[str, IntArray] = {}
-    cells: list[tuple[str, IntArray]] = []
-    tags: list[IntArray] = []
-    for dimension in (3, 2, 1):
-        blocks = [i for i, block in enumerate(mesh.cells) if block.dim == dimension]
-        if not blocks:
-            continue
-        if dimension == 3:
-            sets = region_sets(mesh, blocks, file.name, None)
-            in_one_region(sets, f"{where}: solid cell")
-        else:
-            sets = named_sets(mesh, blocks)
-        starts = np.cumsum([0, *(len(mesh.cells[i].data) for i in blocks)])
-        for name, members in sets.items():
-            label = name if name not in names else f"{name} {dimension}"
-            names[label] = np.array([len(names) + 1, dimension])
-            for k, i in enumerate(blocks):
-                own = mesh.cells[i].data[members[starts[k] : starts[k + 1]]]
-                cells.append((mesh.cells[i].type, _outwards(own, mesh, i)))
-                tags.append(np.full(len(own), len(names)))
-    if not any(int(dimension) == 3 for _, dimension in names.values()):
-        raise InputError(f"{where}: it has no solid cells; expected tetrahedra or hexahedra")
-    there = [k for k, tag in enumerate(tags) if len(tag)]
-    data = [tags[k] for k in there]
-    found = meshio.Mesh(
-        np.asarray(mesh.points, dtype=float),
-        [cells[k] for k in there],
-        cell_data={"gmsh:physical": data, "gmsh:geometrical": data},
-        field_data=names,
-    )
-    BUILD.mkdir(parents=True, exist_ok=True)
-    with temporary_sibling(target) as temporary:
-        meshio.write(temporary, found, file_format="gmsh22")
-    return target
-
-
-def _outwards(cells: IntArray, mesh: Any, block: int) -> IntArray:
-    """Cells of a block with a positive volume, as gmsh counts their nodes."""
-    order = MIRRORED.get(mesh.cells[block].type)
-    if order is None or not len(cells):
-        return cells
-    near = (1, 3, 4) if len(order) == 8 else (1, 2, 3)  # corners along the edges of the first one
-    a, b, c = (mesh.points[cells[:, k]] - mesh.points[cells[:, 0]] for k in near)
-    turned = np.einsum("ci,ci->c", np.cross(a, b), c) < 0.0
-    return np.where(turned[:, None], cells[:, order], cells)
-
+BUILD = Path("build/solids")  # folder of such meshes
 
 AXES = ("axis", "axis_along", "axis_about", "normal")
 DIRECTED = (["axis", "normal"], ["axis_along", "normal"], ["axis_about"])
@@ -207,7 +136,8 @@ def _mesh(description: SolidDescription, folder: Path) -> dict[str, object]:
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
         raise InputError(f"{key}: not a mesh of gmsh")
     if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
-        file = gmsh_mesh(file, f"{key}: expected {', '.join(CAD)}, .geo, .msh or another mesh")
+        key += f": expected {', '.join(CAD)}, .geo, .msh or another mesh"
+        file = gmsh_mesh(file, key, BUILD, 3)
     own_unit = file.suffix.lower() in CAD_WITH_UNIT
     if not own_unit and table.unit is None and description.units != "m":
         table = table.model_copy(update={"unit": description.units})

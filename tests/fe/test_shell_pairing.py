@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
+from samples.shell_meshes import gmsh_file
 from samples.shell_obstacle_course import straight_beam
 from samples.shell_specs import plate
 
@@ -132,29 +132,17 @@ def test_estimates_of_cells_that_err_both_ways(tmp_path: Path) -> None:
 def test_triangles_beside_quadrilaterals_are_paired(tmp_path: Path) -> None:
     """Not across the foot of a rib, whose cells would lose their side."""
     points = [[x, y, 0.0] for x in range(3) for y in range(2)] + [[1.0, 0.0, 1.0], [1.0, 1.0, 1.0]]
-    arrays = {
-        "points": np.array(points),
-        "cells": np.array(
-            [[0, 2, 3, -1], [0, 3, 1, -1], [2, 4, 5, -1], [2, 5, 3, -1], [2, 3, 7, 6]]
-        ),
-        "region": np.zeros(5, dtype=int),
-        "regions": np.array(["skin"]),
-    }
-    np.savez(tmp_path / "rib.npz", **arrays)
-    mesh = ShellProblem(plate(1, 0.1, mesh={"file": str(tmp_path / "rib.npz"), **QUADS})).mesh
+    cells = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3], [2, 3, 7, 6]]
+    file = gmsh_file(tmp_path / "rib.msh", points, cells, "skin")
+    mesh = ShellProblem(plate(1, 0.1, mesh={"file": file, **QUADS})).mesh
     assert corner_counts(mesh.cells).tolist() == [4, 4, 4]
 
 
 def test_sides_on_physical_curves_stay(tmp_path: Path) -> None:
     """A stiffener along the diagonal of two triangles needs it as a side."""
-    arrays = {
-        "points": np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]),
-        "cells": np.array([[0, 1, 2], [0, 2, 3]]),
-        "region": np.zeros(2, dtype=int),
-        "regions": np.array(["skin"]),
-        "curve:rib": np.array([[2, 0]]),
-    }
-    np.savez(tmp_path / "square.npz", **arrays)
-    mesh = ShellProblem(plate(1, 0.1, mesh={"file": str(tmp_path / "square.npz"), **QUADS})).mesh
+    points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+    cells, rib = [[0, 1, 2], [0, 2, 3]], {"rib": [[2, 0]]}
+    file = gmsh_file(tmp_path / "square.msh", points, cells, "skin", rib)
+    mesh = ShellProblem(plate(1, 0.1, mesh={"file": file, **QUADS})).mesh
     assert corner_counts(mesh.cells).tolist() == [3, 3]
     assert "physical curve" in mesh.unpaired.reason

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from samples.body_specs import shell_body, shell_parts
 from samples.shell_layups import BOX_MATERIAL, BOXES, WALL
+from samples.shell_meshes import gmsh_file
 from samples.shell_model import laminate
 from samples.shell_specs import METAL, SCRIPTS, plate
 
@@ -226,17 +227,17 @@ def test_hole_in_a_plate_is_no_section(tmp_path: Path) -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     circle = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
     i, j = np.arange(12), np.roll(np.arange(12), -1)
-    arrays = {
-        "points": np.concatenate([circle, 3.0 * circle]),
-        "cells": np.stack([i, i + 12, j + 12, j], axis=1),
-        "region": np.zeros(12, dtype=int),
-        "regions": np.array(["plate"]),
-        "curve:hole": np.stack([i, j], axis=1),
-        "curve:rim": np.stack([i, j], axis=1) + 12,
-    }
-    np.savez(tmp_path / "ring.npz", **arrays)
+    sides = np.stack([i, j], axis=1)
     tables = {
-        "mesh": {"file": str(tmp_path / "ring.npz")},
+        "mesh": {
+            "file": gmsh_file(
+                tmp_path / "ring.msh",
+                np.concatenate([circle, 3.0 * circle]).tolist(),
+                np.stack([i, i + 12, j + 12, j], axis=1).tolist(),
+                "plate",
+                {"hole": sides.tolist(), "rim": (sides + 12).tolist()},
+            )
+        },
         "supports": {"rim": {"at": "rim", "fixed": "all"}},
         "loads": {"T": {"hole": {"at": "hub", "moment": [1.0, 0.0, 0.0]}}},
     }

@@ -1,12 +1,11 @@
-"""Surface meshes of other programs as arrays: both kinds of cells, sets, refusals."""
+"""Surface meshes of other programs for gmsh: both kinds of cells, sets, refusals."""
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.shell_specification import shell_arrays
+from plymotion.solver.inputs.section.foreign import gmsh_mesh
 
 DECK = """*NODE
 1, 0., 0., 0.
@@ -38,23 +37,33 @@ def deck(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_triangles_quadrilaterals_and_sets(deck: Path) -> None:
-    target, content = shell_arrays(deck, "mesh.file")
-    assert target.name == f"wing-{content[:12]}.npz"
-    with np.load(target) as data:
-        assert data["cells"].tolist() == [[0, 1, 4, 3], [1, 2, 5, -1], [1, 5, 4, -1]]
-        assert data["points"].shape == (6, 3)  # without the node of no cell
-        assert data["points"][2].tolist() == [2.0, 0.0, 0.1]
-        assert [str(data["regions"][row]) for row in data["region"]] == ["skin", "flap", "flap"]
-        assert data["curve:root"].tolist() == [[0, 3]]
-        assert data["point:corner"].tolist() == [2]
-    again = shell_arrays(deck, "mesh.file")
-    assert again == (target, content)
+    meshio = pytest.importorskip("meshio")
+    target = gmsh_mesh(deck, "mesh.file", Path("build"), 2)
+    assert target.parent == Path("build")
+    mesh = meshio.read(target)
+    name_of = {int(tag): name for name, (tag, _) in mesh.field_data.items()}
+    found = [
+        (name_of[int(tag)], block.type, (nodes + 1).tolist())
+        for block, tags in zip(mesh.cells, mesh.cell_data["gmsh:physical"], strict=True)
+        for nodes, tag in zip(block.data, tags, strict=True)
+    ]
+    assert sorted(found) == [
+        ("corner", "vertex", [3]),
+        ("flap", "triangle", [2, 3, 6]),
+        ("flap", "triangle", [2, 6, 5]),
+        ("root", "line", [1, 4]),
+        ("skin", "quad", [1, 2, 5, 4]),
+    ]
+    assert mesh.points[2].tolist() == [2.0, 0.0, 0.1]
+    written = target.stat().st_mtime_ns
+    assert gmsh_mesh(deck, "mesh.file", Path("build"), 2) == target
+    assert target.stat().st_mtime_ns == written
 
 
 def test_refusals(deck: Path) -> None:
     deck.write_text(DECK.replace("S4", "S8R").replace("1, 1, 2, 5, 4", "1, 1, 2, 5, 4, 1, 2, 5, 4"))
     with pytest.raises(InputError, match=r"cells are of type quad8, expected triangle and quad"):
-        shell_arrays(deck, "mesh.file")
+        gmsh_mesh(deck, "mesh.file", Path("build"), 2)
     deck.write_text(DECK + "*ELSET, ELSET=both\n2, 3\n")
     with pytest.raises(InputError, match=r"cell 2 is in 2 sets .*expected exactly one"):
-        shell_arrays(deck, "mesh.file")
+        gmsh_mesh(deck, "mesh.file", Path("build"), 2)

@@ -1,4 +1,7 @@
-"""Meshes of other programs as plain arrays, with the sets of cells that their files name."""
+"""Meshes of other programs with the sets of cells that their files name.
+
+Those of sections become arrays, those of shells and solids meshes of gmsh.
+"""
 
 import contextlib
 import hashlib
@@ -14,6 +17,7 @@ from numpy.typing import NDArray
 from ...errors import InputError, few, nearest, refuse
 from ...math.arrays import Array, IntArray
 from ...package.common.files import temporary_sibling
+from ..common.mesh_files import content_sha256
 
 # Sets of cells that a mesh file names: the regions and curves of a section.
 
@@ -334,3 +338,91 @@ def write_npz(folder: Path, name: str, **arrays: Any) -> tuple[Path, str]:
         with temporary_sibling(file) as temporary:
             temporary.write_bytes(content)
     return file, digest
+
+
+# Meshes of shells and solids, as files of gmsh.
+
+# Cells in the opposite order of nodes: MED counts those of solids the other way round.
+MIRRORED = {
+    "tetra": [0, 2, 1, 3],
+    "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
+    "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
+}
+SURFACE = ("triangle", "quad")
+
+
+def gmsh_mesh(file: Path, where: str, folder: Path, dimension: int) -> Path:
+    """Write a mesh with its named sets of cells and nodes for gmsh; return the file.
+
+    Parameters
+    ----------
+    where : its key, for messages
+    dimension : of the cells that are analysed, 2 or 3, each of which must be in one region
+
+    Raises
+    ------
+    InputError : no mesh, cells of other kinds, cells in no region or in two.
+    """
+    target = folder / f"{file.stem}-{content_sha256(file)[:12]}.msh"
+    if target.is_file():
+        return target
+    import meshio
+
+    mesh = read_mesh(file, where)
+    kinds = {block.type: block.dim for block in mesh.cells if block.dim >= dimension}
+    others = sorted(set(kinds) - set(SURFACE)) if dimension == 2 else []
+    if others or not kinds:
+        expected = "tetrahedra or hexahedra"
+        if dimension == 2:
+            expected = "triangle and quad, of degree 1, in space"
+        found = f"its cells are of type {', '.join(others) or 'none'}"
+        raise InputError(f"{where}: {found}, expected {expected}")
+    names: dict[str, IntArray] = {}
+    cells: list[tuple[str, IntArray]] = []
+    tags: list[IntArray] = []
+
+    def add(name: str, dimension: int, parts: Iterable[tuple[str, IntArray]]) -> None:
+        label = name if name not in names else f"{name} {dimension}"
+        names[label] = np.array([len(names) + 1, dimension])
+        for kind, own in parts:
+            if len(own):
+                cells.append((kind, own))
+                tags.append(np.full(len(own), len(names)))
+
+    for d in range(dimension, 0, -1):
+        blocks = [i for i, block in enumerate(mesh.cells) if block.dim == d]
+        if not blocks:
+            continue
+        if d == dimension:
+            sets = region_sets(mesh, blocks, file.name, None)
+            in_one_region(sets, f"{where}: {'solid ' if d == 3 else ''}cell")
+        else:
+            sets = named_sets(mesh, blocks)
+        ends = np.cumsum([len(mesh.cells[i].data) for i in blocks])[:-1]
+        for name, members in sets.items():
+            own = zip(blocks, np.split(members, ends), strict=True)
+            kept = ((mesh.cells[i].type, _outwards(mesh, i)[rows]) for i, rows in own)
+            add(name, d, kept)
+    if dimension == 2:
+        for name, nodes in mesh.point_sets.items():
+            add(name, 0, [("vertex", np.asarray(nodes, dtype=np.int64)[:, None])])
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : np.shape(mesh.points)[1]] = mesh.points
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    made = meshio.Mesh(points, cells, cell_data=data, field_data=names)
+    folder.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(target) as temporary:
+        meshio.write(temporary, made, file_format="gmsh22")
+    return target
+
+
+def _outwards(mesh: Any, block: int) -> IntArray:
+    """Cells of a block; solid ones with a positive volume, as gmsh counts their nodes."""
+    cells = np.asarray(mesh.cells[block].data)
+    order = MIRRORED.get(mesh.cells[block].type)
+    if order is None or not len(cells):
+        return cells
+    near = (1, 3, 4) if len(order) == 8 else (1, 2, 3)  # corners along the edges of the first one
+    a, b, c = (mesh.points[cells[:, k]] - mesh.points[cells[:, 0]] for k in near)
+    turned = np.einsum("ci,ci->c", np.cross(a, b), c) < 0.0
+    return np.where(turned[:, None], cells[:, order], cells)
