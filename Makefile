@@ -340,13 +340,13 @@ test-exchange: $(EXCHANGE)/installed $(TESTS) | $(COMPILED) ## Bodies from and t
 test-fe: $(TESTS) $(FENICSX_ENDS) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
-# The cores work on several cases at once, so each runs in one process.
+# The cases run in one process, which loads the program and FEniCSx once, not 26 times.
 .PHONY: test-cases
-test-cases: ## All cases in their coarse version, all cross-sections and all shells
-	$(if $(CASES),$(MAKE) COARSE=1 JOBS=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
-	@# A second time there must be nothing to do.
-	! $(MAKE) --no-print-directory COARSE=1 JOBS=1 $(CASES) $(SWEEPS) sections shells | \
-	    grep -v -e ': up to date$$' -e '^sections: ' -e '^shells: '
+test-cases: $(LIGHT) $(FENICSX) | $(COMPILED) ## All cases in their coarse version, all cross-sections and all shells
+	$(if $(CASES),$(PY) tools/all_cases.py $(CASES) $(SWEEPS),@echo "there is no case in cases/"; exit 1)
+	$(MAKE) JOBS=1 sections shells
+	@# A second time there must be nothing to do, as tools/all_cases.py has seen of the cases.
+	! $(MAKE) --no-print-directory JOBS=1 sections shells | grep -v -e '^sections: ' -e '^shells: '
 
 .PHONY: ship
 ship: ## Copy the packages of all cases that are built to tests/packages, for use without FEniCSx

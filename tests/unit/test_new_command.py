@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.case_arguments import STARTERS
 from plymotion.solver.commands.setup import HOME
 from plymotion.solver.errors import counted
+from plymotion.solver.workers.launch import kept_preprocessors
 
 # Runs of each starter that must end without warnings; notes may be.
 RUNS = {
@@ -68,23 +70,29 @@ def test_the_next_command_is_what_the_user_types(
     assert capsys.readouterr().out.splitlines()[-1] == f"Next: {shown}"
 
 
+@pytest.fixture(scope="module")
+def home(fenicsx: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder for all starters, whose bodies one FEniCSx builds."""
+    with pytest.MonkeyPatch.context() as patch, kept_preprocessors():
+        patch.setenv("FENICSX_PYTHON", fenicsx)
+        yield tmp_path_factory.mktemp("starters")
+
+
 @pytest.mark.parametrize("name", STARTERS)
-def test_a_starter_runs_as_it_is(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
-) -> None:
-    monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
-    monkeypatch.chdir(tmp_path)
-    assert main(["new", name, "mine"]) == 0
-    assert main(["mine/case.toml", "--quiet", "--jobs", "1"]) == 0
-    assert Path("build/mine/report.html").is_file()
+def test_a_starter_runs_as_it_is(name: str, home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(home)
+    mine = f"my-{name}"
+    assert main(["new", name, mine]) == 0
+    assert main([f"{mine}/case.toml", "--quiet", "--jobs", "1"]) == 0
+    assert Path("build", mine, "report.html").is_file()
     for run in RUNS[name]:
-        summary = json.loads(Path("build/mine", run, "summary.json").read_text("utf-8"))
+        summary = json.loads(Path("build", mine, run, "summary.json").read_text("utf-8"))
         assert summary["completed"]
         assert summary["warnings"] == []
         assert max(abs(s["max"]) for s in summary["signals"].values()) > 0.0
     if name == "robot-arm":
         _lowest_vibrations_are_damped(
-            json.loads(Path("build/mine/flexible/summary.json").read_text("utf-8"))["damping"]
+            json.loads(Path("build", mine, "flexible/summary.json").read_text("utf-8"))["damping"]
         )
 
 
