@@ -1,11 +1,15 @@
 """A small project of its own in which make works on the cases of a test."""
 
+import contextlib
+import io
 import os
 import shutil
 import subprocess
 from pathlib import Path
 
 from harness.hostile_profile import WAIT_S
+
+from plymotion.solver.__main__ import main
 
 DONE = [".venv/installed", "build/compiled", "build/fenicsx.env"]  # nothing is installed
 
@@ -49,3 +53,12 @@ class Project:
             text=True,
             timeout=seconds,
         )
+
+    def again(self, *targets: str) -> str:
+        """What the commands of targets print, in this process: make gives them each time."""
+        with contextlib.chdir(self.folder), contextlib.redirect_stdout(io.StringIO()) as printed:
+            for target in targets:
+                case, _, sweep = target.partition("-sweep-")
+                words = ["--sweep", sweep] if sweep else []
+                assert main([f"cases/{case}/case.toml", *words, "--jobs", "1"]) == 0
+        return printed.getvalue()

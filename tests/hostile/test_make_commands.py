@@ -80,7 +80,7 @@ def _no_command_ran(project: Project) -> None:
     assert not list(project.folder.rglob("P"))
 
 
-def test_files_of_a_case_are_no_commands(project, monkeypatch, capsys):
+def test_files_of_a_case_are_no_commands(project):
     """All names in one case; a change of any file is a change of the case.
 
     Make passes on the folder of the case alone, so its command is told of each file directly.
@@ -98,15 +98,10 @@ def test_files_of_a_case_are_no_commands(project, monkeypatch, capsys):
     assert first.returncode == 0, first.stdout
     assert "base: done" in first.stdout
     assert project.make("one").stdout == DONE
-    monkeypatch.chdir(project.folder)
-    command = ["cases/one/case.toml", "--out", "build/one"]
-    capsys.readouterr()
     for name in NAMES.values():
         (folder / (name + ".csv")).touch()
-        assert main(command) == 0
-        assert "base: up to date" in capsys.readouterr().out, name  # by content
-        assert main(command) == 0
-        assert capsys.readouterr().out == DONE
+        assert "base: up to date" in project.again("one"), name  # by content
+        assert project.again("one") == DONE
     for name in NAMES.values():
         (folder / (name + ".csv")).touch()
     assert "base: up to date" in project.make("one").stdout
@@ -132,8 +127,8 @@ def test_packages_of_a_case_are_no_commands(project, repository):
     assert "base: done" in project.make("one").stdout
     assert project.make("one").stdout == DONE
     (folder / names[0]).touch()
-    assert "base: up to date" in project.make("one").stdout
-    assert project.make("one").stdout == DONE
+    assert "base: up to date" in project.again("one")
+    assert project.again("one") == DONE
     _no_command_ran(project)
 
 
