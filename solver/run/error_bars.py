@@ -7,7 +7,7 @@ neglects. docs/accuracy.md has bars beside true errors.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -32,7 +32,7 @@ FEWER = 1.0 / 3.0
 # The error is the difference where the second run does not have it, as that of stiffening; what
 # no vibration of the run contains adds to it. Of rigid bodies with five times the tolerance it is
 # about a quarter.
-SAFETY, SAFETY_RIGID = 1.5, 0.5
+SAFETY, SAFETY_RIGID = 2.5, 0.5
 
 # Integrates a run and returns its result and summary.
 Execute = Callable[[RunSpec], tuple[RunResult, Summary]]
@@ -41,31 +41,53 @@ Execute = Callable[[RunSpec], tuple[RunResult, Summary]]
 def with_error_bars(summary: Summary, spec: RunSpec, result: RunResult, execute: Execute) -> None:
     """Add `error_bar` to the signals of the summary of a finished run, and the entry `error_bars`.
 
+    See `error_bars`.
+    """
+    codes = [found["code"] for found in summary["warnings"]]
+    steps = summary["cost"]["steps"]
+    bars, entry = error_bars(spec, result.t, result.signals, steps, codes, execute)
+    for name, bar in bars.items():
+        summary["signals"][name]["error_bar"] = bar
+    summary["error_bars"] = entry
+
+
+def error_bars(
+    spec: RunSpec,
+    t: Array,
+    signals: Sequence[Signal],
+    steps: int,
+    codes: Sequence[str],
+    execute: Execute,
+) -> tuple[dict[str, float | None], dict[str, Any]]:
+    """Return the error bars of a finished run by signal, and what is known of them.
+
     A bar is the largest difference over all output times, in the unit of the signal, times a factor
     of safety. It is None, with a `reason`, where the second run does not end as the first one did,
     and for reactions in runs that begin with sudden loads, which no number of modes gives.
     """
     begin, reason, known = time.process_time(), "", {}
-    few = summary["cost"]["steps"] < FEW_STEPS
+    few = steps < FEW_STEPS
     safety = SAFETY if few or spec.packages else SAFETY_RIGID
     try:
         rough, other = execute(coarser(spec, 1.0 / TIGHTER if few else LOOSER))
-        if np.array_equal(rough.t, result.t):
+        if np.array_equal(rough.t, t):
             known = {signal.name: signal for signal in rough.signals}
         else:
             reason = f"the coarser run ended early: {other['message']}"
     except InputError as error:
         reason = f"the coarser run: {error}"
     unknown = []
-    if any(found["code"] == LOADED_START.name for found in summary["warnings"]):
-        signals = spec.mechanism.signals
-        unknown = [name for name in signals if has_reaction(name, signals)]
-    for one in result.signals:
-        stated = known and one.name not in unknown
-        bar = safety * largest_difference(one, known[one.name]) if stated else None
-        summary["signals"][one.name]["error_bar"] = bar
+    if LOADED_START.name in codes:
+        tables = spec.mechanism.signals
+        unknown = [name for name in tables if has_reaction(name, tables)]
+    bars = {
+        one.name: safety * largest_difference(one, known[one.name])
+        if known and one.name not in unknown
+        else None
+        for one in signals
+    }
     sudden = [f"{name}, because loads begin suddenly" for name in unknown]
-    summary["error_bars"] = {
+    return bars, {
         "not_contained": [*not_contained(spec), *sudden],
         "reason": reason,
         "cpu_s": time.process_time() - begin,
@@ -131,7 +153,7 @@ def held_ends(package: ModalPackage) -> Array | None:
 def not_contained(spec: RunSpec) -> list[str]:
     """Return what the error bars of a run do not contain."""
     packages = {name: package for name, package in spec.packages.items() if package.n_mode}
-    found = ["theory of beams and shells, but for held ends"] if packages else []
+    found = ["theory of beams and shells apart from held ends"] if packages else []
     unknown = [name for name, package in packages.items() if package.stiffness_error is None]
     found += [f"mesh and section of {' and '.join(unknown)}"] if unknown else []
     unknown = [name for name in packages if _requests(spec, name) is None]

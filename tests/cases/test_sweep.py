@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from functools import partial
 
 import h5py
 import numpy as np
@@ -12,6 +13,7 @@ from samples.sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.results.codes import SPIN
+from plymotion.solver.run.error_bars import with_error_bars
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep import work
 from plymotion.solver.studies.sweep.file import read_sweep
@@ -22,6 +24,7 @@ BRIEF = """
 [variants.brief.solver]
 t_end = 0.01
 output_step = 0.002
+error_bars = true
 [sweeps.s]
 run = "isotropic"
 variants = ["brief"]
@@ -65,15 +68,18 @@ def pendulum(repository, folder):
 
 
 def test_a_member_is_the_single_run_of_its_values(repository, tmp_path):
-    """Bodies of packages, a drive, point masses: all signals and their whole history."""
+    """Bodies of packages, a drive, point masses: all signals, whole history and error bars."""
     folder = pendulum(repository, tmp_path)
     assert sweep(folder / "s.json") == 0
     found = result(folder / "s.json")
     assert found.values.tolist() == [[1.5, 10], [1.5, 20], [3, 10], [3, 20]]
-    single, summary = execute(read_run(folder.parent / "runs/single.json"), progress=False)
+    spec, silent = read_run(folder.parent / "runs/single.json"), partial(execute, progress=False)
+    single, summary = silent(spec)
+    with_error_bars(summary, spec, single, silent)
     np.testing.assert_allclose(found.t, single.t, atol=1e-15)
     for s in single.signals:
-        for measure in ("final", "min", "t_min", "max", "t_max"):
+        assert summary["signals"][s.name]["error_bar"] > 1e-8
+        for measure in ("final", "min", "t_min", "max", "t_max", "error_bar"):
             expected = summary["signals"][s.name][measure]
             assert found.signal(s.name, measure)[0] == pytest.approx(expected, abs=1e-10)
         if s.name in ("tip_x", "hand_mid"):

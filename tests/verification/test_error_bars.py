@@ -81,7 +81,7 @@ def test_a_run_file_has_them_where_it_asks(repository: Path, tmp_path: Path) -> 
     summary = run_file(file, tmp_path / "out", progress=False)
     assert json.loads((tmp_path / "out/summary.json").read_text())["error_bars"]["cpu_s"] > 0.0
     assert all(signal["error_bar"] > 0.0 for signal in summary["signals"].values())
-    left_out = "theory of beams and shells, but for held ends, mesh and section of arm and hand"
+    left_out = "theory of beams and shells apart from held ends, mesh and section of arm and hand"
     assert f"without {left_out}" in error_bars_line(summary)
     assert "+-" in summary_table([summary])
     result = read_result(tmp_path / "out/result.vtkhdf")

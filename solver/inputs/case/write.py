@@ -204,7 +204,7 @@ class _BodyFiles:
 
     def __init__(self, case: Case, folder: OutputFolder, packages: Path | None) -> None:
         self.case, self.folder, self.ready = case, folder, packages
-        self._known: dict[str, Path] = {}  # hash of the inputs -> package
+        self._known: dict[str, tuple[str, Path]] = {}  # hash of the inputs -> own file, package
 
     def packages(
         self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
@@ -223,16 +223,18 @@ class _BodyFiles:
                 table[name] = {"file": os.path.relpath(file, out)}
         for name, spec in specs.items():
             digest = spec.inputs_sha256
+            text = dump({**spec.content, "inputs_sha256": digest})
             if digest not in self._known:
                 stem = f"{name}.{run or digest[:12]}"
                 package = (self.ready or out / folder) / f"{stem}.vtkhdf"
                 # Packages of this folder are kept, whoever names it.
                 here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
                 built = (f"{folder}/{stem}.vtkhdf",) if here else ()
-                text = dump({**spec.content, "inputs_sha256": digest})
+                self._known[digest] = f"{folder}/{stem}.json", package
                 self.folder.add(f"{folder}/{stem}.json", text, *built)
-                self._known[digest] = package
-            file = self._known[digest]
+            own, file = self._known[digest]
+            if "errors" in spec.content:  # which one of its runs asks for
+                self.folder.add(own, text)
             table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
         return table
 

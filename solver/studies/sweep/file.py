@@ -22,7 +22,8 @@ from .plan import Plan
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
 INTERRUPTED = "interrupted"
-DAMAGE = "damage"  # Miner's sum, of stresses with an S-N line
+# Of some signals: Miner's sum of stresses with an S-N line, and error bars on request.
+DAMAGE, ERROR_BAR = MORE = ("damage", "error_bar")
 CHECKS = (
     "constraint_position_max",
     "constraint_rotation_max",
@@ -42,7 +43,7 @@ class Row:
     message: str = ""
     code: str = ""
     t_end: float = np.nan  # [s]
-    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit, MEASURES and DAMAGE
+    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit, MEASURES and MORE
     histories: dict[str, Array] = field(default_factory=dict)  # (n_t,), NaN after an early end
     checks: dict[str, float] = field(default_factory=dict)
     cost: dict[str, float] = field(default_factory=dict)
@@ -83,7 +84,7 @@ class SweepResult:
     rows: tuple[Row, ...]  # (k)
 
     def signal(self, name: str, measure: str) -> Array:
-        """Return the one of MEASURES or "damage" of a signal, (k,)."""
+        """Return the one of MEASURES or MORE of a signal, (k,)."""
         return _column(row.signals.get(name, {}).get(measure) for row in self.rows)
 
     def numbers(self) -> Iterator[tuple[str, Array]]:
@@ -98,8 +99,8 @@ class SweepResult:
 
     def measures(self, name: str) -> tuple[str, ...]:
         """Return what there is of a signal."""
-        has = any(DAMAGE in row.signals.get(name, {}) for row in self.rows)
-        return (*MEASURES, DAMAGE) if has else MEASURES
+        known = {key for row in self.rows for key in row.signals.get(name, {})}
+        return (*MEASURES, *(key for key in MORE if key in known))
 
     def history(self, name: str) -> Array:
         """Return a signal over time, (k, n_t)."""
@@ -245,7 +246,7 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
         group: {name: file[f"{group}/{name}"][()].tolist() for name in names}
         for group, names in (("checks", CHECKS), ("cost", COST))
     }
-    measures = (*MEASURES, DAMAGE)
+    measures = (*MEASURES, *MORE)
     measured = {n: {m: g[m][()].tolist() for m in measures if m in g} for n, g in signals.items()}
     units = {n: get_text(g, "unit") for n, g in signals.items()}
     series = {n: d[()] for n, d in histories.items() if n != "t"}

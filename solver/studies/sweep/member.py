@@ -4,6 +4,7 @@ import time
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary
 from ...results.codes import DEFECT, INPUT, PACKAGE
+from ...run.error_bars import error_bars
+from ...run.execution import execute
 from ...run.inputs import RunSpec
 from ...run.preparation import histories_of, integrated, output_times, prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
-from .file import CHECKS, COST, DAMAGE, FAILED, FINISHED, INTERRUPTED, Row
+from .file import CHECKS, COST, DAMAGE, ERROR_BAR, FAILED, FINISHED, INTERRUPTED, Row
 from .plan import Packages, Plan
 
 # Every check of a single run, at fewer output times.
@@ -80,7 +83,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
         return row
     seconds = time.perf_counter() - begin
     times = output_times(mechanism.solver.t_end, mechanism.solver.output_step)
-    return _row_of(plan, row, finished, prepared.measured, times, seconds)
+    return _row_of(own, plan, row, finished, prepared.measured, times, seconds)
 
 
 def _planned(spec: RunSpec, plan: Plan, packages: dict[str, ModalPackage]) -> RunSpec:
@@ -110,6 +113,7 @@ def _failed(row: Row, error: Exception) -> Row:
 
 
 def _row_of(
+    spec: RunSpec,
     plan: Plan,
     row: Row,
     finished: FinishedRun,
@@ -139,6 +143,11 @@ def _row_of(
             signals[name] |= {DAMAGE: fatigue_entry(sensors[name], turning)["damage"]}
     judgement = judge(finished)
     counters = vars(solution.counters)
+    if spec.mechanism.solver.error_bars and solution.status == FINISHED:
+        again, steps = partial(execute, progress=False), int(counters["steps"])
+        bars, _ = error_bars(spec, t, [*series.values()], steps, judgement.codes, again)
+        for name in plan.signals:
+            signals[name][ERROR_BAR] = np.nan if bars[name] is None else bars[name]
     return replace(
         row,
         status=solution.status,

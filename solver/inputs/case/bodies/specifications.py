@@ -89,7 +89,7 @@ class BodySpec:
     Attributes
     ----------
     content : plain JSON, SI and degrees
-    inputs_sha256 : hash of the content
+    inputs_sha256 : hash of the content that the body depends on
     sources : files beside the case file that it is made from
     """
 
@@ -157,9 +157,10 @@ class BodySpecs:
                 content, sources = imported_spec(name, body, self.folder)
             if candidates and content["kind"] in ("beam", "shell"):
                 content["candidates"] = True
+            digest = inputs_sha256(content)  # a package without errors is of the same body
             if errors and content["kind"] == "beam":
                 content["errors"] = True
-            self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
+            self._known[key] = BodySpec(content, digest, tuple(sources))
         return self._known[key]
 
 

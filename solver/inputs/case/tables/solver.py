@@ -79,7 +79,7 @@ class _Integration(Table):
     )
     error_bars: bool = entry(
         "state an error of each signal, from a second run that is coarser in everything "
-        "(accuracy.md); of runs, not of the members of sweeps",
+        "(accuracy.md); of the members of a sweep likewise",
         default=False,
     )
     atol_position: float | None = optional(
