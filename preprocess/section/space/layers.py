@@ -94,7 +94,7 @@ class Layup:
         sign = np.where(self.reversing, -1.0, 1.0)[:, None, None]
         return replace(self, y2=sign * self.y2)
 
-    @property
+    @cached_property
     def stiffness_M(self) -> Array:
         """Stiffness of each ply in its own axes, (k, 6, 6) [Pa]."""
         return np.array([material.stiffness_M for material in self.materials])

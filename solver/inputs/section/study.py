@@ -7,6 +7,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -51,6 +52,7 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> di
     return table
 
 
+@lru_cache(maxsize=4096)  # members of a sweep change the same keys
 def _parts(key: str) -> list[str]:
     """Return the parts of a dotted key, by the rules of TOML."""
     parts: list[str] = []

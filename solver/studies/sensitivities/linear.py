@@ -18,7 +18,8 @@ from ...math.arrays import Array, IntArray
 
 # Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
 STEP = 3e-8
-BOTH, FEW = 1e-5, 6  # the same on both sides of a number; parameters for which there is time
+BOTH, FEW = 1e-5, 6  # the same on both sides of a number; changes for which there is time
+SAME = 1e-9  # of the largest change of a model, below which there is none: differences of packages
 SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
 MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
 
@@ -170,7 +171,8 @@ class Partials:
     """Derivatives of the terms by all parameters at known states.
 
     Stiffness and damping of modes enter by their own derivatives, other numbers of the model by
-    models with these numbers a little moved along theirs: one for each parameter, two for `FEW`.
+    models with these numbers a little moved along their independent changes: one for each of these,
+    two for `FEW`.
 
     Attributes
     ----------
@@ -179,34 +181,38 @@ class Partials:
 
     def __init__(self, model: Model, columns: Sequence[Column]) -> None:
         self._model, self._count, now = model, len(columns), _arrays(model)
-        self._near: list[tuple[int, Model | None, Model, float]] = []
+        self._near: list[tuple[Model | None, Model, float]] = []
         P = self._count
         stiffness = [np.zeros((2 * m, P, m)) for m in model.n_mode]  # of modal forces, by q and q'
+        every = list[dict[str, Array]]()
         for p, (minus, plus, h) in enumerate(columns):
             one, two = _arrays(minus), _arrays(plus)
             changed = [name for name in one if not np.array_equal(one[name], two[name])]
-            rates = {name: (two[name] - one[name]) / (2.0 * h) for name in changed}
+            rates = {name: 0.5 * (two[name] - one[name]) for name in changed}  # by h
             for which, name in enumerate(("K_qq", "D_qq")):
                 if name in rates:
-                    rate = rates.pop(name)
+                    rate = rates.pop(name) / h
                     for i, m in enumerate(model.n_mode):
                         stiffness[i][which * m : (which + 1) * m, p] = modal_matrix(
                             model, rate, i
                         ).T
-            if rates:
-                sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
-                step = float(min((s for s in sizes if s > 0.0), default=h / BOTH))
-                step *= BOTH if P <= FEW else STEP
-                low = _moved(model, rates, -step) if P <= FEW else None
-                self._near.append((p, low, _moved(model, rates, step), step))
+            every.append(rates)
+        changes, shares = _independent(now, every)
+        self._shares = shares / np.array([[column.h] for column in columns])
+        for rates in changes:
+            sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
+            step = float(min((s for s in sizes if s > 0.0), default=1.0 / BOTH))
+            step *= BOTH if len(changes) <= FEW else STEP
+            low = _moved(model, rates, -step) if len(changes) <= FEW else None
+            self._near.append((low, _moved(model, rates, step), step))
         self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]
         self.changes = bool(self._near or self._stiffness)
 
     def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, base: Array) -> Array:
         """Return (k, P, w) for P parameters; base (k, w) are the terms at the states."""
         found = np.zeros((t.size, self._count, base.shape[1]))
-        for p, partial in self._of_models(t, y, a, multipliers, base):
-            found[:, p] = partial
+        if self._near:
+            found += self._shares @ np.stack([*self._of_models(t, y, a, multipliers, base)], axis=1)
         for j, K, modal in self._modal(y):
             m = K.shape[2]
             change = modal @ K.reshape(2 * m, -1)
@@ -227,8 +233,10 @@ class Partials:
     ) -> Array:
         """Return sums (P, v) of the same over states and terms with weights (k, w, v)."""
         found = np.zeros((self._count, weights.shape[2]))
-        for p, partial in self._of_models(t, y, a, multipliers, base):
-            found[p] = np.tensordot(partial, weights)
+        for shares, partial in zip(
+            self._shares.T, self._of_models(t, y, a, multipliers, base), strict=True
+        ):
+            found += np.outer(shares, np.tensordot(partial, weights))
         for j, K, modal in self._modal(y):
             both = np.tensordot(modal, weights[:, j : j + K.shape[2]], axes=(0, 0))
             found -= np.tensordot(K, both, axes=((0, 2), (0, 1)))
@@ -236,11 +244,11 @@ class Partials:
 
     def _of_models(
         self, t: Array, y: Array, a: Array, multipliers: Array, base: Array
-    ) -> Iterator[tuple[int, Array]]:
+    ) -> Iterator[Array]:
         at = t, y, a, multipliers
-        for p, low, high, step in self._near:
+        for low, high, step in self._near:
             less, span = (base, step) if low is None else (terms(low, *at), 2.0 * step)
-            yield p, (terms(high, *at) - less) / span
+            yield (terms(high, *at) - less) / span
 
     def _modal(self, y: Array) -> Iterator[tuple[int, Array, Array]]:
         """Yield for bodies whose modal forces change: where these are, changes, motion (k, 2 m)."""
@@ -248,6 +256,41 @@ class Partials:
             m, j = K.shape[2], int(self._model.vel_start[i]) + 6
             q, v = int(self._model.pos_start[i]) + 7, self._model.n_pos + j
             yield j, K, np.concatenate([y[:, q : q + m], y[:, v : v + m]], axis=1)
+
+
+def _independent(
+    now: dict[str, Array], changes: Sequence[dict[str, Array]]
+) -> tuple[list[dict[str, Array]], Array]:
+    """Return independent ones of P changes of numbers by name, r, and shares (P, r) of them in all.
+
+    Many plies change the stiffness of a section in few ways, and with it the modes of a body.
+    """
+    own = [k for k, change in enumerate(changes) if change]
+    found, shares = [changes[k] for k in own], np.eye(len(changes))[:, own]
+    if len(own) <= FEW:
+        return found, shares
+    sizes = {n: np.abs(now[n]).max(initial=0.0) or 1.0 for n in sorted(set().union(*found))}
+    zero = {n: np.zeros(now[n].shape) for n in sizes}
+    rows = np.array(
+        [
+            np.hstack([np.ravel((zero | one)[n]) / size for n, size in sizes.items()])
+            for one in found
+        ]
+    )
+    norms = np.linalg.norm(rows, axis=1, keepdims=True)
+    U, s, V = np.linalg.svd(rows / norms, full_matrices=False)
+    r, scale = int((s > SAME * s[0]).sum()), norms.max()
+    if r == len(own):
+        return found, shares
+    ends = np.cumsum([each.size for each in zero.values()])[:-1]
+    found = [
+        {
+            n: scale * size * part.reshape(zero[n].shape)
+            for (n, size), part in zip(sizes.items(), parts, strict=True)
+        }
+        for parts in (np.split(row, ends) for row in V[:r])
+    ]
+    return found, shares @ (U[:, :r] * s[:r] * norms / scale)
 
 
 def _arrays(model: Model) -> dict[str, Array]:
