@@ -84,7 +84,8 @@ def analyse(
     recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
         instead of all integration points
     verify : compute K by a second method as well (verification.py)
-    design : parameters by whose change everything is differentiated, see `parameters`
+    design : parameters by whose change everything is differentiated, see `parameters`; with
+        `recovery_degree` but for warping and mesh
     discretisation : of a section with other values of parameters, from its provenance: the same
         divisions of cells and degree, whatever the estimate says. The derivatives are those of
         such analyses
@@ -231,7 +232,9 @@ def analyse(
         begin("derivatives")
         mesh, space = problem.mesh, problem.space
         by = [rates(parameter, mesh, space, lay, divided) for parameter in asked]
-        of_design = derivatives(result, factorised, by, points, lay_points, strain)
+        of_design = derivatives(
+            result, factorised, by, points, lay_points, strain, shown=recovery_degree is None
+        )
     seconds = time.perf_counter() - start
     return SectionFile(
         name=str(spec.get("name", "section")),

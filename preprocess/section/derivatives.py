@@ -303,6 +303,8 @@ def derivatives(
     space: SectionSpace,
     lay: Layup,
     strain: Array,
+    *,
+    shown: bool = True,
 ) -> tuple[Derivative, ...]:
     """Derivatives of the datasets of a section file by parameters.
 
@@ -313,6 +315,7 @@ def derivatives(
     asked : the rates of each parameter
     space, lay : points of recovery and their plies
     strain : `unit_strains` at these points
+    shown : also of warping and mesh, which a body has no use for
     """
     state = central(result, asked[0].lay.stiffness)
     solver = (
@@ -324,7 +327,7 @@ def derivatives(
         terms = [one.terms for one in some if one.terms is not None]
         changes = iter(changed(state, solver, terms) if terms else ())
         for one in some:
-            values = one.values(None if one.terms is None else next(changes), at)
+            values = one.values(None if one.terms is None else next(changes), at, shown=shown)
             p = one.rate.parameter
             found.append(Derivative(p.name, p.kind, p.targets, values))
     return tuple(found)
@@ -343,17 +346,19 @@ class _Moved:
         elif len(rate.cells):
             self.terms = stiffness_terms(state, rate.cells, rate.stiffness().imag / TINY)
 
-    def values(self, change: Change | None, at: Recovered) -> dict[str, Array]:
+    def values(self, change: Change | None, at: Recovered, *, shown: bool) -> dict[str, Array]:
         """Derivatives by path, without those that are zero."""
         state, rate, found = self.state, self.rate, {}
         if change is not None:
-            found = {"K": change.K, "warping": self._warping(change.W)}
+            found = {"K": change.K}
             for name, centre in (
                 ("shear_centre", shear_centre),
                 ("tension_centre", tension_centre),
             ):
                 found[name] = _by_step(centre, state.K, change.K)
-            found |= self._recovery(at, change) | self._mesh()
+            found |= self._recovery(at, change)
+            if shown:
+                found |= {"warping": self._warping(change.W), **self._mesh()}
         if rate.moved is not None or rate.density.any():
             density = rate.lay.density + 1j * TINY * rate.density[rate.lay.ply]
             if isinstance(self.at, TwistedStrains):

@@ -15,6 +15,7 @@ from ...dynamics.evaluation.variations import along_directions, terms
 from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array, IntArray
+from ...package.common.design import independent
 
 # Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
 STEP = 3e-8
@@ -197,8 +198,12 @@ class Partials:
                             model, rate, i
                         ).T
             every.append(rates)
-        changes, shares = _independent(now, every)
-        self._shares = shares / np.array([[column.h] for column in columns])
+        own = [p for p, change in enumerate(every) if change]
+        changes, shares = [every[p] for p in own], np.eye(P)[own]
+        if len(own) > FEW:
+            changes, among = independent(now, changes, SAME)
+            shares = among @ shares
+        self._shares = (shares / np.array([column.h for column in columns])).T
         for rates in changes:
             sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
             step = float(min((s for s in sizes if s > 0.0), default=1.0 / BOTH))
@@ -256,41 +261,6 @@ class Partials:
             m, j = K.shape[2], int(self._model.vel_start[i]) + 6
             q, v = int(self._model.pos_start[i]) + 7, self._model.n_pos + j
             yield j, K, np.concatenate([y[:, q : q + m], y[:, v : v + m]], axis=1)
-
-
-def _independent(
-    now: dict[str, Array], changes: Sequence[dict[str, Array]]
-) -> tuple[list[dict[str, Array]], Array]:
-    """Return independent ones of P changes of numbers by name, r, and shares (P, r) of them in all.
-
-    Many plies change the stiffness of a section in few ways, and with it the modes of a body.
-    """
-    own = [k for k, change in enumerate(changes) if change]
-    found, shares = [changes[k] for k in own], np.eye(len(changes))[:, own]
-    if len(own) <= FEW:
-        return found, shares
-    sizes = {n: np.abs(now[n]).max(initial=0.0) or 1.0 for n in sorted(set().union(*found))}
-    zero = {n: np.zeros(now[n].shape) for n in sizes}
-    rows = np.array(
-        [
-            np.hstack([np.ravel((zero | one)[n]) / size for n, size in sizes.items()])
-            for one in found
-        ]
-    )
-    norms = np.linalg.norm(rows, axis=1, keepdims=True)
-    U, s, V = np.linalg.svd(rows / norms, full_matrices=False)
-    r, scale = int((s > SAME * s[0]).sum()), norms.max()
-    if r == len(own):
-        return found, shares
-    ends = np.cumsum([each.size for each in zero.values()])[:-1]
-    found = [
-        {
-            n: scale * size * part.reshape(zero[n].shape)
-            for (n, size), part in zip(sizes.items(), parts, strict=True)
-        }
-        for parts in (np.split(row, ends) for row in V[:r])
-    ]
-    return found, shares @ (U[:, :r] * s[:r] * norms / scale)
 
 
 def _arrays(model: Model) -> dict[str, Array]:

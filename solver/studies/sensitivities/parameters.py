@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ...mechanism.built import BuiltMechanism
 from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
 from ...package.common.dataset import all_values
-from ...package.common.design import Derivative
+from ...package.common.design import Derivative, independent
 from ...run.inputs import RunSpec
 
 # Over the number: central differences of arrays that are polynomials of it.
@@ -138,41 +138,28 @@ def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
     InputError
         As `design_parameter`.
     """
-    changing = {
-        one.name
-        for package in spec.packages.values()
-        for one in package.design
-        if any(rate.any() for rate in one.values.values())
-    }
+    values = dict[tuple[str, str], Any]()
+    changes: dict[str, dict[tuple[str, str], Array]] = {name: {} for name in names}
+    for body, package in spec.packages.items():
+        values |= {(body, path): value for path, value in all_values(package).items()}
+        for one in package.design:
+            own = changes.get(one.name, {})
+            own |= {(body, path): rate for path, rate in one.values.items() if rate.any()}
     for name in names:
-        if name not in changing:
+        if not changes[name]:
             raise _without_derivatives(spec, name)
-    columns, places = list[Array](), list[tuple[str, str, Array]]()
-    for body, package in spec.packages.items():
-        known, values = {one.name: one.values for one in package.design}, all_values(package)
-        for path in sorted({path for name in names for path in known.get(name, {})}):
-            value = np.asarray(values[path])
-            none = np.zeros(value.shape)
-            rows = np.stack([known.get(name, {}).get(path, none).ravel() for name in names])
-            scale = float(np.abs(rows).max()) or 1.0
-            columns.append(rows / scale)
-            places.append((body, path, scale * np.ones(value.shape)))
-    U, sizes, V = np.linalg.svd(np.hstack(columns), full_matrices=False)
-    count = int((sizes > SAME * sizes[0]).sum())
-    ways = np.split(V[:count], np.cumsum([each.shape[1] for each in columns])[:-1], axis=1)
-    packages = {}
-    for body, package in spec.packages.items():
-        own = [
-            (path, scale, way)
-            for (b, path, scale), way in zip(places, ways, strict=True)
-            if b == body
-        ]
-        design = tuple(
-            Derivative(str(k), "number", (), {p: s * way[k].reshape(s.shape) for p, s, way in own})
-            for k in range(count if own else 0)
+    found, shares = independent(values, list(changes.values()), SAME)
+    designs = {
+        body: tuple(
+            Derivative(
+                str(k), "number", (), {path: rate for (b, path), rate in each.items() if b == body}
+            )
+            for k, each in enumerate(found)
         )
-        packages[body] = replace(package, design=design)
-    return replace(spec, packages=packages), (U[:, :count] * sizes[:count]).T
+        for body in spec.packages
+    }
+    packages = {body: replace(each, design=designs[body]) for body, each in spec.packages.items()}
+    return replace(spec, packages=packages), shares
 
 
 class Variant(NamedTuple):
