@@ -23,8 +23,9 @@ from .beam.body import (
 )
 from .beam.sections import StationSection, analysed_section, given_section, is_given
 from .beam.spec import BeamSpec, read_spec
-from .design import Parameter, change_of_inputs, derivatives, read_parameters
+from .design import body_parameters, change_of_inputs, derivatives
 from .fenicsx import eigenpairs
+from .parameters import Parameter
 from .provenance import body_provenance
 from .section.analysis import analyse
 
@@ -74,7 +75,7 @@ def _build_beam(spec: dict[str, object]) -> ModalPackage:
     """
     beam = read_spec(spec)
     start = time.perf_counter()
-    parameters = read_parameters(spec)
+    parameters = body_parameters(spec)
     sections = BeamSections(spec, beam, parameters)
     results = sections.at()
     after_section = time.perf_counter()
@@ -135,7 +136,7 @@ class BeamSections:
         self._names = [str(table.get("name", beam.body)) for table in beam.sections]
         self._texts = [toml_text(table) for table in self._tables]
         for row, table in enumerate(self._tables):
-            place = ("stations", str(row), "section") if "stations" in spec else ("section",)
+            place = ("stations", row, "section") if "stations" in spec else ("section",)
             design = {p.name: p.below(place) for p in parameters if p.below(place)}
             given = is_given(table)
             self._places.append(place)
@@ -150,7 +151,7 @@ class BeamSections:
         file, table, place = self._files[row], self._tables[row], self._places[row]
         if parameter is not None and parameter.below(place):
             if file is None:
-                table = parameter.changed(table, distance, place)
+                table = parameter.moved(distance, place)
             else:
                 file = moved(file, {parameter.name: distance})
         return given_section(table) if file is None else analysed_section(file, self._theory)

@@ -6,30 +6,26 @@ change by the five-point rule, with the code that makes the package; the modes, 
 problem is in between, by their own equations (modes/rates.py).
 """
 
-import json
-import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ..solver.errors import did_you_mean
 from ..solver.math.arrays import Array
 from ..solver.package.body.schema import ModalPackage
 from ..solver.package.common.dataset import all_values
-from ..solver.package.common.design import PLACES, TWO_PLACES, Derivative, difference, differenced
+from ..solver.package.common.design import Derivative, difference, differenced
 from ..solver.package.common.plain_data import SpecError, expected
 from .modes.rates import Change, ModeRates, mode_rates
 from .modes.reduced import Modes, StaticLoad
 from .modes.reference import Condition
+from .parameters import Key, Parameter, read_parameters
 
 Model = TypeVar("Model")
 ANGLE_DEG = 0.2  # distance of the places of the five-point rule
 RELATIVE = 3e-3  # the same of other numbers, relative to their scale
-NEAR = 0.01  # times these distances, where the model moves along its derivatives
 MOST_TURNED = 1e-2  # change of a mode from place to place, relative
-KINDS = {"angle_deg": "angle", "thickness": "thickness"}
 # Numbers of a specification that may be design parameters.
 SECTION = r"(?:section|stations\.\d+\.section)\."
 OPEN = {
@@ -50,129 +46,32 @@ MAY_BE = {
 }
 
 
-@dataclass(frozen=True)
-class Target:
-    """A number of a specification that a parameter sets, by its keys."""
-
-    keys: tuple[str, ...]
-    factor: float
-    offset: float
-
-    @property
-    def path(self) -> str:
-        """The keys with dots."""
-        return ".".join(self.keys)
-
-    @property
-    def kind(self) -> str:
-        """One of angle, thickness, number."""
-        return KINDS.get(self.keys[-1], "number")
+def body_parameters(spec: Mapping[str, Any]) -> tuple[Parameter, ...]:
+    """The design parameters of the specification of a body. Raises SpecError."""
+    kind, design = spec["kind"], spec.get("design", {})
+    return read_parameters(spec, design, OPEN[kind], MAY_BE[kind], _step, "", SpecError)
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A design parameter of a body, and the step of its differences in its unit."""
-
-    name: str
-    targets: tuple[Target, ...]
-    step: float
-    places: tuple[float, ...] = PLACES
-
-    def linear(self) -> "Parameter":
-        """The same of a model that moves along its derivatives: two near places are enough."""
-        return replace(self, step=NEAR * self.step, places=TWO_PLACES)
-
-    def changed(self, spec: Any, distance: float, below: Sequence[str] = ()) -> Any:
-        """A specification with the parameter moved, or the part of it below some keys."""
-        out, n = json.loads(json.dumps(spec)), len(below)
-        for target in self.targets:
-            if target.keys[:n] == tuple(below):
-                *way, last = target.keys[n:]
-                place = out
-                for key in way:
-                    place = place[_row(place, key)]
-                place[_row(place, last)] += target.factor * distance
-        return out
-
-    def below(self, keys: Sequence[str]) -> list[dict[str, Any]]:
-        """The targets below some keys, as tables."""
-        n = len(keys)
-        return [
-            {"of": list(t.keys[n:]), "factor": t.factor, "offset": t.offset}
-            for t in self.targets
-            if t.keys[:n] == tuple(keys)
-        ]
-
-
-def read_parameters(spec: dict[str, Any]) -> tuple[Parameter, ...]:
-    """The design parameters of a specification with a checked form.
-
-    Raises
-    ------
-    SpecError : a target that does not exist, is no number, or cannot be a design parameter.
-    """
-    found = []
-    for name, tables in spec.get("design", {}).items():
-        if not name or "/" in name or name == ".":
-            raise SpecError(expected("design", name, "a name without '/'"))
-        if not tables:
-            raise SpecError(expected(f"design.{name}", tables, "at least one target"))
-        targets, steps = [], []
-        for row, table in enumerate(tables):
-            where = f"design.{name}[{row}]"
-            of = table["of"]
-            keys = tuple(of.split(".") if isinstance(of, str) else of)
-            target = Target(keys, float(table.get("factor", 1.0)), float(table.get("offset", 0.0)))
-            if target.factor == 0.0:
-                raise SpecError(expected(f"{where}.factor", 0.0, "a number other than 0"))
-            steps.append(_size(spec, target, f"{where}.of") / abs(target.factor))
-            targets.append(target)
-        found.append(Parameter(name, tuple(targets), min(steps)))
-    return tuple(found)
-
-
-def _size(spec: dict[str, Any], target: Target, where: str) -> float:
+def _step(spec: Mapping[str, Any], keys: tuple[Key, ...], where: str) -> float:
     """Step of a target in its own unit. Raises SpecError."""
-    place: Any = spec
-    for count, key in enumerate(target.keys):
-        try:
-            above, place = place, place[_row(place, key)]
-        except (KeyError, IndexError, TypeError, ValueError):
-            known = list(place) if isinstance(place, dict) else []
-            raise SpecError(
-                f"{where} = {target.path!r}: no {key!r} in "
-                f"{'.'.join(target.keys[:count]) or 'the specification'}{did_you_mean(key, known)}"
-            ) from None
-    patterns = OPEN[spec["kind"]]
-    if "stations" in spec and target.keys[0] == "section":
-        raise SpecError(expected(where, target.path, "one of `stations`, which the beam has"))
-    path = ".".join(key.replace(".", "_") for key in target.keys)
-    if not any(re.fullmatch(pattern, path) for pattern in patterns):
-        text = f"a number that can be a design parameter ({MAY_BE[spec['kind']]})"
-        raise SpecError(expected(where, target.path, text))
-    if isinstance(place, bool) or not isinstance(place, int | float):
-        raise SpecError(
-            f"{where} = {target.path!r}: expected the path of a number, found {place!r}"
-        )
-    if target.kind == "angle":
+    if "stations" in spec and keys[0] == "section":
+        path = ".".join(map(str, keys))
+        raise SpecError(expected(where, path, "one of `stations`, which the beam has"))
+    if keys[-1] == "angle_deg":
         return ANGLE_DEG
-    scale = abs(float(place))
-    if target.keys[-3:-2] in (("stiffness",), ("mass",)):  # an entry of a 6x6
-        matrix: Any = spec
-        for key in target.keys[:-2]:
-            matrix = matrix[_row(matrix, key)]
-        i, j = int(target.keys[-2]), int(target.keys[-1])
+    above: Any = spec
+    for key in keys[:-1]:
+        matrix, above = above, above[key]
+    scale = abs(float(above[keys[-1]]))
+    if keys[-3:-2] in (("stiffness",), ("mass",)):  # an entry of a 6x6
+        i, j = int(keys[-2]), int(keys[-1])
         scale = float(np.sqrt(abs(matrix[i][i] * matrix[j][j])))
-    if target.keys[-1] == "offset":
+    if keys[-1] == "offset":
         plies = above.get("plies", [above])
         scale = float(sum(ply["thickness"] for ply in plies))
     if not scale > 0.0:
-        raise SpecError(expected(where, place, "a number other than 0"))
+        raise SpecError(expected(where, scale, "a number other than 0"))
     return RELATIVE * scale
-
-
-def _row(place: Any, key: str) -> Any:
-    return int(key) if isinstance(place, list) else key
 
 
 def derivatives(
@@ -216,15 +115,8 @@ def derivatives(
         ]
         values = differenced(packages, step)
         values |= _modal(modes, rate, damping_ratio, values)
-        kinds = {target.kind for target in p.targets}
-        found.append(
-            Derivative(
-                p.name,
-                kinds.pop() if len(kinds) == 1 else "number",
-                tuple({**one, "of": ".".join(one["of"])} for one in p.below(())),
-                {path: value for path, value in values.items() if value.any()},
-            )
-        )
+        changing = {path: value for path, value in values.items() if value.any()}
+        found.append(Derivative(p.name, p.kind, tuple(t.table for t in p.targets), changing))
     return tuple(found)
 
 

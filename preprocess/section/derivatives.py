@@ -329,7 +329,7 @@ def derivatives(
         for one in some:
             values = one.values(None if one.terms is None else next(changes), at, shown=shown)
             p = one.rate.parameter
-            found.append(Derivative(p.name, p.kind, p.targets, values))
+            found.append(Derivative(p.name, p.kind, tuple(t.table for t in p.targets), values))
     return tuple(found)
 
 

@@ -6,8 +6,7 @@ neighbouring values, with the same cells, and the velocity of a node is a differ
 """
 
 import copy
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -15,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import elastic_from_dict, rotated
+from ..parameters import Key, Parameter, read_parameters
 from .space.cells import CellMesh, refined
 from .space.layers import ALL, Layup, layup, ply_axes
 from .space.mesh import SectionMesh, section_mesh
@@ -25,14 +24,17 @@ from .space.space import SectionSpace
 from .spec import SectionError
 
 Targets = Sequence[Mapping[str, Any]]  # {"of": path, "factor": number}
-Key = str | int
 Marked = NDArray[np.bool_]
 
-ALLOWED = {  # by the kind of a parameter that has such a target
-    "angle": r"regions\.[^.]+\.plies\.\d+\.angle_deg",
-    "thickness": r"regions\.[^.]+\.plies\.\d+\.thickness",
-    "number": r"materials\.[^.]+\.(E\w*|G\w+|nu\w*|rho|C\.\d+)|mesh\.(scale|parameters\..+)",
-}
+OPEN = (
+    r"regions\.[^.]+\.plies\.\d+\.(angle_deg|thickness)",
+    r"materials\.[^.]+\.(E\w*|G\w+|nu\w*|rho|C\.\d+)",
+    r"mesh\.(scale|parameters\..+)",
+)
+MAY_BE = (
+    "regions.R.plies.I.angle_deg or .thickness, materials.M.KEY (not of its strength), "
+    "mesh.parameters.KEY"
+)
 STEP = 5e-4  # of the values, for difference quotients of fourth order
 # Times this step for the mesh, whose nodes gmsh places with an error of 1e-8 of the curve: the
 # first for which the mesh has the same cells.
@@ -41,118 +43,25 @@ TINY = 1e-30  # imaginary step
 SMOOTH = 1e-2  # relative difference of two quotients, of first order, from nodes that jump
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter with the value that the specification has.
-
-    Attributes
-    ----------
-    kind : angle, thickness or number
-    targets : as given
-    at : keys in the specification of each target, and its factor
-    """
-
-    name: str
-    kind: str
-    targets: tuple[dict[str, Any], ...]
-    spec: Mapping[str, Any]
-    at: tuple[tuple[tuple[Key, ...], float], ...]
-    where: str  # for messages
-
-    def moved(self, t: float) -> dict[str, Any]:
-        """The specification with the parameter greater by t."""
-        spec = dict(self.spec)
-        for (*path, last), factor in self.at:
-            place: Any = spec
-            for key in path:
-                place[key] = copy.copy(place[key])
-                place = place[key]
-            place[last] = place[last] + t * factor
-        return spec
-
-    @cached_property
-    def step(self) -> float:
-        """A small change, in the unit of the parameter."""
-        sizes = []
-        for (*path, last), factor in self.at:
-            place: Any = self.spec
-            for key in path:
-                place = place[key]
-            size = 60.0 if last == "angle_deg" else abs(place[last])
-            sizes.append((size or 1.0) / abs(factor))
-        return STEP * min(sizes)
-
-    def quotient(self, value: Callable[[float], Array], step: float = 1.0) -> Array:
-        """Derivative of an array as a function of the change of the parameter."""
-        h = self.step * step
-        first, second = (value(i * h) - value(-i * h) for i in (1, 2))
-        return np.asarray(8.0 * first - second) / (12.0 * h)
-
-    @property
-    def moves(self) -> bool:
-        """True if nodes may move."""
-        return any(keys[0] == "mesh" or keys[-1] == "thickness" for keys, _ in self.at)
-
-    def refused(self, why: str) -> SectionError:
-        """The error that it has no derivative."""
-        targets = few(".".join(map(str, keys)) for keys, _ in self.at)
-        return SectionError(f"{self.where}.design.{self.name} ({targets}): {why}")
-
-
 def parameters(
     spec: Mapping[str, Any], design: Mapping[str, Targets], where: str
-) -> list[Parameter]:
-    """Check the parameters of a specification.
-
-    Parameters
-    ----------
-    design : name -> targets {"of": "regions.top.plies.0.angle_deg" or a list of such keys,
-        "factor": change of the target per unit of the parameter, 1 by default}
-
-    Raises
-    ------
-    SectionError : a target that does not exist, or by which nothing is differentiated.
-    """
-    found = []
-    for name, targets in design.items():
-        kinds, at = set(), []
-        for target in targets:
-            keys = target["of"].split(".") if isinstance(target["of"], str) else target["of"]
-            place = f"{where}.design.{name}: {'.'.join(map(str, keys))}"
-            joined = ".".join(str(key).replace(".", "_") for key in keys)
-            kind = next((k for k, p in ALLOWED.items() if re.fullmatch(p, joined)), None)
-            if kind is None:
-                raise SectionError(
-                    f"{place}: a section has no derivative by it; expected regions.R.plies.I."
-                    "angle_deg or .thickness, materials.M.KEY (not of its strength), "
-                    "mesh.parameters.KEY"
-                )
-            at.append((_existing(spec, keys, place), float(target.get("factor", 1.0))))
-            kinds.add(kind)
-        at = [one for one in at if one[1]]
-        if not at:
-            raise SectionError(f"{where}.design.{name}: expected a target with a factor")
-        kind = next(k for k in ("thickness", "number", "angle") if k in kinds)
-        found.append(Parameter(name, kind, tuple(map(dict, targets)), spec, tuple(at), where))
-    return found
+) -> tuple[Parameter, ...]:
+    """The parameters of a specification. Raises SectionError, see `read_parameters`."""
+    return read_parameters(spec, design, OPEN, MAY_BE, _step, f"{where}.", SectionError)
 
 
-def _existing(spec: Any, keys: Sequence[Any], place: str) -> tuple[Key, ...]:
-    """The keys, as numbers where they index lists, of a number of the specification."""
-    path: list[Key] = []
+def _step(spec: Mapping[str, Any], keys: tuple[Key, ...], where: str) -> float:
+    value: Any = spec
     for key in keys:
-        known = range(len(spec)) if isinstance(spec, list) else spec
-        one = int(key) if isinstance(spec, list) and str(key).isdecimal() else key
-        if not isinstance(spec, list | Mapping) or one not in known:
-            names = few(map(str, known)) if isinstance(spec, list | Mapping) else "no keys"
-            raise SectionError(f"{place}: no such key {key!r}; expected {names}")
-        path.append(one)
-        spec = spec[one]
-    if isinstance(spec, bool) or not isinstance(spec, int | float):
-        raise SectionError(f"{place} = {spec!r}: expected a number")
-    if path[0] == "mesh" and isinstance(spec, int):
-        raise SectionError(f"{place} = {spec!r}: expected a length, not a number of cells")
-    return tuple(path)
+        value = value[key]
+    if keys[0] == "mesh" and isinstance(value, int):
+        raise SectionError(f"{where} = {value!r}: expected a length, not a number of cells")
+    return STEP * (60.0 if keys[-1] == "angle_deg" else abs(value) or 1.0)
+
+
+def _moves(parameter: Parameter) -> bool:
+    """Whether nodes may move."""
+    return any(t.keys[0] == "mesh" or t.kind == "thickness" for t in parameter.targets)
 
 
 class MovedMesh:
@@ -309,10 +218,10 @@ def rates(
         return np.array([rows[ply.material] for ply in lay.plies])
 
     angle, constants = parameter.quotient(angles), np.zeros((len(lay.plies), 37))
-    if any(keys[0] == "materials" for keys, _ in parameter.at):
+    if any(t.keys[0] == "materials" for t in parameter.targets):
         constants = parameter.quotient(materials)
     fixed = Rates(parameter, lay, angle, constants[:, 1:].reshape(-1, 6, 6), constants[:, 0])
-    if not parameter.moves:
+    if not _moves(parameter):
         return fixed
     if any(warning["code"] == "plies-not-resolved" for warning in lay.warnings):
         raise parameter.refused("cells contain more than one ply: let mesh lines follow the plies")

@@ -13,7 +13,7 @@ from samples.shell_specs import CFRP, METAL, plate
 from plymotion.preprocess import body as preprocess_body
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.design import read_parameters
+from plymotion.preprocess.design import body_parameters
 from plymotion.preprocess.modes.reference import ModeError
 from plymotion.preprocess.products import BodyPackages
 from plymotion.preprocess.shell.body import body
@@ -77,12 +77,11 @@ def skewed(**changes: Any) -> dict[str, Any]:
 
 def worst(spec: dict[str, Any], steps: float) -> dict[str, float]:
     """Largest error of the derivatives of all datasets, by parameter."""
-    alone = {key: value for key, value in spec.items() if key != "design"}
     package, found = build_body(spec), {}
-    for parameter in read_parameters(spec):
+    for parameter in body_parameters(spec):
 
         def rebuilt(distance: float, by: Any = parameter) -> ModalPackage:
-            return build_body(by.changed(alone, distance))
+            return build_body({k: v for k, v in by.moved(distance).items() if k != "design"})
 
         found[parameter.name] = max(errors(package, parameter, rebuilt, steps).values())
     return found

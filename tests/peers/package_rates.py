@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from plymotion.preprocess.design import ANGLE_DEG, RELATIVE, Parameter
+from plymotion.preprocess.design import ANGLE_DEG, RELATIVE
+from plymotion.preprocess.parameters import Parameter
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.common.dataset import all_values, shapes_by_path
 from plymotion.solver.package.common.design import moved

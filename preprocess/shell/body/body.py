@@ -14,10 +14,11 @@ from ....solver.package.common.cells import vtk_cells
 from ....solver.package.common.design import difference
 from ....solver.package.section.stress import rounded
 from ...beam.stations import Stations
-from ...design import Parameter, change_of_inputs, derivatives, read_parameters
+from ...design import body_parameters, change_of_inputs, derivatives
 from ...modes.rates import Change
 from ...modes.reduced import Modes, StaticLoad, reduced_modes
 from ...modes.reference import Condition
+from ...parameters import Parameter
 from ...provenance import body_provenance
 from ..model.problem import ShellProblem
 from ..model.regions import cell_axes
@@ -79,7 +80,7 @@ def build_shell_body(spec: dict[str, object]) -> ModalPackage:
     ModeError : fewer modes of a kind than requested
     ShellError, LaminateError, MaterialError : errors in the description of the shell
     """
-    body, parameters = read_shell_body(spec), read_parameters(spec)
+    body, parameters = read_shell_body(spec), body_parameters(spec)
     start = time.perf_counter()
     model = shell_model(body)
     model.condition  # noqa: B018  matrices
@@ -105,7 +106,7 @@ def build_shell_body(spec: dict[str, object]) -> ModalPackage:
 
     def at(p: Parameter, distance: float) -> ShellModel:
         """The shell with a parameter moved."""
-        moved = p.changed(spec, distance)
+        moved = p.moved(distance)
         shell = body.shell | {key: moved["shell"][key] for key in DESIGNED & moved["shell"].keys()}
         ratio = float(moved["damping_ratio"])
         problem = model.problem.relaid(shell)

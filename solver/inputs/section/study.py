@@ -230,7 +230,7 @@ def design_of(
 
         def leaves(place: float, moves: dict[str, tuple[float, float]] = moves) -> Leaves:
             moved = {key: value + place * move for key, (value, move) in moves.items()}
-            return _leaves(section_spec(changed(table, moved, file), file, folder))
+            return leaves_of(section_spec(changed(table, moved, file), file, folder))
 
         rates, here = _rates(leaves)
         if rates is None:
@@ -275,13 +275,13 @@ def _number(table: dict[str, Any], key: str, file: Path) -> float:
     return float(place)
 
 
-def _leaves(spec: Any, path: tuple[str | int, ...] = ()) -> Leaves:
+def leaves_of(spec: Any, path: tuple[str | int, ...] = ()) -> Leaves:
     """Return all values of nested tables and lists by their keys."""
     pairs = spec.items() if isinstance(spec, dict) else enumerate(spec)
     found: Leaves = {}
     for key, value in pairs:
         nested = isinstance(value, dict | list)
-        found |= _leaves(value, (*path, key)) if nested else {(*path, key): value}
+        found |= leaves_of(value, (*path, key)) if nested else {(*path, key): value}
     return found
 
 

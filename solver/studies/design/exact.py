@@ -18,6 +18,7 @@ from ...dynamics.evaluation.evaluation import Instants
 from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec
 from ...inputs.case.tables.schema import Mechanism
+from ...inputs.section.study import leaves_of
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
 from ...package.common.plain_data import inputs_sha256
@@ -45,7 +46,6 @@ TRIED, LEAST = 1e-5, 1e-4  # of the largest motion of a coordinate, and of the m
 Read = Callable[[Variant, Recording], Sequence[Array]]
 Weights = Sequence[tuple[Array, str]]  # (v, ..., n_t) of each array in v numbers; its unit
 Specs = Mapping[str, BodySpec]
-Pair = tuple[RunSpec, RunSpec]
 
 
 def beside(p: Array, steps: Array, ranges: Array | None = None) -> list[Array]:
@@ -90,7 +90,7 @@ def with_targets(names: Sequence[str], specs: Sequence[Specs], steps: Array) -> 
 
 def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, object]]:
     """Yield the paths of numbers that differ, with their derivatives."""
-    low, high = dict(_leaves(minus, ())), dict(_leaves(plus, ()))
+    low, high = leaves_of(minus), leaves_of(plus)
     if low.keys() != high.keys():
         raise InputError(f"{where}: changes the model, not only its numbers")
     for path, value in low.items():
@@ -98,38 +98,28 @@ def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, 
         if value == other:
             continue
         if not (isinstance(value, float) and isinstance(other, float)):
-            name = ".".join(path)
+            name = ".".join(map(str, path))
             raise InputError(f"{where}: changes {name} from {value!r} to {other!r}")
         yield {"of": list(path), "factor": float(f"{(other - value) / h:.10g}")}
 
 
-def _leaves(table: Any, way: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
-    if isinstance(table, Mapping):
-        for key, value in table.items():
-            yield from _leaves(value, (*way, str(key)))
-    elif isinstance(table, list):
-        for k, value in enumerate(table):
-            yield from _leaves(value, (*way, str(k)))
-    else:
-        yield way, table
-
-
 def runs_beside(
     spec: RunSpec, names: Sequence[str], mechanisms: Sequence[Mechanism], steps: Array
-) -> list[Pair]:
-    """Return the runs less and plus a step of each parameter, by derivatives of packages.
+) -> list[Parameter]:
+    """Return parameters with the runs less and plus a step of each, by derivatives of packages.
 
     Parameters
     ----------
     mechanisms : of the designs of `beside`
     """
     return [
-        (
+        Parameter(
+            name, "", 0.0, h,
             replace(spec.moved(name, -h), mechanism=mechanisms[1 + 2 * k]),
             replace(spec.moved(name, h), mechanism=mechanisms[2 + 2 * k]),
         )
         for k, (name, h) in enumerate(zip(names, steps.tolist(), strict=True))
-    ]
+    ]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -146,26 +136,23 @@ class Traced:
     trace: Trace
     signals: Collection[str]
 
-    def followed(self, names: Sequence[str], steps: Array, pairs: Sequence[Pair]) -> Followed:
-        """Return it with its tangent; `pairs` are the runs beside it, by parameter."""
-        parameters = [
-            Parameter(name, "", 0.0, h, *pair)
-            for name, h, pair in zip(names, steps.tolist(), pairs, strict=True)
-        ]
+    def followed(self, parameters: Sequence[Parameter]) -> Followed:
+        """Return it with its tangent."""
         y = np.asarray(self.finished.solution.y[:])
         return followed(self.prepared, parameters, self.trace.steps, y)
 
 
 def made_beside(
-    own: str, traced: Mapping[str, Traced], motions: Mapping[str, Followed], k: int, pair: Pair
+    own: str, traced: Mapping[str, Traced], motions: Mapping[str, Followed], k: int, of: Parameter
 ) -> Iterator[Made]:
     """Yield the designs less and plus the step of parameter k, by the tangents of their runs.
 
     Parameters
     ----------
     own : name of the run; those that its signals read have others
-    pair : the run itself beside the design
+    of : the parameter of the run itself
     """
+    pair = of.minus, of.plus
     if own not in traced:
         yield from (Made(spec, None, {}, None) for spec in pair)
         return
@@ -295,9 +282,7 @@ def by_adjoint(
 
 def adjoint_slopes(
     traced: Mapping[str, Traced],
-    names: Sequence[str],
-    steps: Array,
-    pairs: Sequence[Pair],
+    parameters: Sequence[Parameter],
     measures: Sequence[Measure],
     made: Made,
 ) -> list[list[list[float]]] | None:
@@ -307,10 +292,6 @@ def adjoint_slopes(
     """
     if list(traced) != [made.spec.run]:
         return None
-    parameters = [
-        Parameter(name, "", 0.0, h, *pair)
-        for name, h, pair in zip(names, steps.tolist(), pairs, strict=True)
-    ]
     try:
         of_run = [m for m in measures if m.runs]
         found = iter(by_adjoint(traced[made.spec.run], parameters, of_run, made))
@@ -321,8 +302,10 @@ def adjoint_slopes(
         if m.runs:
             slopes.append(next(found).tolist())
             continue
-        beside = ([m.raw(Made(each, None, {}, None)) for each in pair] for pair in pairs)
-        rates = [(b - a) / (2.0 * h) for (a, b), h in zip(beside, steps, strict=True)]
+        beside = [
+            [m.raw(Made(run, None, {}, None)) for run in (p.minus, p.plus)] for p in parameters
+        ]
+        rates = [(b - a) / (2.0 * p.h) for (a, b), p in zip(beside, parameters, strict=True)]
         w = m.reduce(m.raw(made), made.t)[1]
         slopes.append(np.tensordot(w, np.stack(rates, axis=-1), axes=w.ndim - 1).tolist())
     return slopes

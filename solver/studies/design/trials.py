@@ -38,9 +38,9 @@ from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
 from ..sensitivities.execution import Trace, change_of
+from ..sensitivities.parameters import Parameter
 from .exact import (
     STEP,
-    Pair,
     Traced,
     adjoint_slopes,
     beside,
@@ -81,7 +81,7 @@ class Trials:
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
         self._plan, self.exact = order.plan, order.exact
-        self._beside: list[dict[str, Pair]] = []  # of the last design, by parameter and run
+        self._beside: dict[str, list[Parameter]] = {}  # of the last design, by run
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._last: tuple[bytes, Made, list[Array]] | None = None
         self._traces: dict[str, Traced] = {}  # of the last design, by run
@@ -129,9 +129,8 @@ class Trials:
         _, made, raws = self._last
         weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
         if self.exact and p.size > MANY:
-            pairs = [pair[self.study.table.run] for pair in self._beside]
-            names, steps = list(self.study.parameters), self.steps(STEP)
-            found = adjoint_slopes(self._traces, names, steps, pairs, self.measures, made)
+            parameters = self._beside[self.study.table.run]
+            found = adjoint_slopes(self._traces, parameters, self.measures, made)
             if found is not None:
                 return found
         columns = self._columns(p)
@@ -208,24 +207,21 @@ class Trials:
         """Return derivatives of the arrays of all measures, by parameter."""
         assert self._last is not None
         made = self._last[1]
-        names, steps, run = list(self.study.parameters), self.steps(STEP), self.study.table.run
-        motions = {
-            each: traced.followed(names, steps, [pair[each] for pair in self._beside])
-            for each, traced in self._traces.items()
-        }
+        run = self.study.table.run
+        motions = {n: traced.followed(self._beside[n]) for n, traced in self._traces.items()}
         if run in motions:  # plies govern beside a design where they govern in it
             made = replace(made, recording=motions[run].recording())
             for measure in self.measures:
                 measure.raw(made)
         columns = []
-        for k, (h, pair) in enumerate(zip(steps, self._beside, strict=True)):
+        for k, parameter in enumerate(self._beside[run]):
             low, high = (
                 [measure.raw(made) for measure in self.measures]
-                for made in made_beside(run, self._traces, motions, k, pair[run])
+                for made in made_beside(run, self._traces, motions, k, parameter)
             )
             columns.append(
                 [
-                    change_of(a, b, m.unit) / (2.0 * h)
+                    change_of(a, b, m.unit) / (2.0 * parameter.h)
                     for m, a, b in zip(self.measures, low, high, strict=True)
                 ]
             )
@@ -268,14 +264,13 @@ class Trials:
             self._traces.clear()
             made = self._run(own, designs.others, 0, files, self._traces)
             if isinstance(made, Made):
-                pairs = {
+                self._beside = {
                     run: runs_beside(
                         made.spec if members is own else self.spec(run, members, 0, files),
                         names, [self.mechanism(members, k) for k in range(count)], steps,
                     )
                     for run, members in runs.items()
                 }  # fmt: skip
-                self._beside = [{r: pair[k] for r, pair in pairs.items()} for k in range(p.size)]
         finally:
             self.forget(files)
         return made
