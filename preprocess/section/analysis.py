@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import coded
+from ...solver.math.arrays import Array
 from ...solver.package.common.design import Derivative
 from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
 from ...solver.package.section.schema import SectionFile
@@ -29,7 +30,7 @@ from .guards import (
     taper_error,
 )
 from .helical import CentralSolutions, TwistedStrains
-from .parameters import Targets, parameters, rates
+from .parameters import Targets, by_size, moves, parameters, rates
 from .problem import LAST_DIGITS, SectionProblem, Solved, compared, resolved, section_problem, solve
 from .recovery import (
     end_compliance,
@@ -41,6 +42,7 @@ from .recovery import (
 )
 from .space.cells import refined
 from .space.layers import layup
+from .space.mesh import SectionMesh
 from .spec import SectionError, check_spec, curvature_of, degree_of
 from .timoshenko import (
     SectionStiffness,
@@ -68,6 +70,7 @@ def analyse(
     verify: bool = False,
     design: Mapping[str, Targets] | None = None,
     discretisation: Mapping[str, Any] | None = None,
+    problem: SectionProblem | None = None,
     team: fenicsx.Team = fenicsx.ALONE,
     progress: Progress | None = None,
 ) -> SectionFile:
@@ -89,6 +92,7 @@ def analyse(
     discretisation : of a section with other values of parameters, from its provenance: the same
         divisions of cells and degree, whatever the estimate says. The derivatives are those of
         such analyses
+    problem : on another mesh than that of the specification
     team : processes that all call this with the same arguments and share the matrices, unless
         derivatives are asked for; each gets the whole result
     progress : called with one line at the beginning of each step
@@ -108,7 +112,9 @@ def analyse(
     if asked:
         team = fenicsx.ALONE  # each process solves the whole section
     divided: list[NDArray[np.bool_]] = []
-    if discretisation is None:
+    if problem is not None:
+        pass
+    elif discretisation is None:
         problem = section_problem(spec["mesh"], where, degree_of(spec), team)
     else:
         accuracy = None
@@ -227,16 +233,8 @@ def analyse(
     of_ends = None
     if isinstance(result, SectionStiffness) and factorised is not None:
         of_ends = end_compliance(result, factorised, lay.stiffness[problem.space.own])
-    of_design: tuple[Derivative, ...] = ()
-    if asked:
-        begin("derivatives")
-        mesh, space = problem.mesh, problem.space
-        by = [rates(parameter, mesh, space, lay, divided) for parameter in asked]
-        of_design = derivatives(
-            result, factorised, by, points, lay_points, strain, shown=recovery_degree is None
-        )
     seconds = time.perf_counter() - start
-    return SectionFile(
+    found = SectionFile(
         name=str(spec.get("name", "section")),
         K=result.K,
         M=M,
@@ -252,7 +250,6 @@ def analyse(
             points, lay_points, points.team.stacked(strain), dict(spec["materials"])
         ),
         warnings=tuple(warnings),
-        design=of_design,
         provenance={
             "spec": dict(spec),
             "dofs": problem.space.n_dof,
@@ -271,6 +268,30 @@ def analyse(
             "versions": fenicsx.versions(),
         },
     )
+    if not asked:
+        return found
+    begin("derivatives")
+    shown, design = recovery_degree is None, dict[str, dict[str, Array]]()
+    if fixed := [rates(parameter, lay) for parameter in asked if not moves(parameter)]:
+        design = derivatives(result, factorised, fixed, points, lay_points, strain, shown=shown)
+
+    def analysed(other: Mapping[str, Any], mesh: SectionMesh) -> SectionFile:
+        moved = SectionProblem(mesh, problem.degree).like(problem)
+        return analyse(other, where, estimate=False, recovery_degree=recovery_degree, problem=moved)
+
+    for parameter in filter(moves, asked):
+        if any(warning["code"] == "plies-not-resolved" for warning in lay.warnings):
+            text = "cells contain more than one ply: let mesh lines follow the plies"
+            raise parameter.refused(text)
+        of_size = by_size(parameter, problem.mesh, divided, analysed)
+        left_out = () if shown else ("mesh/", "warping")
+        design[parameter.name] = {
+            path: rate for path, rate in of_size.items() if not path.startswith(left_out)
+        }
+    of_design = tuple(
+        Derivative(p.name, p.kind, tuple(t.table for t in p.targets), design[p.name]) for p in asked
+    )
+    return replace(found, design=of_design)
 
 
 def _as_before(

@@ -13,14 +13,12 @@ parts are rates. What remains is one more solution, by the factors of the analys
 rates leave in the equations as loads.
 """
 
-import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.common.design import Derivative
 from ...solver.package.common.materials import bond
 from .helical import (
     AlongAxis,
@@ -30,15 +28,13 @@ from .helical import (
     Waves,
     change_of_resultants,
 )
-from .parameters import TINY, MovedMesh, Rates, places
-from .recovery import Result, middles, nodal_displacements, numbered, unit_displacements
-from .space.cells import CellMesh
+from .parameters import TINY, Rates
+from .recovery import Result, middles, nodal_displacements, unit_displacements
 from .space.layers import Layup
 from .space.space import SectionSpace
-from .space.strains import fixed, strain_in_section, volume
 from .spec import SectionError
 from .timoshenko import CLASSICAL, SHEAR, mass_centre, mass_matrix, shear_centre, tension_centre
-from .warping import WarpingSolver, motions_of_beam, pinned_dofs, rigid_fields
+from .warping import WarpingSolver, motions_of_beam, pinned_dofs
 
 Operators = SectionSpace | TwistedStrains
 AT_ONCE = 16  # parameters whose equations are solved together
@@ -107,46 +103,6 @@ def stiffness_terms(state: Central, cells: IntArray, dC: Array) -> Terms:
     """Rates of the terms by the rate dC (s, 1 or q, 6, 6) of the stiffness of some own cells."""
     strain = state.strain[cells]
     return _terms(state.at.of_some(cells), dC @ strain, strain, state.T, state.Z)
-
-
-def moved_space(space: SectionSpace, cells: CellMesh) -> SectionSpace:
-    """The space on a mesh whose points have imaginary parts."""
-    other = space.copied()
-    nodes = places(space, cells)
-    motion = space.displacements((0, *nodes.imag.T))
-    c, q = space.weights.shape
-    slopes = space.slopes(motion).reshape(c, q, 2, 3)[..., 1:]  # [alpha, beta] dv_beta / dx_alpha
-    other.points = space.points + 1j * space.at_points(motion)[:, :, 1:, 0]
-    other.weights = space.weights * (1.0 + 1j * np.trace(slopes, axis1=2, axis2=3))
-    other.gradients = space.gradients - 1j * (slopes @ space.gradients)
-    other.x2, other.x3 = np.stack([space.x2, space.x3]) + 1j * nodes.imag.T
-    return other
-
-
-def moved_operators(at: Operators, cells: CellMesh) -> tuple[Operators, SectionSpace]:
-    """The operators of `moved_space`, and this space."""
-    if isinstance(at, SectionSpace):
-        space = moved_space(at, cells)
-        return space, space
-    space = moved_space(at.space, cells)
-    other = copy.copy(at)
-    other.space, other.g = space, volume(at.k, np.moveaxis(space.points, -1, 0))
-    # (S - S_h) g is affine in the position
-    S_h = fixed(strain_in_section)
-    turning = (at.S - S_h) * at.g[..., None, None] + 0j
-    x2, x3 = np.moveaxis((space.points - at.space.points)[..., None, None, :], -1, 0)
-    turning[..., 3:6] += at.k[0] * x3 * space.S_l
-    turning[..., 6:9] -= at.k[0] * x2 * space.S_l
-    other.S = S_h + turning / other.g[..., None, None]
-    return other, space
-
-
-def moved_terms(state: Central, at: Operators, space: SectionSpace, C: Array) -> Terms:
-    """Rates of the terms by the imaginary parts of operators and stiffness."""
-    Z = motions_of_beam(space)
-    strain = at.strain_in_section(state.W) + at.strain_along_beam(state.W @ state.T + Z @ state.S_e)
-    found = _terms(at, C @ strain, strain, state.T, Z)
-    return Terms(*(part.imag / TINY for part in (found.load, found.resultants, found.work)))
 
 
 class PrismaticSolver:
@@ -305,8 +261,10 @@ def derivatives(
     strain: Array,
     *,
     shown: bool = True,
-) -> tuple[Derivative, ...]:
-    """Derivatives of the datasets of a section file by parameters.
+) -> dict[str, dict[str, Array]]:
+    """Derivatives of the datasets of a section file by parameters that do not move its mesh.
+
+    By name of the parameter and path.
 
     Parameters
     ----------
@@ -321,16 +279,15 @@ def derivatives(
     solver = (
         HelicalSolver(state) if factorised is None else PrismaticSolver(result, state, factorised)
     )
-    at, found = Recovered(space, lay, strain, state), []
+    at, found = Recovered(space, lay, strain, state), dict[str, dict[str, Array]]()
     for first in range(0, len(asked), AT_ONCE):
         some = [_Moved(state, rate) for rate in asked[first : first + AT_ONCE]]
         terms = [one.terms for one in some if one.terms is not None]
         changes = iter(changed(state, solver, terms) if terms else ())
         for one in some:
-            values = one.values(None if one.terms is None else next(changes), at, shown=shown)
-            p = one.rate.parameter
-            found.append(Derivative(p.name, p.kind, tuple(t.table for t in p.targets), values))
-    return tuple(found)
+            change = None if one.terms is None else next(changes)
+            found[one.rate.parameter.name] = one.values(change, at, shown=shown)
+    return found
 
 
 class _Moved:
@@ -338,12 +295,8 @@ class _Moved:
 
     def __init__(self, state: Central, rate: Rates) -> None:
         self.state, self.rate = state, rate
-        self.at, self.space = state.at, state.space
         self.terms: Terms | None = None
-        if rate.moved is not None:
-            self.at, self.space = moved_operators(state.at, moved_cells(rate.moved))
-            self.terms = moved_terms(state, self.at, self.space, rate.stiffness())
-        elif len(rate.cells):
+        if len(rate.cells):
             self.terms = stiffness_terms(state, rate.cells, rate.stiffness().imag / TINY)
 
     def values(self, change: Change | None, at: Recovered, *, shown: bool) -> dict[str, Array]:
@@ -358,53 +311,38 @@ class _Moved:
                 found[name] = _by_step(centre, state.K, change.K)
             found |= self._recovery(at, change)
             if shown:
-                found |= {"warping": self._warping(change.W), **self._mesh()}
-        if rate.moved is not None or rate.density.any():
+                found["warping"] = self._warping(change.W)
+        if rate.density.any():
             density = rate.lay.density + 1j * TINY * rate.density[rate.lay.ply]
-            if isinstance(self.at, TwistedStrains):
-                density = density * self.at.g
-            M = mass_matrix(self.space, density)
+            if isinstance(state.at, TwistedStrains):
+                density = density * state.at.g
+            M = mass_matrix(state.space, density)
             found["M"] = M.imag / TINY
             found["mass_centre"] = _by_step(mass_centre, M.real, found["M"])
+        if shown and rate.angle.any():
+            cells, axes = rate.cells, rate.axes()
+            middle, fibre = middles(state.space)[cells], np.zeros((state.space.n_cell, 3))
+            fibre[cells] = axes[np.arange(len(cells)), middle % axes.shape[1], :, 0].imag / TINY
+            found["mesh/fibre"] = fibre
         found["plies/C_M"] = rate.C_M
         found["plies/angle_deg"] = np.degrees(rate.angle)
         return {path: values for path, values in found.items() if values.any()}
 
-    def _warping(self, rate: Array) -> Array:
+    def _warping(self, W: Array) -> Array:
         """Rate of the warping without rigid motion, at the nodes of the file."""
-        state, space = self.state, self.space
-        prismatic, moving = isinstance(state.at, SectionSpace), self.rate.moved is not None
-        W = state.W + 1j * TINY * rate if moving else rate
-        if moving or not prismatic:
+        space = self.state.space
+        if isinstance(self.state.at, TwistedStrains):
             Z = motions_of_beam(space)
-            rigid = rigid_fields(space) if prismatic else Z
-            load = space.load(space.at_points(rigid))
-
-            def part(W: Array) -> Array:
-                return np.asarray(np.linalg.solve(rigid.T @ load, load.T @ W))
-
-            if prismatic:
-                # a translation of the warping by M2 and M3 shears the beam under F3 and F2
-                change = part(W) @ state.T
-                W = W + np.outer(Z[:, 4], change[2]) - np.outer(Z[:, 5], change[1])
-            W = W - rigid @ part(W)
-        return nodal_displacements(state.space, W.imag / TINY if moving else W)
+            load = space.load(space.at_points(Z))
+            W = W - Z @ np.linalg.solve(Z.T @ load, load.T @ W)
+        return nodal_displacements(space, W)
 
     def _recovery(self, at: Recovered, change: Change) -> dict[str, Array]:
-        """Rates of points, of their strains in ply axes, and of these axes."""
-        state, real = self.state, at.real
-        rate = self.rate.at(at.space, at.lay)
+        """Rates of strains of the points in ply axes, and of these axes."""
+        rate, real, found = replace(self.rate, lay=at.lay), at.real, {}
         strain = at.at.strain_in_section(change.W) + at.at.strain_along_beam(change.Q)
-        found = {}
-        if rate.moved is not None:
-            operators, space = moved_operators(at.at, moved_cells(rate.moved))
-            Q = state.W @ state.T + motions_of_beam(space) @ state.S_e
-            moved = operators.strain_in_section(state.W) + operators.strain_along_beam(Q)
-            strain = strain + moved.imag / TINY
-            found["recovery/points"] = space.points.reshape(-1, 2)[real].imag / TINY
-            found["recovery/weights"] = space.weights.ravel()[real].imag / TINY
         strain_M = at.to_plies @ strain
-        if rate.moved is not None or rate.angle.any():
+        if rate.angle.any():
             cells, axes = rate.cells, rate.axes()
             A_BM = np.zeros((*at.space.weights.shape, 3, 3))
             A_BM[cells] = axes.imag / TINY
@@ -413,28 +351,6 @@ class _Moved:
             strain_M[cells] += turning @ at.strain[cells]
         found["recovery/strain_M"] = strain_M.reshape(-1, 6, 6)[real]
         return found
-
-    def _mesh(self) -> dict[str, Array]:
-        """Rates of what `mesh_data` shows."""
-        rate, space = self.rate, self.state.space
-        found = {}
-        if rate.moved is not None:
-            found["mesh/nodes"] = numbered(moved_cells(rate.moved))[0].imag / TINY
-        if rate.moved is not None or rate.angle.any():
-            cells, axes = rate.cells, rate.axes()
-            middle, every = middles(space)[cells], np.arange(len(cells))
-            fibre = np.zeros((space.n_cell, 3))
-            fibre[cells] = axes[every, middle % axes.shape[1], :, 0].imag / TINY
-            found["mesh/fibre"] = fibre
-            if rate.y2 is not None:
-                found["mesh/layer_direction"] = rate.y2[every, middle]
-        return found
-
-
-def moved_cells(moved: MovedMesh) -> CellMesh:
-    """The mesh with TINY times the velocity of its points as their imaginary part."""
-    cells = moved.mesh.cells
-    return replace(cells, points=cells.points + 1j * TINY * moved.velocity)
 
 
 def _by_step(function: Callable[[Array], Array], x: Array, rate: Array) -> Array:
