@@ -234,7 +234,7 @@ def analyse(
     if isinstance(result, SectionStiffness) and factorised is not None:
         of_ends = end_compliance(result, factorised, lay.stiffness[problem.space.own])
     seconds = time.perf_counter() - start
-    found = SectionFile(
+    section = SectionFile(
         name=str(spec.get("name", "section")),
         K=result.K,
         M=M,
@@ -269,11 +269,11 @@ def analyse(
         },
     )
     if not asked:
-        return found
+        return section
     begin("derivatives")
-    shown, design = recovery_degree is None, dict[str, dict[str, Array]]()
+    shown, by_name = recovery_degree is None, dict[str, dict[str, Array]]()
     if fixed := [rates(parameter, lay) for parameter in asked if not moves(parameter)]:
-        design = derivatives(result, factorised, fixed, points, lay_points, strain, shown=shown)
+        by_name = derivatives(result, factorised, fixed, points, lay_points, strain, shown=shown)
 
     def analysed(other: Mapping[str, Any], mesh: SectionMesh) -> SectionFile:
         moved = SectionProblem(mesh, problem.degree).like(problem)
@@ -285,13 +285,14 @@ def analyse(
             raise parameter.refused(text)
         of_size = by_size(parameter, problem.mesh, divided, analysed)
         left_out = () if shown else ("mesh/", "warping")
-        design[parameter.name] = {
+        by_name[parameter.name] = {
             path: rate for path, rate in of_size.items() if not path.startswith(left_out)
         }
     of_design = tuple(
-        Derivative(p.name, p.kind, tuple(t.table for t in p.targets), design[p.name]) for p in asked
+        Derivative(p.name, p.kind, tuple(t.table for t in p.targets), by_name[p.name])
+        for p in asked
     )
-    return replace(found, design=of_design)
+    return replace(section, design=of_design)
 
 
 def _as_before(
