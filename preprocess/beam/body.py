@@ -26,7 +26,7 @@ from .reduction import (
 )
 from .sections import Profile, of_theory
 from .spec import BeamSpec
-from .stations import mass_stations, nodal_mass, point_masses
+from .stations import mass_stations, nodal_mass, places_along, point_masses
 
 VTK_LINE = 3
 
@@ -174,7 +174,13 @@ def beam_package(
         provenance=provenance,
         second_order=None
         if fields is None
-        else second_order_from_stations(points.m, points.x_B, points.phi_B, fields.h_B),
+        else second_order_from_stations(
+            points.m,
+            points.x_B,
+            points.phi_B,
+            fields.h_B,
+            places_along(line, spec.mass_form)[points.slice_of],
+        ),
     )
 
 

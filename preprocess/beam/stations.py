@@ -77,6 +77,19 @@ def station_places(length: float, mass_form: str) -> tuple[Array, Array]:
     return gauss(length, MASS_POINTS)
 
 
+def places_along(line: BeamLine, mass_form: str) -> Array:
+    """Places of `mass_stations` along the line, (k,) [m]."""
+    return np.concatenate(
+        [
+            np.add.outer(
+                line.along[span.numbers],
+                station_places(span.element.length, mass_form)[0],
+            ).ravel()
+            for span in line.spans
+        ]
+    )
+
+
 def mass_stations(line: BeamLine, columns_B: Array, mass_form: str) -> Stations:
     """Mass stations of a beam and their motion under nodal displacement columns.
 

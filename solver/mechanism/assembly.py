@@ -102,6 +102,24 @@ def carried_masses(
     return [(k, m) for k, m in point_masses if markers[k].body == index and any(used[k][:3])]
 
 
+def pieces(bodies: list[Body]) -> tuple[list[MarkerTable], list[float]]:
+    """Return markers and masses [kg] of the pieces of stiffened bodies, which no joint uses."""
+    markers: list[MarkerTable] = []
+    masses: list[float] = []
+    for i, body in enumerate(bodies):
+        second = body.second_order
+        if second is None or second.point_mass is None:
+            continue
+        assert second.point_phi_B is not None and second.point_h_B is not None  # io.py
+        for mass, phi, h in zip(
+            second.point_mass, second.point_phi_B, second.point_h_B, strict=True
+        ):
+            still = np.zeros_like(phi), np.zeros_like(h)
+            markers.append(MarkerTable(i, np.zeros(3), np.eye(3), phi, still[0], h, still[1]))
+            masses.append(float(mass))
+    return markers, masses
+
+
 def missing(body: Body) -> Array:
     """Return the directions (d, 6 + m) in which a body has no inertia."""
     inv = body.invariants
@@ -264,6 +282,12 @@ def assemble_model(
     """
     measured = measured or Measured()
     forces = [*forces, *(rotor.forces if rotor else ())]
+    own, own_mass = pieces(bodies)
+    moving = [
+        *point_masses,
+        *zip(range(len(markers), len(markers) + len(own)), own_mass, strict=True),
+    ]
+    markers = [*markers, *own]
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
     for marker in markers:
         expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
@@ -284,7 +308,7 @@ def assemble_model(
     Z = [np.concatenate([s.Z0_B, *s.Z1_B]) if s else np.zeros((12, 0, 0)) for s in second]
     marker_H = [marker_second_order(bodies, marker) for marker in markers]
     used = [of_motion(H, m) for H, m in zip(marker_H, markers, strict=True)]
-    carried = [carried_masses(i, markers, used, point_masses) for i in range(len(bodies))]
+    carried = [carried_masses(i, markers, used, moving) for i in range(len(bodies))]
     marker_second = starts(np.array([H.size for H in marker_H], dtype=np.int64))[:-1]
     joint_marker = pairs([(j.marker_1, j.marker_2) for j in joints])
     force_marker = pairs([(e.marker_1, e.marker_2) for e in forces])

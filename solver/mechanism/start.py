@@ -79,13 +79,16 @@ _DIVERGED = 1e8  # energy of a change, of that of the first
 _NOTHING = 1e-20  # strain energy over that of the first change that is round-off
 _STILL = 1e-13  # displacement over the size that is round-off
 _MAX_ITERATIONS = 40
-_SWING, _RELAXED = 0.4, 0.7  # a change against the one before, over its size; what is taken of it
+_KEPT = 6  # last changes of the shapes that the next shapes follow from
 
 
 def quasi_static_state(
     model: Model, start: Start, y: Array, joint_names: list[str], body_names: list[str]
 ) -> Array:
     """Return the state (n,) in which the shapes of all bodies balance the loads at t = 0.
+
+    Anderson's method: loads that follow the shapes, as those of the wind, need a quarter to half of
+    the steps of plain substitution, and converge where it swings.
 
     Parameters
     ----------
@@ -99,15 +102,17 @@ def quasi_static_state(
         mechanism move while the shapes are held.
     """
     first, joined, rigid, tree = 0.0, False, 0, is_tree(model)
-    energies, size = np.zeros(model.n_body), extent(model, y)
-    share, last = 1.0, np.zeros(0)
+    size, roots = extent(model, y), _roots(model)
+    shapes: list[Array] = []
+    steps: list[Array] = []
     for _ in range(_MAX_ITERATIONS):
         changes = (
             quasi_static_deformations_of_loops(model, 0.0, y, rigid)
             if joined
             else quasi_static_deformations(model, 0.0, y)
         )
-        energies = np.array([_energy(model, i, change) for i, change in enumerate(changes)])
+        scaled = [R @ change for R, change in zip(roots, changes, strict=True)]
+        energies = np.array([float(part @ part) for part in scaled])
         first = first or float(energies.sum())
         moves = max(
             float(np.max(shape_sizes(model, i) * np.abs(change), initial=0.0))
@@ -117,28 +122,66 @@ def quasi_static_state(
             break
         if not energies.sum() < _DIVERGED * first:
             raise _not_converged(body_names, energies, joined=joined)
-        here = np.concatenate(changes)
-        if last.size and here @ last < -_SWING * float(last @ last):
-            share = _RELAXED  # loads that follow the shape make it swing about its goal
-        last = here
-        before, whole = y, 0.0
-        y = y.copy()
-        for i, change in enumerate(changes):
-            a = int(model.pos_start[i]) + 7
-            y[a : a + len(change)] += share * change
-            whole += _energy(model, i, y[a : a + len(change)])
+        shapes.append(np.concatenate([R @ y[_shape(model, i)] for i, R in enumerate(roots)]))
+        steps.append(np.concatenate(scaled))
+        found = _next(np.array(shapes[-_KEPT - 1 :]), np.array(steps[-_KEPT - 1 :]))
+        before, y, k = y, y.copy(), 0
+        for i, R in enumerate(roots):
+            y[_shape(model, i)] = np.linalg.solve(R, found[k : k + len(R)])
+            k += len(R)
         if tree:
             y[: model.n_pos] = _carried(model, before, y)
         elif not (joined or frames_close(model, y)):
             joined, y, rigid = True, before, motions_without_strain(model, 0.0, before)
+            shapes, steps = [], []
             continue
         deformed = replace(start, positions=y[: model.n_pos])
         y = consistent_state(model, deformed, joint_names, deforming=joined, moved=True)
-        if energies.sum() <= _TOLERANCE**2 * whole:
+        if energies.sum() <= _TOLERANCE**2 * float(found @ found):
             break
     else:
         raise _not_converged(body_names, energies, joined=joined)
+    if not joined and _gives_way(np.array(shapes), np.array(steps)):
+        raise _not_converged(body_names, energies, joined=joined)
     return y
+
+
+def _shape(model: Model, i: int) -> slice:
+    """Return the modal coordinates of body i among the positions."""
+    first = int(model.pos_start[i]) + 7
+    return slice(first, first + int(model.n_mode[i]))
+
+
+def _roots(model: Model) -> list[Array]:
+    """Return R (m, m) of each body, K = R' R: |R q|^2 is twice the strain energy."""
+    stiffness = [modal_matrix(model, model.K_qq, i) for i in range(model.n_body)]
+    return [np.linalg.cholesky(K).T if K.size else K for K in stiffness]
+
+
+def _next(shapes: Array, steps: Array) -> Array:
+    """Return the next shapes (n,) from the last ones and their changes, (k, n) each."""
+    one = shapes[-1] + steps[-1]
+    if len(steps) == 1:
+        return np.asarray(one)
+    change = np.diff(steps, axis=0)
+    size = np.linalg.norm(change, axis=1, keepdims=True)
+    change, moved = change / size, np.diff(shapes, axis=0) / size
+    share = np.linalg.lstsq(change.T, steps[-1], rcond=1e-10)[0]
+    return np.asarray(one - share @ (change + moved))
+
+
+def _gives_way(shapes: Array, steps: Array) -> bool:
+    """Tell whether loads grow faster with the shapes (k, n) than the elastic forces do.
+
+    With the changes as steps = (J - 1) shapes + constant, J that of the loads over the stiffness:
+    an eigenvalue of J above one.
+    """
+    if len(steps) < 2:
+        return False
+    U, s, Vt = np.linalg.svd(np.diff(shapes, axis=0).T, full_matrices=False)
+    kept = s > 1e-6 * s[0]
+    J = U[:, kept].T @ np.diff(steps, axis=0).T @ Vt[kept].T / s[kept]
+    return bool(np.linalg.eigvals(J).real.max() >= 0.0)
 
 
 def _carried(model: Model, before: Array, y: Array) -> Array:
@@ -191,10 +234,6 @@ def _not_converged(body_names: list[str], energies: Array, *, joined: bool) -> I
         f'solver.start = "quasi-static": the shape of {few(worst)} does not converge: {why}. '
         'Expected start = "positions" or "equilibrium" here'
     )
-
-
-def _energy(model: Model, body: int, q: Array) -> float:
-    return float(q @ modal_matrix(model, model.K_qq, body) @ q)
 
 
 _CONTRADICTION = 1e-9  # rate of a drive against the spin, relative

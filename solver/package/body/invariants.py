@@ -131,6 +131,7 @@ def second_order_sizes(package: ModalPackage) -> dict[str, float]:
         "Z1_B": mass * reach * h,
         "G3": mass * displacement * h,
         "G4": mass * h * h,
+        "point_h_B": h,
         "H_B": h,
         "H_psi_B": turn,
     }
@@ -139,13 +140,20 @@ def second_order_sizes(package: ModalPackage) -> dict[str, float]:
 MOST_MODES = 40  # G4 has m^4 numbers; bodies with more modes have no second-order data
 
 
-def second_order_from_stations(m: Array, x_B: Array, phi_B: Array, h_B: Array) -> SecondOrder:
+PIECES = 12  # of a body along its line
+
+
+def second_order_from_stations(
+    m: Array, x_B: Array, phi_B: Array, h_B: Array, along: Array | None = None
+) -> SecondOrder:
     """Sum mass stations into the second-order invariants.
 
     Parameters
     ----------
     m, x_B, phi_B : as in `from_stations`, of the same stations
     h_B : (k, 3, n_mode, n_mode) second-order translation of the mass centres [m]
+    along : (k,) places of the stations along the line of a beam, whose pieces of equal length are
+        the points [m]; None: no points
     """
     n = phi_B.shape[2]
     weighted = m[:, None, None, None] * h_B
@@ -156,7 +164,21 @@ def second_order_from_stations(m: Array, x_B: Array, phi_B: Array, h_B: Array) -
         Z1_B=np.einsum("ka,kbij->abij", x_B, weighted, optimize=True),
         G3=(phi_B.reshape(-1, n).T @ weighted.reshape(-1, n * n)).reshape(n, n, n),
         G4=(0.5 * (G4 + G4.T)).reshape(n, n, n, n),
+        **({} if along is None else _pieces(m, phi_B, h_B, along)),
     )
+
+
+def _pieces(m: Array, phi_B: Array, h_B: Array, along: Array) -> dict[str, Array]:
+    """Return mass and mean motion of the pieces of a beam."""
+    piece = np.minimum(PIECES * along / along.max(), PIECES - 1.0).astype(int)
+    share = m * (piece == np.arange(PIECES)[:, None])
+    mass = share.sum(axis=1)
+    share = share[mass > 0.0] / mass[mass > 0.0, None]
+    return {
+        "point_mass": mass[mass > 0.0],
+        "point_phi_B": np.tensordot(share, phi_B, 1),
+        "point_h_B": np.tensordot(share, h_B, 1),
+    }
 
 
 def modal_mass_at(package: ModalPackage, q: Array) -> Array:

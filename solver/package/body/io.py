@@ -163,7 +163,12 @@ def _second_order(package: ModalPackage, error: Reporter) -> None:
                 where = f"interfaces/{interface.name}/H_B"
                 error(where, "needs the group second_order, which the body does not have")
         return
-    tables = {f"second_order/{f.name}": getattr(second, f.name) for f in fields(second)}
+    sums = [field.name for field in fields(second) if not field.name.startswith("point_")]
+    tables = {f"second_order/{name}": getattr(second, name) for name in sums}
+    if second.point_mass is not None:
+        if not (second.point_mass > 0.0).all():
+            error("second_order/point_mass", "expected positive masses")
+        tables["second_order/point_h_B"] = second.point_h_B
     for interface in package.interfaces:
         for name in ("H_B", "H_psi_B"):
             path = f"interfaces/{interface.name}/{name}"
