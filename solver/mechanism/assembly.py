@@ -110,13 +110,12 @@ def pieces(bodies: list[Body]) -> tuple[list[MarkerTable], list[float]]:
         second = body.second_order
         if second is None or second.point_mass is None:
             continue
-        assert second.point_phi_B is not None and second.point_h_B is not None  # io.py
-        for mass, phi, h in zip(
-            second.point_mass, second.point_phi_B, second.point_h_B, strict=True
-        ):
+        assert second.point_phi_B is not None  # all three or none
+        assert second.point_h_B is not None
+        masses += second.point_mass.tolist()
+        for phi, h in zip(second.point_phi_B, second.point_h_B, strict=True):
             still = np.zeros_like(phi), np.zeros_like(h)
             markers.append(MarkerTable(i, np.zeros(3), np.eye(3), phi, still[0], h, still[1]))
-            masses.append(float(mass))
     return markers, masses
 
 
@@ -283,10 +282,7 @@ def assemble_model(
     measured = measured or Measured()
     forces = [*forces, *(rotor.forces if rotor else ())]
     own, own_mass = pieces(bodies)
-    moving = [
-        *point_masses,
-        *zip(range(len(markers), len(markers) + len(own)), own_mass, strict=True),
-    ]
+    moving = [*point_masses, *enumerate(own_mass, len(markers))]
     markers = [*markers, *own]
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
     for marker in markers:

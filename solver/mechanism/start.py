@@ -155,7 +155,7 @@ def _shape(model: Model, i: int) -> slice:
 def _roots(model: Model) -> list[Array]:
     """Return R (m, m) of each body, K = R' R: |R q|^2 is twice the strain energy."""
     stiffness = [modal_matrix(model, model.K_qq, i) for i in range(model.n_body)]
-    return [np.linalg.cholesky(K).T if K.size else K for K in stiffness]
+    return [np.asarray(np.linalg.cholesky(K).T) if K.size else K for K in stiffness]
 
 
 def _next(shapes: Array, steps: Array) -> Array:

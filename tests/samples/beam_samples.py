@@ -1,7 +1,7 @@
 """Beams reduced under any reference condition, from given section matrices, without FEniCSx."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -130,3 +130,11 @@ def straight_line(x_B: Array | Sequence[float], K: Array, mass: Array, A_BE: Arr
     return BeamLine(
         on_x_axis(x_B), np.tile(A_BE, (count, 1, 1)), (section,), np.zeros(count, dtype=int)
     )
+
+
+def without_pieces(package: ModalPackage) -> ModalPackage:
+    """The package as an earlier version wrote it."""
+    second = package.second_order
+    assert second is not None
+    sums = replace(second, point_mass=None, point_phi_B=None, point_h_B=None)
+    return replace(package, second_order=sums)

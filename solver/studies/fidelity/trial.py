@@ -219,7 +219,8 @@ def _heavier(package: ModalPackage, factor: float) -> ModalPackage:
     second = package.second_order
     if second is not None:
         tables = {name: factor * getattr(second, name) for name in ("Z0_B", "Z1_B", "G3", "G4")}
-        second = replace(second, **tables)
+        pieces = None if second.point_mass is None else factor * second.point_mass
+        second = replace(second, **tables, point_mass=pieces)
     return replace(
         package,
         mass=factor * package.mass,
