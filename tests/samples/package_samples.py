@@ -101,7 +101,7 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
         ),
         recovery=BodyRecovery(x, np.zeros(n, dtype=np.int64), resultants @ X, np.eye(3)),
         mode_labels=tuple(f"bending-xy {i + 1}" for i in range(m)),
-        second_order=second_order_from_stations(node_mass, nodes, phi, h),
+        second_order=second_order_from_stations(node_mass, nodes, phi, h, nodes[:, 0]),
         compliance=0.5 * (compliance + compliance.T),
         provenance={"tools": {"numpy": np.__version__}, "ranks": 1},
     )

@@ -107,6 +107,8 @@ def test_no_second_order_displacement_at_all() -> None:
     package = reduced(CLAMPED, modes, mass=np.diag([1, 1, 1, 0.03, 0.02, 0.01])).package
     size = float(np.abs(package.shapes_B).max()) ** 2
     for path, value in field_values(package.second_order).items():
+        if path in ("point_mass", "point_phi_B"):  # of the first order
+            continue
         assert np.abs(value).max() < 1e-12 * size, path
         package = with_table(package, path, noise(value.shape, size))
     exchanged = package.second_order.G4
