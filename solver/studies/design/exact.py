@@ -100,7 +100,7 @@ def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, 
         if not (isinstance(value, float) and isinstance(other, float)):
             name = ".".join(map(str, path))
             raise InputError(f"{where}: changes {name} from {value!r} to {other!r}")
-        yield {"of": list(path), "factor": float(f"{(other - value) / h:.10g}")}
+        yield {"of": list(map(str, path)), "factor": float(f"{(other - value) / h:.10g}")}
 
 
 def runs_beside(
