@@ -86,38 +86,27 @@ def run_chart(options: argparse.Namespace) -> int:
     print(aligned(rows, (2,), head=1, rule=False))
     data = {**found.entry(), "plan": answer.plan.table()}
     write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
-    path = draw_ladder(
-        figure,
-        found,
-        f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}",
-        delivered=answer.finest is None,
-    )
-    print(f"Chart: {path}")
+    title = f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}"
+    print(f"Chart: {draw_ladder(figure, found, title)}")
     return 0
 
 
-def draw_ladder(path: Path, found: Ladder, title: str, *, delivered: bool = True) -> Path:
-    """Draw error against CPU time: all models, their front, the chosen one, the check.
-
-    `delivered` tells whether the result of the check is delivered, not that of a finer run.
-    """
+def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
+    """Draw error against CPU time: all models, their front, the chosen one, the check."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with house_style():
-        from matplotlib.ticker import LogFormatter
-
         canvas = Canvas(7.5, 4.6)
         (axis,) = canvas.panels(1, 1)
         shown, front = (
             [rung for rung in rungs if rung.error > 0.0] for rungs in (found.rungs, found.front())
         )
-        checked = "check, delivered" if delivered else "check"
         estimate = Rung("", found.chosen.cpu, found.estimate)
         for label, rungs, mark, ink, size in (
             ("models", shown, "o", GREY, 4),
             ("front", front, "-", GREY, 0),
             ("chosen", [found.chosen], "D", colour(0), 8),
             ("estimate", [estimate], "_", colour(0), 16),
-            (checked, [found.check], "s", colour(2), 8),
+            ("check, delivered", [found.check], "s", colour(2), 8),
         ):
             x, y = [rung.cpu for rung in rungs], [rung.error for rung in rungs]
             axis.loglog(x, y, mark, color=ink, markersize=size, linewidth=1.0, label=label)
@@ -132,9 +121,6 @@ def draw_ladder(path: Path, found: Ladder, title: str, *, delivered: bool = True
             fontsize=8,
             transform=axis.get_yaxis_transform(),
         )
-        for along in (axis.xaxis, axis.yaxis):
-            along.set_major_formatter(LogFormatter())  # 1e-3: formulas are not drawn as such
-            along.set_minor_formatter(LogFormatter())
         axis.set(xlabel="CPU time of a run [s]", ylabel="error / largest value")
         axis.set_title(title, color=INK)
         axis.legend(loc="lower left", markerscale=0.7)  # the front goes from upper left down

@@ -49,10 +49,9 @@ class Answer:
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
     reactions : (o,) signals that are joint forces, as far as the plan was checked
     settled : (o,) change of the check by a tighter tolerance; None: not known
-    finest : of a request that is not met, the run with all modes of the package of the check
     beyond : where the delivered run leaves the range of the theory, in words
     plan_sha256 : of the plan as it was read from its file, or written there
-    delivered : the finest run, or that of the check, or of the model if there is none
+    delivered : the run of the check; that of the model if the check did not reach the end
     """
 
     spec: RunSpec
@@ -68,7 +67,6 @@ class Answer:
     check: Trial | None = None
     reactions: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     settled: Array | None = None
-    finest: Trial | None = None
     rounds: int = 0
     reason: str = ""
     horizon: float | None = None
@@ -98,21 +96,17 @@ class Answer:
         return self.trial, self.check
 
     @property
-    def _delivered(self) -> tuple[str, Trial | None]:
-        runs = (("all modes", self.finest), ("check", self.check), ("model", self.trial))
-        known = [(name, trial) for name, trial in runs if trial is not None]
-        complete = [(name, trial) for name, trial in known if trial.complete]
-        return next(iter(complete or known), ("none", None))
-
-    @property
     def delivered(self) -> Trial | None:
         """The run whose result is delivered."""
-        return self._delivered[1]
+        known = [trial for trial in (self.check, self.trial) if trial is not None]
+        return next((trial for trial in known if trial.complete), known[0] if known else None)
 
     @property
     def delivered_name(self) -> str:
-        """Which run is delivered: "model", "check" or "all modes"."""
-        return self._delivered[0]
+        """Which run is delivered: "model" or "check"."""
+        if self.delivered is None:
+            return "none"
+        return "check" if self.delivered is self.check else "model"
 
     @property
     def delivered_at_most(self) -> dict[str, float | None]:
@@ -122,14 +116,12 @@ class Answer:
         smaller, no run tells. A run that no other one was compared with has no estimate. Joint
         forces of a check may have larger errors, by its tolerance: that change is one of them.
         """
-        richer = self.finest is not None or self.delivered is self.check
-        known = dict((estimate_entry(self) if richer else None) or {})
-        change = self.settled if self.finest is None else None
+        known = dict((estimate_entry(self) if self.delivered is self.check else None) or {})
         for o in np.flatnonzero(self.reactions).tolist():
             name, value = self.names[o], known.get(self.names[o])
             known[name] = None
-            if change is not None and value is not None:
-                known[name] = max(value, float(change[o]))
+            if self.settled is not None and value is not None:
+                known[name] = max(value, float(self.settled[o]))
         return {name: known.get(name) for name in self.names}
 
 
@@ -145,7 +137,6 @@ BETWEEN = (
 )
 DELIVERED = {
     "check": "the check",
-    "all modes": "the run with all modes of the packages",
     "model": "the chosen model",
 }
 NONE = 1e-9  # indicated cost that is not printed

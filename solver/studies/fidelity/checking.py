@@ -1,6 +1,6 @@
 """Runs of the model of a plan and of its check, within the budget of the request."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -19,7 +19,6 @@ from .plan import (
     TIGHTEST,
     Plan,
     check_plan,
-    covers,
     kind_of,
     outline,
     vibration_labels,
@@ -34,26 +33,6 @@ def power_of(kind: str) -> float:
     return POWER_OF_REACTIONS if kind == REACTION else POWER
 
 
-def exhausted(
-    check: Plan, ranked: Mapping[str, tuple[str, ...]], package: Mapping[str, tuple[str, ...]]
-) -> dict[str, tuple[str, ...]]:
-    """Return, by body, the kinds of which a check has all vibrations of its package.
-
-    Parameters
-    ----------
-    ranked : labels of the vibrations that respond, by body; other kinds are left out
-    package : labels of all vibrations of the packages of the check, by body
-    """
-    found = {}
-    for name, body in check.bodies.items():
-        responding = dict.fromkeys(kind_of(label) for label in ranked[name])
-        left = {kind_of(label) for label in package[name] if label not in body.vibrations}
-        kinds = tuple(kind for kind in responding if kind not in left)
-        if kinds:
-            found[name] = kinds
-    return found
-
-
 def tail(m: int, n: int, power: float = POWER) -> float:
     """Return the contribution of vibrations above n, over that of m + 1 to n."""
     known = float((np.arange(m + 1, n + 1) ** -power).sum())
@@ -61,9 +40,11 @@ def tail(m: int, n: int, power: float = POWER) -> float:
 
 
 MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
-SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
-SECOND_COST = 4.0  # CPU time of a second check over that of the first: more modes, 0.3 of its rtol
-TIGHTENED = 10.0  # tolerance of a check of joint forces over that of the run it is compared with
+# Of the accuracy: estimate up to which no further run shows what both packages lack. By `tail`, it
+# is at most 1.6 times what the package of the model lacks, which is a part of the estimate.
+SURE = 1.0 / 3.0
+TIGHTENED = 30.0  # tolerance of a check of joint forces over that of the run it is compared with
+TIGHTENED_COST = 4.0  # CPU time of that run over that of the check
 SPLIT_COST = 0.5  # of the budget that is left, for all runs of a split
 
 
@@ -75,14 +56,12 @@ class Checking:
     ----------
     accuracy, metric : of the request
     budget : CPU seconds
-    may_promote : the plan may be changed
     """
 
     answer: Answer
     accuracy: float
     metric: str
     budget: float
-    may_promote: bool = True
     begin: float = field(default_factory=work_s)
 
     def __post_init__(self) -> None:
@@ -93,7 +72,6 @@ class Checking:
         self.powers = np.array([power_of(kinds[name]) for name in answer.names])
         answer.reactions = np.array([kinds[name] == REACTION for name in answer.names])
         self.ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
-        self._stuck = False  # nothing is left to promote towards the last check
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
 
     def left(self) -> float:
@@ -133,17 +111,6 @@ class Checking:
                     static = 0 if body.rigid else max(body.static, STATIC)
                     answer.plan = answer.plan.with_body(name, static=static)
 
-    def _check_plan(self, more: int = 2) -> Plan:
-        check = self.answer.study.check
-        return check_plan(self.answer.plan, self.ranked, check, more, self.tighter)
-
-    def _covered(self, wanted: Plan) -> bool:
-        """Tell whether the last check is one of the plan, for which `wanted` would be made."""
-        answer = self.answer
-        return answer.check is not None and covers(
-            answer.check.plan, wanted, answer.plan, self.ranked, answer.study.check
-        )
-
     def _estimate(self, errors: Array) -> float:
         """Take errors (o,) as those of the model; return the largest."""
         self.answer.estimate = self._estimates = errors
@@ -154,26 +121,16 @@ class Checking:
         """Tell whether the estimate is within the accuracy."""
         return self._largest <= MARGIN * self.accuracy
 
-    def _close(self) -> bool:
-        """Tell whether the estimate is so near the accuracy that one check is not enough."""
-        return self.accuracy * SECOND_CHECK < self._largest and self._fits()
-
     def settled(self) -> bool:
         """Run model and check; tell whether the request is met, or nothing can help."""
         answer = self.answer
         answer.settled = None
         with self._timed("model"):
             answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
-        with self._timed("check"):
-            wanted, last = self._check_plan(), answer.check
-            covered = self._covered(wanted)
-            if not covered:
-                # A richer check is worth its time if the model agrees with the last one.
-                if last is not None and not self._stuck:
-                    self._estimate(distance(self.metric, *answer.pair))
-                if last is None or self._stuck or self._fits():
-                    answer.check = self.run(wanted) or last
-                    covered = answer.check is not last
+        wanted = check_plan(answer.plan, answer.study.check, self.tighter)
+        if answer.check is None or answer.check.plan.rtol > wanted.rtol:
+            with self._timed("check"):
+                answer.check = self.run(wanted) or answer.check
         answer.rounds += 1
         answer.verdict = "not met"
         if answer.check is None or answer.trial is None:
@@ -182,36 +139,14 @@ class Checking:
                 answer.reason = "no check: the budget is used up, or its model cannot be assembled"
             return True
         self._estimate(distance(self.metric, *answer.pair))
-        if self._close() and covered:
-            fits = SECOND_COST * answer.check.cpu <= self.left()
-            if self.may_promote and not self._stuck and not fits:
-                answer.reason = f"the check differs by {self._largest:.2g}, which is near the "
-                answer.reason += "accuracy"
-                return False  # a richer model takes less time than a richer check
-            self._second()
         early = not_compared(*answer.pair)
         answer.reason = early or f"the check differs by {self._largest:.2g}"
         if answer.pair[1].finished.solution.code:  # a finding: a promoted model does not change it
             return True
-        if not covered and self._fits():
-            answer.reason = "the model has all that its last check has, and no run checks it"
-        return covered and self._fits() and self._met()
-
-    def _second(self) -> None:
-        """Compare with a richer check; keep the larger estimate and deliver the richer run."""
-        wanted = self._check_plan(more=4)
-        self._checked_again(replace(wanted, rtol=0.3 * wanted.rtol))
-
-    def _checked_again(self, plan: Plan) -> bool:
-        """Compare with another check, keep the larger estimate, deliver that run; False without."""
-        with self._timed("check"):
-            other = self.run(plan)
-        if other is None or not other.complete:
+        if self._fits() and answer.check.plan.rtol > wanted.rtol:
+            answer.reason = "no check has a tolerance below that of the model"
             return False
-        self.answer.check = other
-        again = distance(self.metric, *self.answer.pair)
-        self._estimate(np.maximum(self._estimates, again))
-        return True
+        return self._fits() and self._met()
 
     def _tighten(self) -> None:
         """Compare the check of joint forces with the same one of a tighter tolerance; deliver that.
@@ -219,12 +154,15 @@ class Checking:
         They have the accelerations of fast vibrations, which a check does not damp: its tolerance
         may change them by more than it differs from the model, which does not have them.
         """
-        answer, check = self.answer, self.answer.pair[1]
+        answer, (model, check) = self.answer, self.answer.pair
         plan = replace(check.plan, rtol=max(check.plan.rtol / TIGHTENED, TIGHTEST))
-        if not answer.reactions.any() or SECOND_COST * check.cpu > self.left():
+        if not answer.reactions.any() or TIGHTENED_COST * check.cpu > self.left():
             return
-        if self._checked_again(plan):
-            answer.settled = distance(self.metric, check, answer.pair[1])
+        with self._timed("check"):
+            other = self.run(plan)
+        if other is not None and other.complete:
+            answer.check, answer.settled = other, distance(self.metric, check, other)
+            self._estimate(np.maximum(self._estimates, distance(self.metric, model, other)))
 
     def _met(self) -> bool:
         """Estimate what both packages lack; tell whether this settles the request."""
@@ -259,25 +197,30 @@ class Checking:
 
     def _unseen(self) -> tuple[Array | None, str]:
         """Return what vibrations above those of the packages contribute to the signals (o,), and
-        where; None if the check does not have all vibrations of a kind."""
-        study, check = self.answer.study, self.answer.pair[1]
-        model, finer = (
-            {name: vibration_labels(rich.package) for name, rich in packages.items()}
-            for packages in (study.model, study.check)
-        )
-        kinds = exhausted(check.plan, self.ranked, finer)
-        poor, share = check.plan, np.zeros(len(self.powers))
-        for name, these in kinds.items():
-            if len(model[name]) < len(finer[name]):
+        where; None if no run tells.
+
+        It follows from what vibrations of the check contribute that another run does not have: the
+        check with the package of the model or, far below the accuracy, the model itself.
+        """
+        study, (model, check) = self.answer.study, self.answer.pair
+        finer = any(b.mesh == "check" and not b.rigid for b in model.plan.bodies.values())
+        sure = self._largest <= SURE * self.accuracy and not finer
+        poor, share, blind = check.plan, np.zeros(len(self.powers)), list[str]()
+        for name, body in check.plan.bodies.items():
+            less, more = (vibration_labels(of[name].package) for of in (study.model, study.check))
+            kinds = dict.fromkeys(kind_of(label) for label in body.vibrations)
+            if kinds and len(less) < len(more):
                 poor = poor.with_body(name, mesh="model")
-                for kind in these:
-                    m, n = (sum(kind_of(x) == kind for x in of[name]) for of in (model, finer))
+                blind.append(f"{' and '.join(kinds)} of {name}")
+                less = model.plan.bodies[name].vibrations if sure else less
+                for kind in kinds:
+                    m, n = (sum(kind_of(x) == kind for x in known) for known in (less, more))
                     share = np.maximum(share, [tail(m, n, power) for power in self.powers])
-        if poor == check.plan:
+        if not blind:
             return None, ""
-        other = self.run(poor)
-        more = None if other is None else share * distance(self.metric, other, check)
-        return more, ", ".join(f"{' and '.join(these)} of {name}" for name, these in kinds.items())
+        other = model if sure else self.run(poor)
+        missing = None if other is None else share * distance(self.metric, other, check)
+        return missing, ", ".join(blind)
 
     def _meshes(self) -> str:
         """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""
@@ -316,35 +259,14 @@ class Checking:
         single = [*promotions(model.plan, check.plan, self.ranked)]
         if len(single) * model.cpu <= SPLIT_COST * self.left():
             with self._timed("split"):
-                for kind, body, plan in single:
-                    if (other := self.run(plan)) is not None:
+                for kind, body, changes in single:
+                    if (other := self.run(model.plan.with_body(body, **changes))) is not None:
                         value = float(distance(self.metric, model, other).max(initial=0.0))
                         found.append(Share(kind, body, value if np.isfinite(value) else 1e300))
         answer.shares = sorted(found, key=lambda share: -share.value)
         more = promoted(
             answer.plan, check.plan, self.ranked, answer.shares, self._largest, self.accuracy
         )
-        if more != answer.plan:
-            answer.plan, self._stuck = more, False
-            return True
-        if self._stuck:
-            return False
-        self._stuck = self._close() or not self._covered(self._check_plan())
-        return self._stuck
-
-    def refuse(self) -> None:
-        """Run all modes of the packages of the check, if the budget allows as much as a check.
-
-        Load shapes that the base motion does not need stand for vibrations above those of the
-        package: joint forces of the shaken cantilever have half the error.
-        """
-        answer = self.answer
-        if answer.check is None or not answer.check.complete or self.left() < answer.check.cpu:
-            return
-        plan = answer.check.plan
-        for name in plan.bodies:
-            plan = plan.with_body(name, whole=True)
-        if plan == answer.check.plan:  # rigid bodies alone
-            return
-        with self._timed("check"):
-            answer.finest = self.run(plan)
+        changed = more != answer.plan
+        answer.plan = more
+        return changed

@@ -147,31 +147,35 @@ def _size(signal: Any, size: float) -> float:
     return (size * is_length + 1.0 * is_angle) / (signal.divide_by or 1.0)
 
 
+FORCES, PLY = ("F1", "F2", "F3", "M1", "M2", "M3"), ("11", "22", "33", "23", "13", "12")
+SPEEDS = ("velocity", "angular_velocity")
+
+
 def _others(signal: Any, mechanism: Any, size: float) -> Iterator[tuple[str, Any, float]]:
     """Yield name, signal and factor of the relatives of a signal."""
-    kind = signal.kind
-    if kind in ("deflection", "rotation") and signal.frame is None:
-        yield kind, with_values(signal, component="magnitude"), 1.0
-    elif kind in ("velocity", "angular_velocity", "acceleration"):
-        yield kind, with_values(signal, component="magnitude"), 1.0
-        turns = {"velocity": ("angular_velocity", size), "angular_velocity": ("velocity", 1 / size)}
-        if kind in turns:
-            other, factor = turns[kind]
-            yield other, with_values(signal, kind=other, component="magnitude"), factor
+    kind, whole = signal.kind, {"component": "magnitude"}
+    changes: list[dict[str, str]] = []
+    if kind == "acceleration" or (kind in ("deflection", "rotation") and signal.frame is None):
+        changes = [whole]
+    elif kind in SPEEDS:
+        changes = [{"kind": other, **whole} for other in SPEEDS]
     elif kind == "reaction":
-        of = {place.partition(".")[0] for place in mechanism.joints[signal.joint].between}
-        for joint, table in mechanism.joints.items():
-            if of - {"ground"} & {place.partition(".")[0] for place in table.between}:
-                for quantity in ("force", "moment"):
-                    factor = 1.0 if quantity == signal.quantity else size
-                    factor = 1.0 / factor if signal.quantity == "force" else factor
-                    there = {"joint": joint, "quantity": quantity, "component": "magnitude"}
-                    yield f"{quantity} of {joint}", with_values(signal, **there), factor
-    elif kind == "resultant":
-        for component in ("F1", "F2", "F3", "M1", "M2", "M3"):
-            factor = 1.0 if component[0] == signal.component[0] else size
-            factor = 1.0 / factor if signal.component[0] == "F" else factor
-            yield component, with_values(signal, component=component), factor
-    elif kind == "ply_stress":
-        for component in ("11", "22", "33", "23", "13", "12"):
-            yield component, with_values(signal, component=component), 1.0
+        joints = mechanism.joints.items()
+        bodies = {
+            n: {p.partition(".")[0] for p in joint.between} - {"ground"} for n, joint in joints
+        }
+        near = [name for name, of in bodies.items() if of & bodies[signal.joint]]
+        quantities = ("force", "moment")
+        changes = [{"joint": n, "quantity": q, **whole} for n in near for q in quantities]
+    elif kind in ("resultant", "ply_stress"):
+        changes = [{"component": each} for each in (FORCES if kind == "resultant" else PLY)]
+    for values in changes:
+        other = with_values(signal, **values)
+        yield " of ".join(values.values()), other, size ** (_arm(signal) - _arm(other))
+
+
+def _arm(signal: Any) -> int:
+    """Return the power of a length in a quantity: moments over forces, speeds over rotations."""
+    if signal.kind == "reaction":
+        return int(signal.quantity == "moment")
+    return int(signal.kind == "velocity" or (signal.kind == "resultant" and signal.component > "M"))

@@ -1,8 +1,7 @@
 """The models between rigid bodies and all modes: error and CPU time of each, for a chart."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from ...math.arrays import Array, front
 from .answer import Answer
 from .comparison import difference
-from .plan import BodyPlan, Plan, kind_of, vibration_labels
+from .plan import BodyPlan, Plan, number_of, vibration_labels
 from .trial import Trial
 
 COUNTS = (1, 2, 4)  # vibrations of each kind
@@ -57,16 +56,11 @@ def tried_models(answer: Answer) -> Ladder | None:
 def ladder(answer: Answer) -> Ladder:
     """Run the models of the ladder; `answer` has been checked.
 
-    Errors are differences from the tightest model: all vibrations and load shapes of the check
-    packages, undamped, with rtol a third of that of the check.
+    Errors are differences from the check with a third of its tolerance.
     """
     trials = [(name, answer.run(plan)) for name, plan in _plans(answer)]
-    tight = answer.pair[1].plan
-    every = {
-        name: BodyPlan(vibration_labels(answer.study.check[name].package), 10, True, "check")
-        for name in answer.plan.bodies
-    }
-    exact = answer.run(Plan(every, tight.stiffening, tight.rtol / 3.0)) or answer.pair[1]
+    check = answer.pair[1]
+    exact = answer.run(replace(check.plan, rtol=check.plan.rtol / 3.0)) or check
     found = [(name, t.cpu, t.signals) for name, t in trials if t is not None and t.complete]
     return _compared(answer, exact, found)
 
@@ -93,23 +87,15 @@ def _compared(answer: Answer, exact: Trial, tried: Iterable[tuple[str, float, Ar
 
 
 def _plans(answer: Answer) -> Iterator[tuple[str, Plan]]:
-    for rtol in TOLERANCES:
-        rigid = {name: BodyPlan() for name in answer.plan.bodies}
-        yield f"rigid, rtol {rtol:g}", Plan(rigid, False, rtol)
-    for count in COUNTS:
-        for static in (0, STATIC):
-            some = {n: BodyPlan(_lowest(answer, n, count), static) for n in answer.plan.bodies}
+    known = {n: vibration_labels(rich.package) for n, rich in answer.study.model.items()}
+    for count in (0, *COUNTS):
+        for static in (0, STATIC) if count else (0,):
+            bodies = {
+                name: BodyPlan(tuple(x for x in labels if number_of(x) <= count), static)
+                for name, labels in known.items()
+            }
+            words = f"{count} of each kind" if count else "rigid"
             shapes = ", static shapes" if static else ""
             for rtol in TOLERANCES:
-                name = f"{count} of each kind{shapes}, rtol {rtol:g}"
-                yield name, Plan(some, answer.plan.stiffening, rtol)
-
-
-def _lowest(answer: Answer, name: str, count: int) -> tuple[str, ...]:
-    """Return the labels of the first `count` vibrations of each kind of a body."""
-    seen, kept = Counter[str](), []
-    for label in vibration_labels(answer.study.model[name].package):
-        seen[kind_of(label)] += 1
-        if seen[kind_of(label)] <= count:
-            kept.append(label)
-    return tuple(kept)
+                stiffening = answer.plan.stiffening and count > 0
+                yield f"{words}{shapes}, rtol {rtol:g}", Plan(bodies, stiffening, rtol)

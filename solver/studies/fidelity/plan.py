@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...dynamics.model.model import Model
-from ...math.arrays import Array
+from ...math.arrays import Array, IntArray
 from ...mechanism.built import BuiltMechanism
 from ...package import ModalPackage
 from ...package.body.selection import (
@@ -38,7 +38,7 @@ class BodyPlan:
     ringing : the static shapes are undamped; otherwise they have a damping ratio that suppresses
         their vibrations
     mesh : "model" or "check": package that its modes come from
-    whole : it has all modes of the package that respond; of delivered runs only
+    whole : it has all modes of the package that respond; of checks only
     """
 
     vibrations: tuple[str, ...] = ()
@@ -50,7 +50,7 @@ class BodyPlan:
     @property
     def rigid(self) -> bool:
         """True if the model has none of its deformation."""
-        return not self.vibrations and not self.static
+        return not (self.vibrations or self.static or self.whole)
 
 
 @dataclass(frozen=True)
@@ -98,6 +98,12 @@ def kind_of(label: str) -> str:
     return label.rpartition(" ")[0]
 
 
+def number_of(label: str) -> int:
+    """Return the number of a vibration in its kind, 3 of "bending-xy 3"; 1 without one."""
+    number = label.rpartition(" ")[2]
+    return int(number) if number.isdigit() else 1
+
+
 def outline(plan: Plan) -> str:
     """Return a plan in a few words: modes of each body, stiffening, tolerance."""
     bodies = []
@@ -120,13 +126,9 @@ TIGHTER = 30.0
 # conservative estimate. A check of slider-cranks takes 3 instead of 5 s.
 TIGHTER_AMPLIFIED = 10.0
 FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
-# Vibrations that a check would leave out: it takes them too. A second check for their sake took as
-# long as the first one, and the budget was used up before the request could be accepted.
-FEW = 3
-SMALL = 1e-7  # singular value of a load shape that a check leaves out, relative to the largest
 # Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
 REMARKS = ("static-modes-dependent", "mesh-coarse-for-modes")
-MOST_STATIC = 16  # static shapes of a check
+MOST_STATIC = 16  # static shapes of a plan
 
 
 @dataclass(frozen=True)
@@ -186,6 +188,20 @@ class Rich:
     def _needed(self, stiffening: bool) -> Array:
         return np.concatenate([self.eta, self.further()[self.name]]) if stiffening else self.eta
 
+    def _responding(self, stiffening: bool) -> IntArray:
+        """Rows of the modes that respond."""
+        largest = np.abs(self._needed(stiffening)).max(axis=0, initial=0.0)
+        size = np.sqrt(np.diag(self.package.stiffness)) * largest
+        return np.flatnonzero(size > FAINT * float(size.max(initial=0.0)))
+
+    def whole(self, *, stiffening: bool) -> BodyPlan:
+        """Return the model of the body with all modes that respond."""
+        some = set(self._responding(stiffening).tolist())
+        free = [i for i in vibrations(self.package).tolist() if i in some]
+        labels = tuple(self.package.mode_labels[i] for i in free)
+        static = min(len(some) - len(free), MOST_STATIC)
+        return BodyPlan(labels, static, True, "check", whole=True)
+
     def energies(self, shapes: Array) -> Array:
         """Square roots of the strain energies of shapes (m, r), (r,)."""
         return np.asarray(np.sqrt((shapes * (self.package.stiffness @ shapes)).sum(axis=0)))
@@ -196,11 +212,9 @@ class Rich:
         warnings = [item for item in every if item["code"] not in REMARKS]
         provenance = {**self.package.provenance, "warnings": warnings}
         package = replace(self.package, provenance=provenance)
-        if body.whole:  # columns of the unit matrix: the modes that respond
-            largest = np.abs(self._needed(stiffening)).max(axis=0, initial=0.0)
-            size = np.sqrt(np.diag(package.stiffness)) * largest
-            some = size > FAINT * float(size.max(initial=0.0))
-            return changed_basis(package, np.eye(len(size))[:, some])
+        if body.whole:  # columns of the unit matrix
+            some = self._responding(stiffening)
+            return changed_basis(package, np.eye(package.n_mode)[:, some])
         kept = rows(package, body.vibrations)
         if not kept and not body.static:
             return rigid(package)
@@ -249,77 +263,18 @@ def energy(package: ModalPackage, q: Array) -> float:
     return float(np.sqrt(((q @ package.stiffness) * q).sum()))
 
 
-def check_plan(
-    plan: Plan,
-    ranked: Mapping[str, tuple[str, ...]],
-    check: Mapping[str, Rich],
-    more: int = 2,
-    tighter: float = TIGHTER,
-) -> Plan:
-    """Return the plan of a check: more vibrations, all load shapes, no damping, tight.
+def check_plan(plan: Plan, check: Mapping[str, Rich], tighter: float = TIGHTER) -> Plan:
+    """Return the plan of a check: all modes that respond, no damping, tight.
 
     Parameters
     ----------
-    ranked : labels of the vibrations of each body, by their indicators, largest first
-    more : vibrations that are added by rank; the lowest unused one, and that of each kind that
-        responds, are added to them, and the rest of these kinds if they are few
     tighter : tolerance of the plan over that of its check
     """
     second = any(rich.package.second_order is not None for rich in check.values())
     stiffening = plan.stiffening or second
-    bodies = {}
-    for name, body in plan.bodies.items():
-        package = check[name].package
-        known = vibration_labels(package)
-        unused = [label for label in ranked[name] if label not in body.vibrations]
-        added = [label for label in unused if label in known][:more]
-        # The lowest of all, and of each kind that responds: the model's package has no more of it.
-        left = [label for label in known if label not in (*body.vibrations, *added)]
-        kinds = {kind_of(label) for label in ranked[name]}
-        lowest = {kind_of(label): label for label in reversed(left) if kind_of(label) in kinds}
-        added += dict.fromkeys([*left[:1], *lowest.values()])
-        rest = [x for x in left if x not in added and kind_of(x) in kinds]
-        added += rest if len(rest) <= FEW else []
-        kept = tuple(label for label in known if label in (*body.vibrations, *added))
-        rich = check[name]
-        worth = rich.energies(rich.rest(rows(package, kept), stiffening=stiffening))
-        largest = float(np.linalg.norm(rich.energies(rich.rest([]))))
-        static = min(int(np.sum(worth > SMALL * max(largest, 1e-300))), MOST_STATIC)
-        bodies[name] = BodyPlan(kept, static, True, "check")
+    bodies = {name: check[name].whole(stiffening=stiffening) for name in plan.bodies}
     rtol = max(min(TIGHT, plan.rtol / tighter), TIGHTEST)
     return Plan(bodies, stiffening, rtol, plan.inputs_sha256)
-
-
-def covers(
-    check: Plan,
-    wanted: Plan,
-    plan: Plan,
-    ranked: Mapping[str, tuple[str, ...]],
-    packages: Mapping[str, Rich],
-) -> bool:
-    """Tell whether the check of an earlier plan is one of this plan, which was promoted to it.
-
-    It has a vibration more of every kind that responds, unless its package has no more of it.
-
-    Parameters
-    ----------
-    wanted : what `check_plan` returns for the plan
-    packages : of the check
-    """
-    if check == wanted:
-        return True
-    if check.rtol > wanted.rtol * (1.0 + 1e-9) or (wanted.stiffening and not check.stiffening):
-        return False
-    for name, body in plan.bodies.items():
-        has = check.bodies[name]
-        if set(body.vibrations) - set(has.vibrations) or body.static > has.static:
-            return False
-        for kind in {kind_of(label) for label in ranked[name]}:
-            known = [x for x in vibration_labels(packages[name].package) if kind_of(x) == kind]
-            more = set(known) & set(has.vibrations) - set(body.vibrations)
-            if not more and set(known) - set(has.vibrations):
-                return False
-    return True
 
 
 def planned(

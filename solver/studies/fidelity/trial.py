@@ -17,7 +17,7 @@ from ...run.preparation import Prepared, complete, prepare
 from ...run.timing import work_s
 from ...signals import Recording
 from .comparison import difference, relatives, scales
-from .plan import LEAST_RTOL, Plan, Rich, kind_of, planned, with_values
+from .plan import LEAST_RTOL, Plan, Rich, planned, with_values
 
 
 @dataclass(frozen=True)
@@ -63,20 +63,30 @@ def attempted(
     `quiet` (o,) are the signals that are rounding by the indicators.
     """
     begin = work_s()
+    return _ran(planned(spec, plan, model, check), plan, names, quiet, begin)
+
+
+def _ran(
+    spec: RunSpec,
+    plan: Plan,
+    names: list[str],
+    quiet: npt.NDArray[np.bool_] | None,
+    begin: float,
+) -> Trial | None:
+    """Run the model of a plan, whose work began at `begin`; None if it cannot be assembled."""
     try:
-        own = planned(spec, plan, model, check)
-        prepared = prepare(own.mechanism, own.packages)
+        prepared = prepare(spec.mechanism, spec.packages)
         finished = complete(prepared)
     except InputError:
         return None
     solution = finished.solution
     recording = Recording(finished.model, solution.t, solution.y)
-    compared = relatives(names, own.mechanism, prepared.built, solution.y[0])
+    compared = relatives(names, spec.mechanism, prepared.built, solution.y[0])
     measured = {n: s.values(recording) for n, s in compared.sensors(prepared.built).items()}
     signals, sizes = compared.judged(measured, plan.rtol, quiet)
     cpu = work_s() - begin
     whole = solution.status == "finished"
-    return Trial(plan, own, prepared, finished, signals, sizes, whole, cpu)
+    return Trial(plan, spec, prepared, finished, signals, sizes, whole, cpu)
 
 
 def distance(metric: str, one: Trial, two: Trial) -> Array:
@@ -90,8 +100,8 @@ def distance(metric: str, one: Trial, two: Trial) -> Array:
 
 
 TIGHTER = 30.0  # tolerance of a plan over that of its promotion
-HIGHEST, TOLERANCE = "highest vibrations", "tolerance"
-RESERVED = (HIGHEST, TOLERANCE)  # promotions after which a plan needs another check
+TOLERANCE = "tolerance"  # the promotion after which a plan needs another check
+MORE = 2  # vibrations that are promoted together
 PROMOTED = 0.3  # of the largest share, from which a kind is promoted
 
 
@@ -104,34 +114,25 @@ class Share:
     value: float
 
 
-def promotions(
-    plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
-) -> Iterator[tuple[str, str, Plan]]:
-    """Yield kind, body and plan of each single promotion towards a check.
+Ranked = Mapping[str, tuple[str, ...]]
+Promotion = tuple[str, str, dict[str, object]]
 
-    Of the vibrations of the check only kinds that respond (`ranked`, by body) are promoted. The
-    package of the check has more of a kind than that of the model. The highest of each kind stay
-    with the check as long as others are left: it then is a check of the promoted plan, too.
+
+def promotions(plan: Plan, check: Plan, ranked: Ranked) -> Iterator[Promotion]:
+    """Yield kind, body ("" of all) and changes of each single promotion towards a check.
+
+    Parameters
+    ----------
+    ranked : labels of the vibrations of the model's packages by body, largest loss first; the
+        check has more of them
     """
-    for kind, name, changes in _promotions(plan, check, ranked):
-        yield kind, name, plan.with_body(name, **changes)
-
-
-def _promotions(
-    plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
-) -> Iterator[tuple[str, str, dict[str, object]]]:
-    """Yield kind, body and changes of each single promotion."""
     for name, body in plan.bodies.items():
         more = check.bodies[name]
-        kinds = {kind_of(label) for label in ranked[name]}
-        left = (label for label in more.vibrations if label not in body.vibrations)
-        if added := [label for label in left if kind_of(label) in kinds]:
-            highest = {kind_of(label): label for label in added}.values()
-            some = [label for label in added if label not in highest]
-            kept = tuple(dict.fromkeys((*body.vibrations, *(some or added))))
-            mesh = "check" if set(some or added) - set(ranked[name]) else body.mesh
-            kind = "vibrations" if some else HIGHEST
-            yield kind, name, {"vibrations": kept, "mesh": mesh}
+        known = [label for label in ranked[name] if label in more.vibrations]
+        left = [x for x in dict.fromkeys((*known, *more.vibrations)) if x not in body.vibrations]
+        if added := left[:MORE]:
+            mesh = "check" if set(added) - set(ranked[name]) else body.mesh
+            yield "vibrations", name, {"vibrations": (*body.vibrations, *added), "mesh": mesh}
         if more.static > body.static:
             static = max(2 * body.static, body.static + 2)
             yield "statics", name, {"static": min(static, more.static)}
@@ -148,7 +149,7 @@ def _promotions(
 def promoted(
     plan: Plan,
     check: Plan,
-    ranked: Mapping[str, tuple[str, ...]],
+    ranked: Ranked,
     shares: list[Share],
     estimate: float,
     accuracy: float,
@@ -156,22 +157,19 @@ def promoted(
     """Return the plan with the promotions of large shares; with all, if none explains the check.
 
     A share above the accuracy is large whatever the others are: another round would have to
-    promote it. The highest vibrations of a check and the tolerance are promoted for their own
-    shares, or if nothing else is left, because the plan then needs another check.
+    promote it. The tolerance is promoted for its own share, or if nothing else is left, because
+    the plan then needs another check.
     """
     largest = max((share.value for share in shares), default=0.0)
     every = not shares or estimate > 2.0 * largest
     least = min(PROMOTED * largest, accuracy)
     value = {(share.kind, share.body): share.value for share in shares}
-    single, more = [*_promotions(plan, check, ranked)], plan
-    for kind, body, changes in single:
-        own, reserved = value.get((kind, body), 0.0), kind in RESERVED
-        if own >= least > 0.0 or (every and (not reserved or own >= PROMOTED * accuracy)):
+    more = plan
+    for kind, body, changes in promotions(plan, check, ranked):
+        own = value.get((kind, body), 0.0)
+        cheap = kind != TOLERANCE or own >= PROMOTED * accuracy or more == plan
+        if own >= least > 0.0 or (every and cheap):
             more = more.with_body(body, **changes)
-    for reserved_kind in RESERVED if every else ():
-        for kind, body, changes in single if more == plan else ():
-            if kind == reserved_kind:
-                more = more.with_body(body, **changes)
     return more
 
 
@@ -183,20 +181,13 @@ def horizon(trial: Trial, names: list[str], accuracy: float) -> float | None:
 
     None if that is never, or if the changed run ends early.
     """
-    spec = changed(trial.spec)
-    try:
-        prepared = prepare(spec.mechanism, spec.packages)
-    except InputError:
+    other = _ran(changed(trial.spec), trial.plan, names, None, 0.0)
+    if other is None or not (other.complete and trial.complete):
         return None
-    finished = complete(prepared)
-    solution = finished.solution
-    if solution.status != "finished" or not trial.complete:
-        return None
-    recording = Recording(finished.model, solution.t, solution.y)
-    signals = np.array([prepared.measured[name].values(recording) for name in names])
     sizes = trial.scales("pointwise")
-    far = np.flatnonzero((np.abs(signals - trial.signals) / sizes[:, None]).max(axis=0) > accuracy)
-    return float(solution.t[far[0]]) if far.size else None
+    gap = np.abs(other.signals - trial.signals) / sizes[:, None]
+    far = np.flatnonzero(gap.max(axis=0) > accuracy)
+    return float(trial.finished.solution.t[far[0]]) if far.size else None
 
 
 def changed(spec: RunSpec) -> RunSpec:

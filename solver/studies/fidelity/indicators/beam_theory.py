@@ -11,7 +11,7 @@ from ....math.arrays import Array
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
 from ....run.error_bars import held_ends
-from ..plan import BodyPlan, Rich, kind_of
+from ..plan import BodyPlan, Rich, kind_of, number_of
 from .response import Indicators
 
 if TYPE_CHECKING:
@@ -232,7 +232,7 @@ def beam_theory(
     if held is not None:
         lengths = dict(zip(package.mode_labels, held.tolist(), strict=True))
         values["waves"] = sum(
-            worth.get(n, 0.0) * short_waves(found, lengths[n], length / _number(n)) for n in kept
+            worth.get(n, 0.0) * short_waves(found, lengths[n], length / number_of(n)) for n in kept
         )
     return BeamTheory(name, found, length, values, local / (2.0 * np.pi))
 
@@ -261,8 +261,3 @@ def _curvature(rich: Rich) -> float:
     F = np.einsum("sim,km->ksi", recovery.resultants_E, rich.eta)
     strains = F @ np.linalg.inv(rich.package.sections[0].K).T
     return float(np.linalg.norm(strains[..., 4:], axis=-1).max(initial=0.0))
-
-
-def _number(label: str) -> int:
-    number = label.rpartition(" ")[2]
-    return int(number) if number.isdigit() else 1

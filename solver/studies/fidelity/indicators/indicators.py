@@ -16,10 +16,8 @@ from ....run.inputs import RunSpec
 from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
 from ..comparison import kind_of_signal, relatives, scales
-from .loaded import Study, base_motion, loaded
+from .loaded import Study, base_motion, built_with, loaded
 from .response import Effects, Indicators, Mode, Response, effects, elastic_columns, response
-
-PARALLEL = 1.0 - 1e-12  # cosine of axes that are the same
 
 
 def stiffening_loss(
@@ -60,16 +58,10 @@ def spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str,
         if name not in names or not built.model.n_mode[i]:
             continue
         w = np.array([spin.spin(i, found.y[k]) for k in found.at.tolist()])
-        speed = np.linalg.norm(w, axis=1)
-        largest, seen = 0.0, np.zeros((0, 3))
-        for k in np.argsort(-speed, kind="stable").tolist():
-            if speed[k] <= largest * spin.safe_spin[i]:  # that of any axis is higher
-                break
-            axis = w[k] / speed[k]
-            if not (np.abs(seen @ axis) > PARALLEL).any():  # it was faster about this one
-                largest = max(largest, float(speed[k] / spin.critical_spin(i, axis)))
-                seen = np.vstack([seen, axis])
-        out[name] = largest
+        speeds = np.linalg.norm(w, axis=1)
+        k = int(np.argmax(speeds))
+        if speeds[k] > 0.0:
+            out[name] = float(speeds[k] / spin.critical_spin(i, w[k] / speeds[k]))
     return out
 
 
@@ -126,8 +118,9 @@ def study(
     scale = np.where(quiet, sizes, scales(metric, whole))
     count = len(signals)  # relatives follow
     parts = Effects(every.base[:count], every.response[:count], every.static[:count])
-    stiffened, again = np.zeros(count), model.stiffened
-    if again is not None:
+    stiffened = np.zeros(count)
+    if any(package.second_order is not None for package in model.packages.values()):
+        again = built_with(spec, model.packages, stiffening=True)
         second = sensors(again, mechanism.signals, wanted=wanted)
         first = {name: measured[name] for name in signals}
         lost = stiffening_loss(found, again, first, second, parts)

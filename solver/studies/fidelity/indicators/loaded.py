@@ -10,7 +10,6 @@ import numpy as np
 
 from ....dynamics.evaluation import series
 from ....dynamics.evaluation.variations import residuals
-from ....dynamics.model.model import Model
 from ....errors import InputError
 from ....math.arrays import Array, IntArray
 from ....mechanism.build import build
@@ -123,7 +122,7 @@ def quasi_static(package: ModalPackage, p: Array) -> Array:
     return np.asarray(np.linalg.solve(package.stiffness, p.T).T)
 
 
-def _built(spec: RunSpec, packages: Packages, *, stiffening: bool = False) -> BuiltMechanism:
+def built_with(spec: RunSpec, packages: Packages, *, stiffening: bool = False) -> BuiltMechanism:
     """Return the mechanism of a run with geometric stiffening or without."""
     solver = with_values(spec.mechanism.solver, geometric_stiffening=stiffening)
     mechanism: Any = with_values(spec.mechanism, solver=solver)
@@ -172,11 +171,11 @@ def _further(
             ((eta[n][rows] @ one.stiffness) * eta[n][rows]).sum(axis=1) for n, one in mine.items()
         ]
         some = rows[np.argsort(-np.sum(bent, axis=0), kind="stable")[:PROBES]]
-        built = _built(spec, packages, stiffening=True)
+        built = built_with(spec, packages, stiffening=True)
         more = responding(mine, left(built, some, {name: eta[name][some] for name in mine}))
         modes = {name: np.union1d(kept, more[name]) for name, kept in modes.items()}
     fewer = with_modes(mine, modes)
-    built = _built(spec, {**packages, **fewer}, stiffening=True)
+    built = built_with(spec, {**packages, **fewer}, stiffening=True)
     q = {name: eta[name][np.ix_(rows, kept)] for name, kept in modes.items()}
     found = {name: np.zeros((2, len(rows), package.n_mode)) for name, package in mine.items()}
     for again in range(2):
@@ -192,29 +191,6 @@ def _further(
     return {n: weight * each.reshape(2 * len(rows), each.shape[2]) for n, each in found.items()}
 
 
-def without_second_order(model: Model) -> Model:
-    """Return a model with the same bodies without geometric stiffening, sharing all other tables.
-
-    The same as to assemble it again, at a fraction of the time.
-    """
-    nothing, none = np.zeros(0), np.zeros(model.n_body + 1, dtype=np.int64)
-    return model._replace(
-        second_start=none,
-        third_start=none,
-        fourth_start=none,
-        Z=nothing,
-        Z_used=np.zeros_like(model.Z_used),
-        G3=nothing,
-        G4=nothing,
-        marker_second=np.full_like(model.marker_second, -1),
-        marker_H=nothing,
-        marker_H_used=np.zeros_like(model.marker_H_used),
-        carried_start=none,
-        carried_marker=np.zeros(0, dtype=np.int64),
-        carried_mass=nothing,
-    )
-
-
 @dataclass(frozen=True)
 class Loaded:
     """Rich packages with their response, and the mechanism with the modes that respond.
@@ -222,14 +198,14 @@ class Loaded:
     Attributes
     ----------
     built : linear
-    stiffened : the same with geometric stiffening; None if no body has second-order data
+    packages : of the bodies in it
     modes : rows of the package whose modes are in `built`, by body
     p : (k, n_vel) loads that the base motion leaves in `built`
     """
 
     rich: dict[str, Rich]
     built: BuiltMechanism
-    stiffened: BuiltMechanism | None
+    packages: dict[str, ModalPackage]
     modes: dict[str, IntArray]
     p: Array
 
@@ -247,16 +223,12 @@ def loaded(spec: RunSpec, base: Base, packages: Packages, names: list[str]) -> L
     }
     packages = {name: packages[name] for name in names}
     mine = {**fixed, **packages}
-    built, stiffened = _built(spec, mine), None
+    built = built_with(spec, mine)
     modes = responding(
         packages, by_body(built, modal_loads(base, built.model, telling_times(base)))
     )
     fewer = with_modes(packages, modes)
-    if any(package.second_order is not None for package in fewer.values()):
-        stiffened = _built(spec, {**fixed, **fewer}, stiffening=True)
-        built = replace(stiffened, model=without_second_order(stiffened.model))
-    elif any(fewer[name] is not packages[name] for name in packages):
-        built = _built(spec, {**fixed, **fewer})
+    built = built_with(spec, {**fixed, **fewer})
     p = modal_loads(base, built.model)
     on = by_body(built, p)
     eta = {name: np.zeros((len(p), package.n_mode)) for name, package in packages.items()}
@@ -268,7 +240,7 @@ def loaded(spec: RunSpec, base: Base, packages: Packages, names: list[str]) -> L
         return _further(spec, base, mine, eta, modes)
 
     rich = {name: Rich(name, packages[name], eta[name], further) for name in names}
-    return Loaded(rich, built, stiffened, modes, p)
+    return Loaded(rich, built, {**fixed, **fewer}, modes, p)
 
 
 @dataclass(frozen=True)

@@ -17,54 +17,6 @@ from ....signals import Sensor
 from ..comparison import difference
 from ..plan import Base
 
-RESOLVED = 0.15  # frequency times step up to which Newmark's method keeps a vibration
-MASSLESS = 1e-14  # of the largest inverse squared frequency: a direction that joints hold
-
-
-@dataclass(frozen=True)
-class Ringing:
-    """Vibrations k of the modes m after the start.
-
-    Attributes
-    ----------
-    rate : (m,) rates without them, at the start
-    shapes : (m, k) amplitudes of the modes
-    w, decay : (k,) frequencies [rad/s] and rates of decay [1/s]
-    """
-
-    rate: Array
-    shapes: Array
-    w: Array
-    decay: Array
-
-    def history(self, t: Array) -> tuple[Array, Array, Array]:
-        """Return coordinates, rates and accelerations (k, m) at times t from the start."""
-        phase = np.outer(t, self.w)
-        fading = np.exp(-np.outer(t, self.decay))
-        sine, cosine = np.sin(phase) * fading, np.cos(phase) * fading
-        q = sine @ self.shapes.T
-        return q, cosine @ (self.shapes * self.w).T, -sine @ (self.shapes * self.w**2).T
-
-
-def ringing(M: Array, K: Array, D: Array, rate: Array, step: float) -> Ringing:
-    """Return the vibrations that a start from rest leaves if the quasi-static shape has a `rate`.
-
-    Parameters
-    ----------
-    M, K, D : (m, m) of the modes
-    rate : (m,) of the quasi-static coordinates at the start
-    step : between output times [s]
-    """
-    root = np.linalg.inv(np.linalg.cholesky(K))  # K = C C'
-    inverse, U = np.linalg.eigh(root @ (0.5 * (M + M.T)) @ root.T)
-    some = inverse > max(MASSLESS * float(inverse[-1]), 1e-300)
-    some &= inverse * RESOLVED**2 < step**2
-    w, X = 1.0 / np.sqrt(inverse[some]), root.T @ U[:, some]
-    moved = X.T @ M @ rate * w  # X has a stiffness of 1
-    decay = 0.5 * w**2 * (X * (D @ X)).sum(axis=0)
-    return Ringing(X @ (w * moved), -X * moved, w, decay)
-
-
 GAMMA = 0.55
 BETA = 0.25 * (GAMMA + 0.5) ** 2
 HELD = 1e-12  # of the largest mass: a direction that joints hold has none
@@ -78,7 +30,6 @@ def newmark(
     K: Array,
     D: Array,
     start: Array | None,
-    rate: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Return coordinates, rates and accelerations (k, m) at times t (k,), from rest.
 
@@ -87,7 +38,6 @@ def newmark(
     p : (k, m)
     masses, at : (s, m, m) and the s rows of t from which each holds; K, D : (m, m)
     start : (m,) coordinates in which the motion starts, in equilibrium; None: zero
-    rate : (m,) rates of the start, with `start`; None: zero
     """
     k, m = p.shape
     z = np.zeros((k, 3 * m))
@@ -96,7 +46,7 @@ def newmark(
         values, V = np.linalg.eigh(0.5 * (masses[0] + masses[0].T))
         a[0] = np.linalg.solve((V * np.maximum(values, HELD * values[-1])) @ V.T, p[0])
     elif start is not None:
-        q[0], v[0] = start, 0.0 if rate is None else rate
+        q[0] = start
     # The step z = T z_before + L p changes with the mass and, rarely, with the length of the step.
     h = np.diff(t, prepend=t[:1])
     segment = np.searchsorted(at, np.arange(k), side="right") - 1
@@ -225,15 +175,8 @@ def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> R
     motions = np.zeros((len(at), model.n_vel + c, m))
     motions[:, r], motions[:, model.n_vel :] = follow[:, :n], follow[:, n:]
     motions[:, e] = np.eye(m)
-    start, rate, rings = eta[0] if deformed else None, None, None
-    if deformed and p.size and len(t) > 2:
-        moving = np.gradient(eta[:3], t[:3], axis=0, edge_order=2)[0]
-        rings = ringing(masses[0], K, D, moving, float(t[1] - t[0]))
-        rate = rings.rate
-    q, v, a = newmark(t, p, masses, at, K, D, start, rate)
-    if rings is not None:
-        q, v, a = (one + two for one, two in zip((q, v, a), rings.history(t - t[0]), strict=True))
-    return Response(base, model, y, accelerations, e, K, eta, (q, v, a), at, motions)
+    history = newmark(t, p, masses, at, K, D, eta[0] if deformed else None)
+    return Response(base, model, y, accelerations, e, K, eta, history, at, motions)
 
 
 def _solved(A: Array, b: Array, *, regular: bool) -> Array:
