@@ -34,7 +34,7 @@ from plymotion.solver.math.disk_cache import sources_sha256
 if TYPE_CHECKING:
     from plymotion.solver.run.inputs import RunSpec
 
-SEED = 20261128
+SEED = 20261129
 Draw = np.random.Generator
 CARBON = {
     "kind": "orthotropic", "E1": 1.42e11, "E2": 9.8e9, "E3": 9.8e9, "G12": 6e9, "G13": 6e9,

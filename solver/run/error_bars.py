@@ -29,6 +29,8 @@ FEW_STEPS, TIGHTER = 100, 25.0
 # Of the vibrations of a kind, rounded up. The displacement of a beam under a force has an error of
 # n^-3 with n vibrations; that of two thirds of them is 3.4 times as large.
 FEWER = 1.0 / 3.0
+# Where no mode would be left: part of its displacement that others would add, the sum of n^-4.
+LONE = 0.1
 # The error is the difference where the second run does not have it, as that of stiffening; what
 # no vibration of the run contains adds to it. Of rigid bodies with five times the tolerance it is
 # about a quarter.
@@ -112,11 +114,15 @@ def coarser(spec: RunSpec, factor: float) -> RunSpec:
             changes[f"solver.{key}"] = factor * value
     if any(package.second_order is not None for package in spec.packages.values()):
         changes["solver.geometric_stiffening"] = True
-    for name in spec.packages:
+    packages = {name: _stiffer(package) for name, package in spec.packages.items()}
+    for name, package in spec.packages.items():
         if (tables := _requests(spec, name)) is not None:
             left = [table for table in map(_fewer, tables) if table.get("count") != 0]
-            changes[f"bodies.{name}." + ("reduced" if left else "rigid")] = left or True
-    packages = {name: _stiffer(package) for name, package in spec.packages.items()}
+            if left:
+                changes[f"bodies.{name}.reduced"] = left
+            else:
+                own = packages[name]
+                packages[name] = replace(own, stiffness=own.stiffness + LONE * package.stiffness)
     return replace(spec.changed(changes), run=f"{spec.run}, error bars", packages=packages)
 
 
