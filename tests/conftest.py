@@ -5,6 +5,8 @@ import os
 import signal
 import sys
 import threading
+import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +117,21 @@ def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> s
 def repository() -> Path:
     """The repository's root folder."""
     return ROOT
+
+
+@pytest.fixture(scope="session")
+def published(repository: Path) -> Callable[[str], dict[str, Any]]:
+    """published(name): the table of that name in tests/reference/dynamics."""
+    folder = repository / "tests/reference/dynamics"
+    return lambda name: tomllib.loads((folder / f"{name}.toml").read_text("utf-8"))
+
+
+@pytest.fixture(scope="module")
+def reference(
+    request: pytest.FixtureRequest, published: Callable[[str], dict[str, Any]]
+) -> dict[str, Any]:
+    """The published table that REFERENCE of the module names."""
+    return published(request.module.REFERENCE)
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,5 @@
 """The actuated beam of the paper's section 4.1, from the shipped packages."""
 
-import tomllib
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -13,9 +11,8 @@ TIP_MASS = 5.0
 
 
 @pytest.fixture(scope="module")
-def reference(repository):
-    file = repository / "tests/reference/dynamics/actuated_beam.toml"
-    return tomllib.loads(file.read_text())["layup-1"]
+def reference(published):
+    return published("actuated_beam")["layup-1"]
 
 
 @pytest.fixture(scope="module")

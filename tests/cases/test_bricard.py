@@ -1,15 +1,10 @@
 """Bricard's mechanism, with its redundant equation and without."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.case_samples import case_runs, run_case
 
-
-@pytest.fixture(scope="module")
-def reference(repository):
-    return tomllib.loads((repository / "tests/reference/dynamics/a04_bricard.toml").read_text())
+REFERENCE = "a04_bricard"
 
 
 @pytest.mark.parametrize("name", ["hinges", "independent"])

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import tomllib
 from pathlib import Path
 
 import h5py
@@ -22,10 +21,7 @@ SHIPPED = "tests/packages/double-pendulum"
 LIMITS = "double-pendulum-limits"
 
 
-@pytest.fixture(scope="module")
-def reference(repository):
-    file = repository / "tests/reference/dynamics/double_pendulum.toml"
-    return tomllib.loads(file.read_text())
+REFERENCE = "double_pendulum"
 
 
 @pytest.fixture(scope="module")

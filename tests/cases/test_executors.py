@@ -15,7 +15,7 @@ from harness import executor_samples as samples
 from harness.dask_cluster import TESTS, Cluster, until
 from harness.hostile_profile import WAIT_S
 from harness.mpi_samples import ranks, with_mpi
-from samples.sweep_samples import FORCE, MASS, ball, ball_plan
+from samples.sweep_samples import FORCE, MASS, ball, ball_plan, sweep
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
@@ -27,10 +27,6 @@ from plymotion.solver.workers.executors import FRUITLESS, Here, Local, distribut
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 MEMBERS = f"{FORCE} = [0.0, 1.0, 1e300, 2.0, 3.0]\n{MASS} = [1.0, 1.5, 2.0, 2.5]"
-
-
-def sweep(file, *options) -> int:
-    return main(["sweep", str(file), "--quiet", "--no-figures", *options])
 
 
 def data(file: Path) -> dict[str, np.ndarray]:

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import tomllib
 
 import numpy as np
 import pytest
@@ -12,11 +11,7 @@ from scipy.integrate import solve_ivp
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 
-
-@pytest.fixture(scope="module")
-def reference(repository):
-    file = repository / "tests/reference/dynamics/a02_n_four_bar.toml"
-    return tomllib.loads(file.read_text())
+REFERENCE = "a02_n_four_bar"
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The spin-up manoeuvre from the shipped packages: no FEniCSx needed."""
 
-import tomllib
 from dataclasses import replace as _replace
 
 import numpy as np
@@ -11,11 +10,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results.codes import BUCKLING, MATTERS, NO_STIFFENING_DATA, SPIN
 from plymotion.solver.run.execution import execute, read_run
 
-
-@pytest.fixture(scope="module")
-def reference(repository):
-    file = repository / "tests/reference/dynamics/spin_up.toml"
-    return tomllib.loads(file.read_text())
+REFERENCE = "spin_up"
 
 
 @pytest.fixture

@@ -9,14 +9,13 @@ import h5py
 import numpy as np
 import pytest
 from samples.case_samples import HEAD, SOLVER, rigid
-from samples.sweep_samples import FORCE, MASS, ball, ball_plan, checked
+from samples.sweep_samples import FORCE, MASS, ball, ball_plan, checked, result, sweep
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.error_bars import with_error_bars
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep import work
-from plymotion.solver.studies.sweep.file import read_sweep
 from plymotion.solver.studies.sweep.member import compute
 from plymotion.solver.studies.sweep.plan import Packages
 
@@ -51,14 +50,6 @@ def computed(monkeypatch):
 
     monkeypatch.setattr(work, "compute", watched)
     return numbers
-
-
-def sweep(file, *options) -> int:
-    return main(["sweep", str(file), "--quiet", "--no-figures", *options])
-
-
-def result(file):
-    return read_sweep(file.with_suffix("") / "sweep.h5")
 
 
 def pendulum(repository, folder):

@@ -5,21 +5,12 @@ import json
 import numpy as np
 import pytest
 from harness.processes import interrupted
-from samples.sweep_samples import FORCE, MASS, ball, ball_plan
+from samples.sweep_samples import FORCE, MASS, ball, ball_plan, result, sweep
 
-from plymotion.solver.__main__ import main
 from plymotion.solver.studies.sweep import work
 from plymotion.solver.studies.sweep.file import read_sweep
 from plymotion.solver.studies.sweep.member import compute
 from plymotion.solver.studies.sweep.plan import Packages
-
-
-def sweep(file, *options) -> int:
-    return main(["sweep", str(file), "--quiet", "--no-figures", *options])
-
-
-def result(file):
-    return read_sweep(file.with_suffix("") / "sweep.h5")
 
 
 @pytest.mark.usefixtures("system")

@@ -7,13 +7,13 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import uuid
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.dask_cluster import until
 from harness.processes import this_python
 from harness.struck_samples import narrow_pipe
 
@@ -284,13 +284,6 @@ def processes(mark: str) -> dict[int, str]:
             except OSError:
                 continue  # it has ended, or is not ours
     return found
-
-
-def until(true: Callable[[], object], seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.01)
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes in /proc")

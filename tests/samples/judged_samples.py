@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep.member import Packages, Row, compute
-from plymotion.solver.studies.sweep.plan import read_plan
+from plymotion.solver.studies.sweep.plan import Plan, read_plan
 
 SWEEP = """
 [sweeps.s]
@@ -27,7 +28,14 @@ class Judged:
     """A run twice."""
 
     summary: dict[str, Any]  # of the single run
-    row: Row  # of the sweep
+    plan: Plan  # of the sweep
+
+    @cached_property
+    def row(self) -> Row:
+        """The member of the sweep, computed for tests that look at it or compare the codes."""
+        (row,) = compute(self.plan, Packages(self.plan), [0], self.plan.keys())
+        assert not row.defect, row.defect
+        return row
 
     @property
     def codes(self) -> list[str]:
@@ -89,6 +97,4 @@ def _twice(file: Path, run: str, packages: Path | None) -> Judged:
     single = build / "runs" / "judged.json"
     single.write_text(json.dumps(table))
     _, summary = execute(read_run(single), progress=False)
-    (row,) = compute(plan, Packages(plan), [0], plan.keys())
-    assert not row.defect, row.defect
-    return Judged(summary, row)
+    return Judged(summary, plan)

@@ -4,8 +4,10 @@ from pathlib import Path
 
 from samples.case_samples import HEAD, SOLVER, rigid
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.studies.sweep.file import SweepResult, read_sweep
 from plymotion.solver.studies.sweep.plan import Plan, read_plan
 
 # A ball pushed by a force c t^3: a huge c is more than any step can follow.
@@ -56,3 +58,13 @@ def ball(folder: Path, vary: str, more: str = "") -> Path:
 def ball_plan(folder: Path, vary: str, more: str = "") -> Plan:
     """The same, read."""
     return read_plan(ball(folder, vary, more))
+
+
+def sweep(file: Path, *options: str) -> int:
+    """Run the command for a sweep; its exit code."""
+    return main(["sweep", str(file), "--quiet", "--no-figures", *options])
+
+
+def result(file: Path) -> SweepResult:
+    """What the sweep of a case file wrote."""
+    return read_sweep(file.with_suffix("") / "sweep.h5")

@@ -1,7 +1,6 @@
 """The package file: round trip, no incomplete files, an error for every damaged file."""
 
 import dataclasses
-import shutil
 from pathlib import Path
 
 import h5py
@@ -32,12 +31,6 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("written") / "arm.vtkhdf"
     write_package(path, cantilever())
     return path
-
-
-@pytest.fixture
-def file(written: Path, tmp_path: Path) -> Path:
-    """A copy that a test may change."""
-    return Path(shutil.copy(written, tmp_path))
 
 
 def test_round_trip_keeps_every_field(file: Path) -> None:

@@ -1,7 +1,6 @@
 """Laminates and resultants of a shell in the modal package: round trip, validation, damage."""
 
 import dataclasses
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +23,6 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("written") / "panel.vtkhdf"
     write_package(path, panel())
     return path
-
-
-@pytest.fixture
-def file(written: Path, tmp_path: Path) -> Path:
-    """A copy that a test may change."""
-    return Path(shutil.copy(written, tmp_path))
 
 
 def test_a_shell_is_sound_and_reads_back(file: Path) -> None:

@@ -1,7 +1,6 @@
 """The section file: an error for every damaged or wrong file; files of other versions."""
 
 import dataclasses
-import shutil
 from pathlib import Path
 
 import h5py
@@ -35,12 +34,6 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("written") / "bar.vtkhdf"
     write_section(path, rectangle())
     return path
-
-
-@pytest.fixture
-def file(written: Path, tmp_path: Path) -> Path:
-    """A copy that a test may change."""
-    return Path(shutil.copy(written, tmp_path))
 
 
 def with_mesh(**changes: object) -> SectionFile:

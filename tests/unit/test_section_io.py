@@ -2,7 +2,6 @@
 
 import dataclasses
 import re
-import shutil
 from pathlib import Path
 
 import h5py
@@ -31,12 +30,6 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("written") / "bar.vtkhdf"
     write_section(path, rectangle())
     return path
-
-
-@pytest.fixture
-def file(written: Path, tmp_path: Path) -> Path:
-    """A copy that a test may change."""
-    return Path(shutil.copy(written, tmp_path))
 
 
 @pytest.mark.parametrize("cell", ["quad9", "triangle6"])

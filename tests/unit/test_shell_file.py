@@ -1,7 +1,6 @@
 """Shell results files: round trip, reading by ParaView, error messages for damaged files."""
 
 import dataclasses
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -24,12 +23,6 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("written") / "plate.vtkhdf"
     write_shell(path, plate())
     return path
-
-
-@pytest.fixture
-def file(written: Path, tmp_path: Path) -> Path:
-    """A copy that a test may change."""
-    return Path(shutil.copy(written, tmp_path))
 
 
 def same(a: Any, b: Any) -> bool:

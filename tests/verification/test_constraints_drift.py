@@ -1,7 +1,5 @@
 """A01 pendulum: what every treatment makes of the constraint over 10 s. Eq. (13)."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.constraint_runs import run
@@ -12,9 +10,8 @@ INDEX_1 = ("index1", "baumgarte", "augmented-lagrangian", "projection")
 
 
 @pytest.fixture(scope="module")
-def exact(repository):
-    file = repository / "tests/reference/dynamics/a01_pendulum.toml"
-    return np.array([(p["x"], p["y"]) for p in tomllib.loads(file.read_text())["positions"]])
+def exact(published):
+    return np.array([(p["x"], p["y"]) for p in published("a01_pendulum")["positions"]])
 
 
 @pytest.mark.parametrize("name", INDEX_1)

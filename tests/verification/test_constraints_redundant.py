@@ -1,6 +1,5 @@
 """Redundant constraints: counted, named, without effect on the motion; contradictions refused."""
 
-import tomllib
 from itertools import pairwise
 
 import numpy as np
@@ -147,9 +146,8 @@ def test_drives_that_contradict_each_other_are_refused():
         ("projection", "gear", 1e-7),
     ],
 )
-def test_bricard_for_ten_seconds(name, integrator, rtol, repository):
-    file = repository / "tests/reference/dynamics/a04_bricard.toml"
-    reference = tomllib.loads(file.read_text())
+def test_bricard_for_ten_seconds(name, integrator, rtol, published):
+    reference = published("a04_bricard")
     points = reference["positions"]
     sample = bricard()
     done = run(sample, name, [0.0] + [p["t"] for p in points], integrator, rtol)
@@ -162,10 +160,9 @@ def test_bricard_for_ten_seconds(name, integrator, rtol, repository):
 
 
 @pytest.mark.parametrize("name", ["ggl", "index3"])
-def test_bricard_by_generalized_alpha(name, repository):
+def test_bricard_by_generalized_alpha(name, published):
     """Second order: 1e-4 m needs small steps, here for the first second."""
-    file = repository / "tests/reference/dynamics/a04_bricard.toml"
-    first = tomllib.loads(file.read_text())["positions"][0]
+    first = published("a04_bricard")["positions"][0]
     sample = bricard()
     done = run(sample, name, [0.0, first["t"]], rtol=2e-6)
     place = sample.place(done.solution.y)[-1]

@@ -1,7 +1,5 @@
 """Singular positions: passed by the exact branch, or ended with words that name the cause."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.constraint_runs import new_run, prepared, run
@@ -17,10 +15,7 @@ from plymotion.solver.integrators.table import new_integrator
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 
 
-@pytest.fixture(scope="module")
-def reference(repository):
-    file = repository / "tests/reference/dynamics/a02_n_four_bar.toml"
-    return tomllib.loads(file.read_text())
+REFERENCE = "a02_n_four_bar"
 
 
 def _passes(n, t_end):

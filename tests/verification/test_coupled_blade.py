@@ -1,7 +1,6 @@
 """Frequencies of a twisted, coupled, eccentric blade in spin against another discretisation."""
 
-import tomllib
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,8 @@ from plymotion.solver.studies.modes.state import States
 
 
 @pytest.fixture(scope="module")
-def known(repository: Path) -> dict[str, Any]:
-    return tomllib.loads((repository / "tests/reference/dynamics/coupled_blade.toml").read_text())
+def known(published: Callable[[str], Any]) -> dict[str, Any]:
+    return published("coupled_blade")
 
 
 def about_line(K: np.ndarray, y: float, z: float) -> np.ndarray:

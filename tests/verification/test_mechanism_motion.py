@@ -1,7 +1,5 @@
 """Joints, drives and forces of a case file against closed forms of their motion."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.case_samples import rigid, run_text
@@ -215,10 +213,9 @@ def test_bushing_and_rotary_spring_in_parallel(tmp_path):
     np.testing.assert_allclose(s["turn"], 0.5 / w * np.sin(w * t), atol=1e-8)
 
 
-def test_pendulum_on_a_massless_rod(tmp_path, repository):
+def test_pendulum_on_a_massless_rod(tmp_path, published):
     """A01 of the IFToMM library as a distance: a mass point, its rotations free."""
-    file = repository / "tests/reference/dynamics/a01_pendulum.toml"
-    reference = tomllib.loads(file.read_text())
+    reference = published("a01_pendulum")
     text = (
         f"gravity = [0.0, {-reference['gravity']}, 0.0]\n" + GROUND
         + rigid("bob", 1.0, 1.0, {"a": (0, 0, 0)}, position=(-1, 0, 0))

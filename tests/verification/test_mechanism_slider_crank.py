@@ -1,7 +1,5 @@
 """The flexible slider crank of the Test Set for IVP Solvers: motion, vibration, forces."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.flexible_samples import simulate
@@ -21,10 +19,7 @@ X, Z = (frame_from_axis(np.array(a)) for a in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
 ORIGIN = np.zeros(3)
 
 
-@pytest.fixture(scope="module")
-def reference(repository):
-    file = repository / "tests/reference/dynamics/ivp_slider_crank.toml"
-    return tomllib.loads(file.read_text())
+REFERENCE = "ivp_slider_crank"
 
 
 def _rod(data) -> Body:

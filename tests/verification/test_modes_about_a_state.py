@@ -1,7 +1,5 @@
 """Modes about a state against closed forms, by the command `plymotion modes`."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.case_samples import rigid
@@ -12,9 +10,8 @@ POINT = 1e-9  # inertia of what should be a mass point [kg m2]
 
 
 @pytest.fixture(scope="module")
-def table(repository):
-    file = repository / "tests/reference/dynamics/modes.toml"
-    return tomllib.loads(file.read_text())
+def table(published):
+    return published("modes")
 
 
 def hinge(name, one, two, axis, more=""):

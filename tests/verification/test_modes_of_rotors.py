@@ -1,7 +1,5 @@
 """Whirl speeds of rotors, by the command `plymotion modes`."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.beam_samples import CHORD, reduced
@@ -12,9 +10,8 @@ from plymotion.solver.package import write_package
 
 
 @pytest.fixture(scope="module")
-def rotor(repository):
-    file = repository / "tests/reference/dynamics/modes.toml"
-    return tomllib.loads(file.read_text())["two-disc-rotor"]
+def rotor(published):
+    return published("modes")["two-disc-rotor"]
 
 
 def shaft(e):

@@ -1,7 +1,5 @@
 """Modes of beams in steady spin, by the command `plymotion modes`, against tables."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from peers.spinning_beam import flap
@@ -41,9 +39,8 @@ STIFFENED = "geometric_stiffening = true\n"
 
 
 @pytest.fixture(scope="module")
-def table(repository):
-    file = repository / "tests/reference/dynamics/rotating_beam.toml"
-    return tomllib.loads(file.read_text())
+def table(published):
+    return published("rotating_beam")
 
 
 def blade_beside(folder, modes):

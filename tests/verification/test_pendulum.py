@@ -1,7 +1,5 @@
 """Pendulums: the rigid limit against the exact solution, and the same mass by two routes."""
 
-import tomllib
-
 import numpy as np
 import pytest
 from samples.flexible_samples import simulate, total_energy
@@ -16,9 +14,7 @@ from plymotion.solver.package import from_stations
 NOTHING = np.zeros((3, 0))
 
 
-@pytest.fixture(scope="module")
-def reference(repository):
-    return tomllib.loads((repository / "tests/reference/dynamics/a01_pendulum.toml").read_text())
+REFERENCE = "a01_pendulum"
 
 
 def _pendulum(body, gravity, *, phi=NOTHING, masses=()):

@@ -1,7 +1,6 @@
 """The rotor in the wind against CCBlade, against momentum theory and against itself turned."""
 
 import re
-import tomllib
 
 import numpy as np
 import pytest
@@ -48,20 +47,17 @@ class Steady:
         return loads[:, 0] / width, -loads[:, 1] / width
 
 
-def _points(repository):
-    file = repository / "tests/reference/dynamics/rotor_ccblade.toml"
-    return tomllib.loads(file.read_text())
+REFERENCE = "rotor_ccblade"
 
 
 @pytest.mark.parametrize("k", range(5))
-def test_loads_along_the_blade_are_those_of_ccblade(tmp_path, repository, k):
-    table = _points(repository)
-    point = table["points"][k]
+def test_loads_along_the_blade_are_those_of_ccblade(tmp_path, reference, k):
+    point = reference["points"][k]
     wind = f"speed = {{ constant = {point['speed']} }}"
     found = Steady(write_rotor(tmp_path, wind, pitch=point["pitch"])).of_first_blade()
     for ours, key in zip(found, ("axial", "around"), strict=True):
         theirs = np.array(point[key])
-        assert np.abs(ours - theirs).max() < table["tolerance"] * np.abs(theirs).max()
+        assert np.abs(ours - theirs).max() < reference["tolerance"] * np.abs(theirs).max()
 
 
 def test_induction_by_the_polynomial_of_hawc2(tmp_path):
@@ -80,9 +76,9 @@ def test_induction_by_the_polynomial_of_hawc2(tmp_path):
     np.testing.assert_allclose(-w_n / V, np.minimum(expected, 0.95), rtol=2e-3)
 
 
-def test_the_reference_is_that_of_ccblade(repository):
+def test_the_reference_is_that_of_ccblade(reference):
     pytest.importorskip("wisdem.ccblade.ccblade")
-    for point in _points(repository)["points"]:
+    for point in reference["points"]:
         found = ccblade(point["speed"], point["pitch"])
         for key in ("axial", "around"):
             np.testing.assert_allclose(found[key], point[key], atol=2e-3)

@@ -1,6 +1,6 @@
 """Beams in segments at large rotations, against published values and closed forms."""
 
-import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,7 @@ from plymotion.solver.results.codes import INDEFINITE, ROTATION
 from plymotion.solver.run.execution import execute
 from plymotion.solver.run.preparation import prepare
 
-
-@pytest.fixture(scope="module")
-def reference(repository: Path) -> dict[str, Any]:
-    return tomllib.loads((repository / "tests/reference/dynamics/large_rotations.toml").read_text())
+REFERENCE = "large_rotations"
 
 
 def slowly_loaded(
@@ -167,12 +164,12 @@ def test_flying_beam_has_the_momentum_of_its_loads(reference: dict[str, Any]) ->
     assert np.abs(np.array(tips[0]) - tips[1])[:, -1].max() < 5e-3 * data["length"]
 
 
-def test_spin_up_of_a_beam_in_segments(repository: Path) -> None:
+def test_spin_up_of_a_beam_in_segments(repository: Path, published: Callable[[str], Any]) -> None:
     """The manoeuvre of cases/spin-up: least deflection and steady elongation.
 
     The motion is plane. In space the flat section would give way sideways, which the monitor sees.
     """
-    expected = tomllib.loads((repository / "tests/reference/dynamics/spin_up.toml").read_text())
+    expected = published("spin_up")
     package = read_package(repository / "tests/packages/spin-up/beam.stiffened.vtkhdf")
     section = package.sections[0]
     table = cantilever(4, 10.0)

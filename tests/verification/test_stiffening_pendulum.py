@@ -1,7 +1,5 @@
 """The soft double pendulum in clamped frames, and the geometric stiffness of its bodies."""
 
-import tomllib
-
 import numpy as np
 from samples.flexible_samples import simulate
 from samples.stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
@@ -10,11 +8,10 @@ from plymotion.solver.checks.stability import SpinMonitor, geometric_stiffness
 from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 
 
-def test_clamped_frames_complete_with_the_error_of_large_rotations(repository):
+def test_clamped_frames_complete_with_the_error_of_large_rotations(published):
     """Rotations of 0.25 rad relative to the frame: the terms that second order neglects are
     documented."""
-    file = repository / "tests/reference/dynamics/double_pendulum.toml"
-    expected = tomllib.loads(file.read_text())["isotropic-soft-free"]
+    expected = published("double_pendulum")["isotropic-soft-free"]
     pendulum = soft_pendulum(CLAMPED, soft_modes(2, static=False), elements=16)
     states = simulate(pendulum.model, pendulum.y0, np.array([0.0, 1.0]), rtol=1e-6)
     tip = pendulum.place(pendulum.tip, states[-1])[:2]

@@ -1,7 +1,5 @@
 """Frequencies of rotating beams: the solver's accelerations, linearised about steady spin."""
 
-import tomllib
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -20,9 +18,8 @@ MASS = SectionMass(1.0, np.zeros(3), np.diag([2e-10, 1e-10, 1e-10])).matrix()
 
 
 @pytest.fixture(scope="module")
-def table(repository):
-    file = repository / "tests/reference/dynamics/rotating_beam.toml"
-    return tomllib.loads(file.read_text())
+def table(published):
+    return published("rotating_beam")
 
 
 @pytest.fixture(scope="module")
@@ -93,10 +90,9 @@ def test_linear_flap_does_not_stiffen_and_linear_chord_is_unstable():
     assert slow[0] < 1.0
 
 
-def test_composite_blade_against_measured_flap_frequencies(blade, repository):
+def test_composite_blade_against_measured_flap_frequencies(blade, published):
     """A package of the preprocessor, its section analysed: Epps and Chandra (1996)."""
-    file = repository / "tests/reference/dynamics/rotating_blade.toml"
-    expected = tomllib.loads(file.read_text())
+    expected = published("rotating_blade")
     for rpm, measured in zip(expected["rpm"], expected["flap_hz"], strict=True):
         values, columns = steady_spin(blade, rpm * np.pi / 30.0, hub=0.0635)
         flap = [k for k, label in enumerate(blade.mode_labels) if label.startswith("bending-xz")]

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from ...errors import InputError, few
 from ...inputs.case.design import CheckedStudy
@@ -69,6 +68,8 @@ def first_points(study: CheckedStudy, space: Space) -> Array:
     own = space.z(study.start)[None]
     if count == 1:
         return own
+    from scipy.stats import qmc  # here: loading it takes 0.4 s
+
     sobol = qmc.Sobol(len(space.names), rng=np.random.default_rng(study.table.seed))
     shares = sobol.random_base2(int(np.ceil(np.log2(count - 1))) if count > 2 else 0)[: count - 1]
     return np.r_[own, space.lower + shares * (space.upper - space.lower)]
