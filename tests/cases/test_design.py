@@ -282,6 +282,20 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
             np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
 
 
+def test_packages_without_derivatives_have_differences(
+    fenicsx: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Half of a pair of modes turns with the angle of one ply: the design is valid all the same."""
+    study = {"run": "base", "maximise": {"section": "arm", "entry": "K14"}, "verify": False}
+    table = tube(4, parameters=angles(4), studies={"f": study})
+    order = Order(table, Path("t.toml"), False, "f", Path("f"), exact=True)
+    at = np.zeros(4)
+    exact, plain = Trials(order), Trials(replace(order, exact=False))
+    assert not exact.values(at).why
+    assert exact.slopes(at) == plain.slopes(at)
+    assert "couples a selected mode with one of the same frequency" in caplog.text
+
+
 def test_run_without_a_tangent() -> None:
     """Another integrator has differences; `exact` is refused by name."""
     table = oscillator(starts=1, iterations=1)

@@ -188,6 +188,28 @@ def test_nearest_allowed_angles_are_compared() -> None:
     assert start.best.p[0] == allowed[np.argmax([_plate(t) for t in np.radians(allowed)])]
 
 
+class _Pitted(_Plates):
+    """Designs of two angles: a flat top at zero, and a better one that has no good neighbours."""
+
+    def values(self, p: Array) -> Values:
+        f = 2.0 if p.tolist() == [60.0, -60.0] else float(1.0 / (1.0 + np.abs(p).sum()))
+        return Values("", [[f]], [f], [""])
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        return [[[0.0, 0.0]]]
+
+
+@pytest.mark.parametrize("step", [30.0, 20.0])
+def test_few_allowed_designs_are_all_compared(step: float) -> None:
+    """Of 49, the search for better neighbours ends at (0, 0); of 81 it is all there is."""
+    study, start = _study(2, angles(2, step=step)), Start(0)
+    space, first = [Mass(study.table.objective)], np.array([10.0, 10.0])
+    problem = Problem(_Pitted(), study.table, space, space_of(study), first)
+    search(start, study, lambda z: problem, first)
+    assert start.best is not None
+    assert start.best.p == ([60.0, -60.0] if step == 30.0 else [0.0, 0.0])
+
+
 def test_rules_that_no_allowed_design_follows_are_named() -> None:
     study = _study(1, angles(1, set=[0.0, 20.0, 90.0]), rules=[{"share": 0.1}])
     start = Start(0)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from .trials import Order, Trials
 QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
 TURN, TURNS = 3.0, 3  # [deg] out of a saddle; at most so many times
+EVERY = 64  # combinations of allowed values, up to which all are computed
 
 
 class Known:
@@ -177,9 +179,10 @@ def _beside_saddle(problem: Problem, study: CheckedStudy, number: int) -> Array 
 def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
     """Return the best design of allowed values near a continuous one.
 
-    Each parameter goes to the nearest allowed value. Then, layer by layer, its neighbours are
-    computed and the best one is kept; exchanges of two layers follow, until nothing is better.
-    Continuous parameters keep their values.
+    Few combinations are all computed. Of more, each parameter goes to the nearest allowed value.
+    Then, layer by layer, its neighbours are computed and the best one is kept; neighbours of the
+    opposite angle and exchanges of two layers follow, until nothing is better. Continuous
+    parameters keep their values.
     """
     space, seen = problem.space, dict[bytes, Point]()
     z = space.z(np.array(start.p))
@@ -208,27 +211,41 @@ def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
             return True
         return False
 
+    if np.prod([len(space.allowed[k]) for k in layers]) <= EVERY:
+        values = np.array([*product(*(space.allowed[k] for k in layers))])
+        every = np.tile(z, (len(values), 1))
+        every[:, layers] = values
+        improved([*every])
+        return point(z)
     better = True
     while better:
         better = any([improved(_neighbours(study, space, z, k)) for k in layers])
+        better = better or any([improved(_neighbours(study, space, z, k, -1.0)) for k in layers])
         pairs = [(i, j) for i in layers for j in layers if i < j and z[i] != z[j]]
         for i, j in pairs if not better else ():
             better = improved([_exchanged(space, z, i, j)]) or better
     return point(z)
 
 
-def _neighbours(study: CheckedStudy, space: Space, z: Array, k: int) -> list[Array]:
-    """Return points with the next allowed values of one parameter; of a choice all others."""
+def _neighbours(
+    study: CheckedStudy, space: Space, z: Array, k: int, sign: float = 1.0
+) -> list[Array]:
+    """Return points with the allowed values of one parameter that are next to sign times its own.
+
+    Of a choice all others.
+    """
     values = list(space.allowed[k])
     kind, at = study.parameters[space.names[k]].kind, values.index(float(z[k]))
+    if sign < 0.0:
+        at = int(np.abs(np.array(values) + z[k]).argmin())
     around = kind == "angle" and values[-1] - values[0] + values[1] - values[0] >= 2.0 * QUARTER
-    near: Any = {at - 1, at + 1}
+    near: Any = {at - 1, at, at + 1}
     if kind == "choice":
-        near = set(range(len(values))) - {at}
+        near = set(range(len(values)))
     elif around:
         near = {i % len(values) for i in near}
     found = []
-    for i in sorted(i for i in near if 0 <= i < len(values) and i != at):
+    for i in sorted(i for i in near if 0 <= i < len(values) and values[i] != z[k]):
         found.append(z.copy())
         found[-1][k] = values[i]
     return found or [z]

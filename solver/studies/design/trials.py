@@ -83,6 +83,7 @@ class Trials:
         self._plan, self.exact = order.plan, order.exact
         self._beside: dict[str, list[Parameter]] = {}  # of the last design, by run
         self._failed: dict[Path, str] = {}  # packages that could not be built
+        self._refused = ""  # why the packages of the last design have no derivatives
         self._last: tuple[bytes, Made, list[Array]] | None = None
         self._traces: dict[str, Traced] = {}  # of the last design, by run
         keep_preprocessors()
@@ -104,7 +105,10 @@ class Trials:
 
     def values(self, p: Array) -> Values:
         """Return the values of a design (p,), or why it is invalid."""
+        self._refused = ""
         made = self._made_exact(p) if self.exact else self._made([p])[0]
+        if self._refused:
+            made = self._made([p])[0]
         if isinstance(made, str):
             return Values(made, [], [], [])
         try:
@@ -128,7 +132,7 @@ class Trials:
         assert self._last is not None
         _, made, raws = self._last
         weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
-        if self.exact and p.size > MANY:
+        if self.exact and p.size > MANY and not self._refused:
             parameters = self._beside[self.study.table.run]
             found = adjoint_slopes(self._traces, parameters, self.measures, made)
             if found is not None:
@@ -205,6 +209,8 @@ class Trials:
 
     def _exact(self) -> list[list[Array]]:
         """Return derivatives of the arrays of all measures, by parameter."""
+        if self._refused:
+            raise InputError(self._refused)
         assert self._last is not None
         made = self._last[1]
         run = self.study.table.run
@@ -259,7 +265,9 @@ class Trials:
                 built += members.bodies[0].items()
             files = self.build(built)
         except InputError as error:
-            return _line(error)
+            self._refused = _line(error)
+            return self._refused
+        self._refused = next(iter(self._failed.values()), "")
         try:
             self._traces.clear()
             made = self._run(own, designs.others, 0, files, self._traces)
