@@ -14,6 +14,7 @@ from plymotion.preprocess import fenicsx
 from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes
 from plymotion.preprocess.shell.cells import ShellError
+from plymotion.preprocess.shell.model import problem as shell_problem
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.links import averaged, carried
 from plymotion.preprocess.shell.model.problem import ShellProblem
@@ -102,6 +103,19 @@ def test_assembly_is_the_sum_over_cells(record: Record) -> None:
     assert problem.K.has_sorted_indices
     trace = np.sort(np.linalg.eigvalsh(dense[:-6, :-6]))[-5:]
     record("shell box stiffness", trace)
+
+
+@pytest.mark.one_end
+def test_lay_ups_of_one_mesh_share_it_in_dolfinx() -> None:
+    """The second one makes no mesh, and has the matrix that it has alone."""
+    specs = [plate(4, h) for h in (0.01, 0.02)]
+    shell_problem._surface.cache_clear()
+    matrices = [ShellProblem(spec).K for spec in specs]
+    found = shell_problem._surface.cache_info()
+    assert (found.misses, found.hits) == (1, 1)
+    shell_problem._surface.cache_clear()
+    assert (matrices[1] != ShellProblem(specs[1]).K).nnz == 0
+    assert (matrices[0] != matrices[1]).nnz > 0
 
 
 def test_rigid_motions_have_no_energy_and_their_mass() -> None:

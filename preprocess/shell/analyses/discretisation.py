@@ -12,7 +12,7 @@ than `FOLD` belong to another surface; the curve in which two surfaces meet lies
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,6 +43,7 @@ class Refined(NamedTuple):
     from_coarse: sp.csr_matrix  # (n_fine, n)
 
 
+@lru_cache(maxsize=2)
 def refined(mesh: ShellMesh) -> Refined:
     """The mesh with twice as many cells along every side; the old nodes come first."""
     n, cells = mesh.n_node, mesh.cells

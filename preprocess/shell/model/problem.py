@@ -26,7 +26,7 @@ SI and degrees; docs/shell-description.md explains each key.
 import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -163,18 +163,9 @@ class Assembly:
         return other
 
     @cached_property
-    def _surfaces(self) -> list[fenicsx.Surface]:
-        points = self._mesh.points_G
-        return [
-            fenicsx.Surface(points, np.concatenate([region.nodes for region in kind]))
-            for kind in self._kinds
-        ]
-
-    @cached_property
-    def _pattern(self) -> fenicsx.SurfacePattern:
-        return fenicsx.SurfacePattern(
-            [surface.cells for surface in self._surfaces], self._mesh.n_node + self._extra
-        )
+    def _surfaces(self) -> tuple[fenicsx.Surface, ...]:
+        nodes = (np.concatenate([r.nodes for r in kind]).astype(np.int64) for kind in self._kinds)
+        return tuple(_surface(self._mesh, own.tobytes(), own.shape[1]) for own in nodes)
 
     def matrix(self, kernel: Callable[[int], fenicsx.Kernel], **entries: Array) -> sp.csr_matrix:
         """Sum of the matrices of the cells, (n_dof, n_dof) with ascending columns.
@@ -193,7 +184,20 @@ class Assembly:
             cells = np.concatenate([region.cells for region in kind])
             write(table, **{name: values[cells] for name, values in entries.items()})
             parts.append((surface, found, table))
-        return self._pattern.summed(parts)
+        return _pattern(self._surfaces, self._mesh.n_node + self._extra).summed(parts)
+
+
+# Lay-ups of one mesh, one after the other, share what DOLFINx needs of it and of its finer one.
+@lru_cache(maxsize=4)
+def _surface(mesh: ShellMesh, nodes: bytes, corners: int) -> fenicsx.Surface:
+    """Cells of one kind by their nodes."""
+    cells = np.frombuffer(nodes, dtype=np.int64).reshape(-1, corners)
+    return fenicsx.Surface(mesh.points_G, cells)
+
+
+@lru_cache(maxsize=4)
+def _pattern(surfaces: tuple[fenicsx.Surface, ...], n_node: int) -> fenicsx.SurfacePattern:
+    return fenicsx.SurfacePattern([surface.cells for surface in surfaces], n_node)
 
 
 def _by_corners(regions: Sequence[Region]) -> list[list[Region]]:
