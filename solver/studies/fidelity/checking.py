@@ -10,7 +10,7 @@ from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...run.timing import work_s
 from .answer import Answer, not_compared
-from .choice import accuracy_over_rtol
+from .choice import MOTIONS, accuracy_over_rtol
 from .comparison import kind_of_signal
 from .plan import (
     STATIC,
@@ -70,6 +70,8 @@ class Checking:
         by_kind, by_size = accuracy_over_rtol(answer.study.indicators, kinds)
         self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
         self.powers = np.array([power_of(kinds[name]) for name in answer.names])
+        plain = (*MOTIONS, "deflection", "rotation", REACTION)
+        self._in_sections = any(kinds[name] not in plain for name in answer.names)
         answer.reactions = np.array([kinds[name] == REACTION for name in answer.names])
         self.ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
@@ -200,11 +202,14 @@ class Checking:
         where; None if no run tells.
 
         It follows from what vibrations of the check contribute that another run does not have: the
-        check with the package of the model or, far below the accuracy, the model itself.
+        check with the package of the model or, far below the accuracy, the model itself. Forces
+        and stresses in sections follow from curvatures, which static shapes hide: they need the
+        first, if there is a budget.
         """
         study, (model, check) = self.answer.study, self.answer.pair
         finer = any(b.mesh == "check" and not b.rigid for b in model.plan.bodies.values())
         sure = self._largest <= SURE * self.accuracy and not finer
+        use_model = sure and (not self._in_sections or self.left() <= 0.0)
         poor, share, blind = check.plan, np.zeros(len(self.powers)), list[str]()
         for name, body in check.plan.bodies.items():
             less, more = (vibration_labels(of[name].package) for of in (study.model, study.check))
@@ -212,13 +217,13 @@ class Checking:
             if kinds and len(less) < len(more):
                 poor = poor.with_body(name, mesh="model")
                 blind.append(f"{' and '.join(kinds)} of {name}")
-                less = model.plan.bodies[name].vibrations if sure else less
+                less = model.plan.bodies[name].vibrations if use_model else less
                 for kind in kinds:
                     m, n = (sum(kind_of(x) == kind for x in known) for known in (less, more))
                     share = np.maximum(share, [tail(m, n, power) for power in self.powers])
         if not blind:
             return None, ""
-        other = model if sure else self.run(poor)
+        other = model if use_model else self.run(poor)
         missing = None if other is None else share * distance(self.metric, other, check)
         return missing, ", ".join(blind)
 
