@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ else:
     settings.load_profile("plymotion")
 
 
-# Two thirds of the time of the tests without FEniCSx are spent in these files: they start
+# Three quarters of the time of the tests without FEniCSx are spent in these files: they start
 # programs, compile, kill, or integrate for long. `make check` leaves them to `make test`.
 SLOW = {
     "cases": """actuated_beam antenna_panel compiled controlled_arm default_settings design
@@ -153,3 +153,12 @@ def fenicsx() -> str:
         return find_interpreter()
     except InputError as error:
         pytest.skip(f"needs FEniCSx: {error}")
+
+
+@pytest.fixture(scope="module")
+def one_fenicsx() -> Iterator[None]:
+    """One process of FEniCSx for the commands of a module that run in one folder: 1 s for each."""
+    from plymotion.solver.workers.launch import kept_preprocessors
+
+    with kept_preprocessors():
+        yield

@@ -247,7 +247,8 @@ def kept_preprocessors() -> Iterator[None]:
         yield
     finally:
         _kept = before
-        _end_all(at_once=False)
+        if not _kept:  # else a block around this one keeps them
+            _end_all(at_once=False)
 
 
 def make(start: Start, spec: Path) -> Line:
@@ -343,9 +344,8 @@ def _end_all(*, at_once: bool) -> None:
         found = [own for own in (*_idle, *_busy) if own.made_in[1] == os.getpid()]
         _idle.clear()
         _busy.clear()
-    if at_once:
-        for own in found:
-            own.interrupt()
+    for own in found if at_once else ():
+        own.interrupt()
     for own in found:
         if own.timer is not None:
             own.timer.cancel()

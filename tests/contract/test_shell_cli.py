@@ -71,7 +71,7 @@ count = 2
 """
 
 
-pytestmark = pytest.mark.usefixtures("fenicsx")
+pytestmark = pytest.mark.usefixtures("fenicsx", "one_fenicsx")
 
 
 Run = Callable[..., tuple[int, str, str]]

@@ -27,6 +27,7 @@ from plymotion.solver.inputs.case.tables.beams import BeamBody
 from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.math.laws import lengths_along
 
+pytestmark = pytest.mark.usefixtures("one_fenicsx")
 WORDS = ["--at", "0,0.4,1", "--quiet", "--no-estimate"]  # of the stations that are analysed
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]
 

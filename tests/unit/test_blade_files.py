@@ -25,6 +25,7 @@ from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.math.laws import lengths_along
 from plymotion.solver.report.section.codes import read_results
 
+pytestmark = pytest.mark.usefixtures("one_fenicsx")
 PLACES = [0.1, 0.3, 0.55, 0.8, 1.0]
 PLANE = {"anchor_curve": "reference_axis", "anchors_nd_grid": [0.0, 1.0], "rotation": 0.0}
 

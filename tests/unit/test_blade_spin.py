@@ -13,6 +13,7 @@ from plymotion.solver.extras.blade.stations import analysed, frequencies_at_rest
 from plymotion.solver.extras.blade.windio import Hub, read_blade
 from plymotion.solver.workers.launch import kept_preprocessors
 
+pytestmark = pytest.mark.usefixtures("one_fenicsx")
 HUB = {"diameter": 3.0, "cone_angle": 5.0}
 
 
