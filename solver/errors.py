@@ -60,14 +60,28 @@ MOST_NAMED = 5
 
 
 def few(words: Iterable[str], separator: str = ", ", most: int = MOST_NAMED) -> str:
-    """Return the first of some words, and how many more there are: "a, b, c, d, e and 12 more"."""
+    """Return the first of some words, and how many more there are: "a, b, c, d, e and 12 more".
+
+    Parameters
+    ----------
+    words : the words
+    separator : text between them
+    most : number of words that are named
+    """
     every = list(words)
     more = f" and {len(every) - most} more" if len(every) > most else ""
     return separator.join(every[:most]) + more
 
 
 def counted(number: int, one: str, several: str = "") -> str:
-    """Return a number with its noun, "1 body"; `several` of it are `one` with an s by default."""
+    """Return a number with its noun, "1 body"; `several` of it are `one` with an s by default.
+
+    Parameters
+    ----------
+    number : the number
+    one : noun of one
+    several : noun of several
+    """
     return f"{number} {one if number == 1 else several or one + 's'}"
 
 
@@ -78,7 +92,15 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Exception]) -> None:
-    """Raise `error` if this is not a table, or for its first unknown key, with the nearest one."""
+    """Raise `error` if this is not a table, or for its first unknown key, with the nearest one.
+
+    Parameters
+    ----------
+    table : table of an input file
+    known : keys that it may have
+    where : path of the table, for messages
+    error : class of the error
+    """
     if not isinstance(table, Mapping):
         raise error(f"{where} = {table!r}: expected a table")
     for key in table:
@@ -90,7 +112,14 @@ def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Excep
 
 
 def not_by_check(file: Path, what: str, cause: object) -> InputError:
-    """Return the error of a file that is no `what` ("run file") of `plymotion check`."""
+    """Return the error of a file that is no `what` ("run file") of `plymotion check`.
+
+    Parameters
+    ----------
+    file : the file that was read
+    what : what was expected, as "run file"
+    cause : error or text that says why it is none
+    """
     why = f"no key {cause}" if isinstance(cause, KeyError) else cause
     if file.suffix == ".toml":
         why = f"a TOML file; of a case: `plymotion {file}`, for a sweep with --sweep NAME"
@@ -103,14 +132,29 @@ def coded(code: str, message: str) -> list[dict[str, str]]:
 
 
 def nearest(name: str, known: Iterable[str], most: int = MOST_NAMED) -> str:
-    """Return `did_you_mean`, or some known names if none is close."""
+    """Return `did_you_mean`, or some known names if none is close.
+
+    Parameters
+    ----------
+    name : name that is not known
+    known : the known names
+    most : number of known names that are named
+    """
     names = sorted(known)
     listed = f"; known: {few(names, most=most)}" if names else "; none is defined"
     return did_you_mean(name, names) or listed
 
 
 def unknown(key: str, name: str, what: str, known: Iterable[str]) -> list[str]:
-    """Return the error of a name at a key that is not among the known ones, of a known one none."""
+    """Return the error of a name at a key that is not among the known ones, of a known one none.
+
+    Parameters
+    ----------
+    key : key of the input file
+    name : its value
+    what : what the value names, as "joint"
+    known : the known names
+    """
     known = list(known)
     return [] if name in known else [f'{key} = "{name}": no such {what}{nearest(name, known)}']
 

@@ -102,6 +102,30 @@ def modules_in(graph: Graph, folder: str) -> int:
     return sum(where == folder and name != "__init__.py" for where, _, name in files)
 
 
+def documented(texts: dict[str, str]) -> dict[str, bool]:
+    """Return whether each public function of three or more arguments documents its parameters."""
+    found: dict[str, bool] = {}
+
+    def visit(file: str, inside: ast.Module | ast.ClassDef) -> None:
+        for node in inside.body:
+            if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name.startswith("_"):
+                continue
+            if isinstance(node, ast.ClassDef):
+                visit(file, node)
+            elif isinstance(node, ast.FunctionDef):
+                given = node.args
+                every = [*given.posonlyargs, *given.args, *given.kwonlyargs]
+                every += [one for one in (given.vararg, given.kwarg) if one is not None]
+                count = sum(one.arg not in ("self", "cls") for one in every)
+                if count >= 3:
+                    text = ast.get_docstring(node) or ""
+                    found[f"{file}:{node.name}:{node.lineno}"] = "Parameters\n---" in text
+
+    for name, text in texts.items():
+        visit(name, ast.parse(text))
+    return found
+
+
 def table(root: Path) -> str:
     """Return the table of the page in Markdown."""
     texts = sources(root)
@@ -110,6 +134,7 @@ def table(root: Path) -> str:
     graphs = {part: imports(texts, part) for part in PARTS[:2]}
     levels = longest_chain(rooms(graphs["solver"], "solver"))
     chains = ", ".join(f"{longest_chain(graph)} in {part}/" for part, graph in graphs.items())
+    known = documented(texts)
     large = {
         folder: modules_in(graph, folder)
         for graph in graphs.values()
@@ -132,6 +157,10 @@ def table(root: Path) -> str:
             ", ".join(f"{name} {n}" for name, n in sorted(large.items())),
         ),
         ("`dict[str, Any]`", str(sum(text.count("dict[str, Any]") for text in texts.values()))),
+        (
+            "public functions of three or more arguments; their parameters documented",
+            f"{len(known)}; {sum(known.values())}",
+        ),
     ]
     lines = ["| measure | value |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows)]
     return "\n".join(lines)

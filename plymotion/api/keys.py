@@ -223,7 +223,17 @@ def check(
     where: str,
     folder: Path,
 ) -> None:
-    """Raise InputError if a key of a table has a wrong value; what is missing is no error yet."""
+    """Raise InputError if a key of a table has a wrong value; what is missing is no error yet.
+
+    Parameters
+    ----------
+    kind : type of the table, or of its values
+    model : pydantic model of the table, if it has one
+    table : keys and values so far
+    key : the key that is set
+    where : path of the table in the case, for messages
+    folder : folder for relative names of files
+    """
     given, context = plain(table), {FOLDER: folder}
     try:
         if model is not None:

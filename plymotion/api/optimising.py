@@ -175,7 +175,15 @@ def optimise(
 def order_of(
     case: Case | str | Path, study: str | None, out: str | Path | None, *, coarse: bool
 ) -> Order:
-    """Return a study of a case. Raises InputError: the case has no such study, or several."""
+    """Return a study of a case. Raises InputError: the case has no such study, or several.
+
+    Parameters
+    ----------
+    case : case, or its file
+    study : name of the study; None: the only one
+    out : folder of the results; None: build/CASE
+    coarse : with the changes of [coarse]
+    """
     case = as_case(case)
     design = case.table.get("design", {})
     studies = list(design.get("studies", {}))

@@ -265,7 +265,15 @@ def chosen(
     *,
     coarse: bool = False,
 ) -> tuple[CheckedCase, str, Path]:
-    """Return a checked case, the name of a run and the folder of results. Raises InputError."""
+    """Return a checked case, the name of a run and the folder of results. Raises InputError.
+
+    Parameters
+    ----------
+    case : case, or its file
+    run : name of the run; None: the only one
+    out : folder of the results; None: build/CASE
+    coarse : with the changes of [coarse]
+    """
     case = as_case(case)
     checked = case.check(coarse=coarse, sweeps=())
     return checked, run_named(case.name, run, checked.runs), folder_of(case, out, coarse=coarse)
@@ -299,7 +307,14 @@ def signals_of(data: RunResult) -> ByName[Signal]:
 
 
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
-    """Return the folder of the results of a case."""
+    """Return the folder of the results of a case.
+
+    Parameters
+    ----------
+    case : case
+    out : folder that was asked for; None: build/CASE
+    coarse : with the changes of [coarse]
+    """
     return Path(out) if out is not None else Path("build") / (case.name + "-coarse" * coarse)
 
 
@@ -309,7 +324,14 @@ def named(out: str | Path | None) -> AbstractContextManager[None]:
 
 
 def run_named(name: str, run: str | None, runs: Iterable[str]) -> str:
-    """Return a run that a case has; None: its only one. Raises InputError."""
+    """Return a run that a case has; None: its only one. Raises InputError.
+
+    Parameters
+    ----------
+    name : name of the case
+    run : name of the run; None: the only one
+    runs : names of its runs
+    """
     known = list(runs)
     run = run or only_run(name, known)
     if run not in known:

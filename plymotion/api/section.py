@@ -265,6 +265,14 @@ def section(
 ) -> Section:
     """Return `Section.from_file` of the same arguments.
 
+    Parameters
+    ----------
+    file : description (TOML) or results (.vtkhdf)
+    changes : dotted keys of the description and their values
+    derivatives : parameters of the derivatives, as keys or as factors by key
+    out : folder of the results
+    force : analyse even if results are up to date
+
     Examples
     --------
     >>> import plymotion as pm

@@ -31,7 +31,14 @@ def text(value: object) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "") -> str:
-    """Return a table; `head` names the columns."""
+    """Return a table; `head` names the columns.
+
+    Parameters
+    ----------
+    head : names of the columns
+    rows : values of each row
+    caption : text above the table
+    """
     top = "".join(f"<th>{escape(word)}</th>" for word in head)
     body = "".join(
         "<tr>" + "".join(f"<td>{text(value)}</td>" for value in row) + "</tr>" for row in rows
@@ -41,7 +48,15 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = 
 
 
 def curve(t: Array, values: Array, width: int = 260, height: int = 48) -> Markup:
-    """Return a curve as an SVG picture without axes; values that are not finite leave gaps."""
+    """Return a curve as an SVG picture without axes; values that are not finite leave gaps.
+
+    Parameters
+    ----------
+    t : times (k,) [s]
+    values : values (k,)
+    width : width of the picture [px]
+    height : its height [px]
+    """
     t, values = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
     known = np.isfinite(values)
     size = f'width="{width}" height="{height}" viewBox="0 0 {width} {height}"'

@@ -169,6 +169,13 @@ class Sweep:
     def plot(self, signal: str, measure: str = "max", axes: Any = None, **style: Any) -> Any:
         """Draw a measure of a signal over the first parameter with matplotlib; return the axes.
 
+        Parameters
+        ----------
+        signal : name of the signal
+        measure : "max", "min" or another measure of the sweep's file
+        axes : axes of matplotlib; None: the current ones
+        style : options of matplotlib's `plot`
+
         >>> import plymotion as pm
         >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
         >>> found.plot("tip_z", "min").get_xlabel()

@@ -55,14 +55,32 @@ def new_observation(model: Model, most: int) -> Observation:
 def observe(
     model: Model, seen: Observation, t: Array, y: Array, energy: Array, pivots: Array
 ) -> None:
-    """Fill energy (k, 3) and pivots (k,) of steps that end at t (k,), y (k, n)."""
+    """Fill energy (k, 3) and pivots (k,) of steps that end at t (k,), y (k, n).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    seen : memory of the observation
+    t : ends of the steps (k,) [s]
+    y : states there (k, n)
+    energy : energies (k, 3), to fill
+    pivots : least pivots (k,), to fill
+    """
     for s in range(t.shape[0]):
         pivots[s] = _observe(model, seen, t[s], y[s], energy[s])
 
 
 @lean
 def note(model: Model, seen: Observation, t: float, y: Array) -> bool:
-    """Keep energy and pivot of the next step, which ends at t, y (n,); tell if it needs a look."""
+    """Keep energy and pivot of the next step, which ends at t, y (n,); tell if it needs a look.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    seen : memory of the observation
+    t : end of the step [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     k = seen.noted[0]
     pivot = _observe(model, seen, t, y, seen.energy[k])
     seen.pivots[k] = pivot
@@ -147,7 +165,14 @@ class ConstraintRank:
         return self.decompose(t, dense(t))
 
     def valley(self, a: Rank, b: Rank, integrator: Integrator) -> tuple[float, float] | None:
-        """Return times between which sigma may go through zero; None if it does not."""
+        """Return times between which sigma may go through zero; None if it does not.
+
+        Parameters
+        ----------
+        a : rank at an earlier time
+        b : rank at a later time
+        integrator : gives the states between them
+        """
         change = difference(self.model, self._spectrum, a.C, b.C)
         if a.sigma + b.sigma > change:
             return None
@@ -181,6 +206,12 @@ class ConstraintRank:
         """Return the smallest singular value between times a and b, and its time.
 
         By golden sections; SciPy's search would take 0.3 s to import.
+
+        Parameters
+        ----------
+        a : begin of the interval [s]
+        b : its end [s]
+        dense : states between them
         """
         inner = [b - GOLDEN * (b - a), a + GOLDEN * (b - a)]
         sigma = [self._at(t, dense).sigma for t in inner]

@@ -113,7 +113,14 @@ def stall_findings(run: FinishedRun) -> Iterator[Finding]:
 
 
 def stall_finding(built: BuiltMechanism, stall: Stall, lost: str = "") -> Finding:
-    """Return what to say of a stall; `lost`: what is known of the energy that was damped."""
+    """Return what to say of a stall; `lost`: what is known of the energy that was damped.
+
+    Parameters
+    ----------
+    built : the built mechanism
+    stall : time, mean step and motion of the stall
+    lost : what is known of the energy that was damped
+    """
     body, motion = named_motion(built, stall.component)
     rate = f" (about {stall.rate:.2g} rad/s)" if stall.rate > 0.0 else ""
     why = (

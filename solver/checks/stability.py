@@ -123,6 +123,12 @@ class SpinMonitor:
         """Smallest eigenvalue of the softened modal stiffness [1/s2].
 
         Its size where the loss does not count (`holds`).
+
+        Parameters
+        ----------
+        body : number of the body
+        y : state (n,), as in dynamics/model/model.py
+        t : time [s]
         """
         K, lost = self.matrices(body, y)
         found = float(np.linalg.eigvalsh(K - lost)[0])
@@ -313,6 +319,15 @@ def geometric_stiffness(
 
     `tables` is a model of the same mechanism whose body i is of second order; accelerations and
     joint forces are those of `model`; `loaded` as `Loading` returns them, if they are known.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    tables : model of the same mechanism whose body i is of second order
+    i : number of the body
+    t : times (k,) [s]
+    y : states (k, n)
+    loaded : rates and loads of these states, as `Loading` returns them
     """
     m, a, j = int(model.n_mode[i]), int(model.pos_start[i]), int(model.vel_start[i])
     rates, loads = loaded or Loading(model)(t, y)
@@ -338,7 +353,14 @@ LASTS = 0.05
 
 
 def buckling_text(name: str, t: float, *, linear: bool = False) -> str:
-    """Return the message for a body, stiffened by default, that buckles at t [s]."""
+    """Return the message for a body, stiffened by default, that buckles at t [s].
+
+    Parameters
+    ----------
+    name : name of the body
+    t : time [s]
+    linear : the body has no second-order terms
+    """
     beyond, remedy = "Second-order displacements are accurate up to this load only", "Split"
     if linear:
         beyond = "A linear body keeps its full stiffness"
@@ -407,6 +429,12 @@ class BucklingMonitor:
         """Smallest eigenvalue of the stiffness of body i in states y (k, n), (k,) [1/s2].
 
         Its size where the spin alone has taken it and the body keeps its shape (`holds`).
+
+        Parameters
+        ----------
+        i : number of the body
+        t : times (k,) [s]
+        y : states (k, n)
         """
         elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
         loads = geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))

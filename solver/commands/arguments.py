@@ -106,12 +106,29 @@ def command(name: str, call: str, epilog: str = "") -> Callable[[Declare], Decla
 
 
 def flag(group: Any, name: str, help: str) -> None:
-    """Add an option without a value to a parser or a group of it."""
+    """Add an option without a value to a parser or a group of it.
+
+    Parameters
+    ----------
+    group : parser, or a group of it
+    name : name of the option without dashes
+    help : its text
+    """
     group.add_argument(f"--{name}", action="store_true", help=help)
 
 
 def add(group: Any, names: str, metavar: str, help: str, type: Any = Path, **more: Any) -> None:
-    """Add an argument with a value to a parser or a group of it; `names` with blanks between."""
+    """Add an argument with a value to a parser or a group of it; `names` with blanks between.
+
+    Parameters
+    ----------
+    group : parser, or a group of it
+    names : names of the argument, with blanks between
+    metavar : name of the value in the help
+    help : text of the help
+    type : function that reads the value
+    more : other options of `add_argument`
+    """
     group.add_argument(*names.split(), metavar=metavar, help=help, type=type, **more)
 
 
@@ -224,7 +241,14 @@ def numbers(text: str) -> list[float]:
 def expecting(
     read: Callable[[str], T], right: Callable[[T], bool], words: str
 ) -> Callable[[str], T]:
-    """Return a type of arguments: what `read` makes of the text, an error unless that is right."""
+    """Return a type of arguments: what `read` makes of the text, an error unless that is right.
+
+    Parameters
+    ----------
+    read : function that reads the text
+    right : whether a value is allowed
+    words : what is expected, for the message
+    """
 
     def value(text: str) -> T:
         found = read(text)

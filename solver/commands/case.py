@@ -32,7 +32,15 @@ from .arguments import wanted_formats
 
 
 def compute_sweeps(out: Path, names: Sequence[str], options: argparse.Namespace, jobs: int) -> int:
-    """Compute sweeps whose bodies are built; return the worst exit code."""
+    """Compute sweeps whose bodies are built; return the worst exit code.
+
+    Parameters
+    ----------
+    out : folder of the results of the case
+    names : names of the sweeps
+    options : parsed arguments of the command
+    jobs : number of processes
+    """
     from .sweep import run_sweep  # the solver takes 0.2 s to import
 
     own = {"jobs": jobs, "fresh": options.force, "figures": not options.no_report}
@@ -190,7 +198,15 @@ def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[
 def integrated(
     files: Sequence[Path], options: argparse.Namespace, jobs: int, *, update: bool
 ) -> int:
-    """Integrate run files with the options of `run`; print what became of them."""
+    """Integrate run files with the options of `run`; print what became of them.
+
+    Parameters
+    ----------
+    files : run files
+    options : parsed arguments of the command
+    jobs : number of processes
+    update : leave out runs that are up to date
+    """
     from ..studies.runs import run_files
 
     own = {name: getattr(options, name) for name in ("out_dir", "timing", "quiet", *TRUSTED)}

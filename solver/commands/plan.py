@@ -92,7 +92,14 @@ def run_chart(options: argparse.Namespace) -> int:
 
 
 def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
-    """Draw error against CPU time: all models, their front, the chosen one, the check."""
+    """Draw error against CPU time: all models, their front, the chosen one, the check.
+
+    Parameters
+    ----------
+    path : file of the picture
+    found : models with their errors and CPU times
+    title : title of the picture
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     with house_style():
         canvas = Canvas(7.5, 4.6)

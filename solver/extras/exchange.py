@@ -51,7 +51,15 @@ def import_body(
 def export_body(
     package: Path, target: str, out: Path | None = None, *, show: bool = True
 ) -> tuple[int, str]:
-    """Write a modal package in the format of another code; return as `exchange`."""
+    """Write a modal package in the format of another code; return as `exchange`.
+
+    Parameters
+    ----------
+    package : file of the package
+    target : name of the format
+    out : file to write; None: beside the package
+    show : print what is written
+    """
     words = ["export", str(package), "--to", target]
     return exchange([*words, *(["--out", str(out)] if out else [])], show=show)
 

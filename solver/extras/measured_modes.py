@@ -83,6 +83,12 @@ def read_columns(
     Empty lines and lines that begin with # are ignored. Values are separated by commas or, if the
     first line contains any, by semicolons.
 
+    Parameters
+    ----------
+    file : table of numbers (CSV)
+    required : names of columns besides `node`
+    optional : names of columns that may be absent
+
     Raises
     ------
     InputError : no such file; a column is unknown or missing; a value is not a number; a node

@@ -65,7 +65,14 @@ def json_schema(kind: str) -> Json:
 
 
 def reached(schema: Any, known: Json, found: Json) -> Json:
-    """Add the tables to which a schema refers, and those to which they refer, to `found`."""
+    """Add the tables to which a schema refers, and those to which they refer, to `found`.
+
+    Parameters
+    ----------
+    schema : a schema, or a part of one
+    known : schemas of all tables by name
+    found : schemas that are reached, added to
+    """
     name = referred(schema) if isinstance(schema, dict) else ""
     if name and name not in found:
         found[name] = known[name]

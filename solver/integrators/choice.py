@@ -56,6 +56,12 @@ def tolerances(model: Model, y0: Array, solver: ToleranceKeys) -> Array:
     positions, rtol of Euler parameters, rtol L / d_j of modal coordinates; rtol V, rtol V / L and
     rtol V / d_j of their rates; WORK_SHARE rtol E of the work. The keys of a case have precedence,
     for all components alike.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y0 : state at the start (n,)
+    solver : keys rtol, atol_position, atol_velocity, t_end and integrator of the case
     """
     size = scales(model, y0, solver.t_end)
     atol = np.full(state_size(model), size.energy)

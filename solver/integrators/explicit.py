@@ -191,7 +191,15 @@ class ExplicitLoop(Explicit, ClosingLoop):
         return made
 
     def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:
-        """See `StepLoop`."""
+        """See `StepLoop`.
+
+        Parameters
+        ----------
+        times : output times (k,) [s]
+        rows : solution at these times (k, n), to fill
+        filled : number of rows filled before
+        keep : keep what `steps_taken` needs
+        """
         self._keep_stable()
         return super().stride(times, rows, filled, keep)
 

@@ -59,6 +59,14 @@ def kinetic_energies(
 
     In state y (n,) at t [s], by the filter that takes such vibrations out of errors: motion without
     stiffness is not among them, however fast it is. `least` (n_e,): as of `new_cutoff`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    least : least stiffness that each element row has had (n_e,)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    cutoff : frequency above which a vibration counts [rad/s]
     """
     work, frozen = new_work(model), new_frozen(model)
     evaluate(model, work, t, y)

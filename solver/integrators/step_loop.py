@@ -254,6 +254,13 @@ class StepLoop(StrideMemory):
 
         Returns the number of rows filled, of which `filled` were there already. `keep`: keep what
         `steps_taken` needs.
+
+        Parameters
+        ----------
+        times : output times (k,) [s]
+        rows : solution at these times (k, n), to fill
+        filled : number of rows filled before
+        keep : keep what `steps_taken` needs
         """
         self._sample()
         watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS

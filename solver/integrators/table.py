@@ -79,6 +79,15 @@ def new_integrator(
 ) -> Integrator:
     """Make an integrator of y' = f(t, y) by name, ready to step.
 
+    Parameters
+    ----------
+    name : name of the method
+    f : right-hand side of y' = f(t, y)
+    t0 : start [s]
+    y0 : state at the start (n,)
+    t_end : end [s]
+    options : options of the method
+
     Raises
     ------
     ValueError : unknown name or option, with the nearest known one

@@ -57,7 +57,15 @@ class Watched(NamedTuple):
 
 
 def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Watched | None:
-    """Return an expression that reads the state and is not linear in it; else None."""
+    """Return an expression that reads the state and is not linear in it; else None.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    p : number of the expression
+    points : parts of a step at which it is evaluated
+    cells : memory of the parts of a step (2, MOST_CELLS, 2)
+    """
     programs, n = model.quantities.programs, len(model.quantities.kind)
     own = slice(int(programs.start[p]), int(programs.start[p + 1]))
     codes, arguments = programs.code[own], programs.argument[own]

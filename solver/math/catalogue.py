@@ -39,6 +39,12 @@ def catalogue(
 def listed(named: Iterable[tuple[str, Thing]], names: Iterable[str], what: str) -> dict[str, Thing]:
     """Return things by name in the order of a list kept elsewhere.
 
+    Parameters
+    ----------
+    named : name and thing of each file
+    names : the list, in its order
+    what : the word for such things in messages
+
     Raises ValueError : things and list differ.
     """
     found, names = by_name(named, what), list(names)

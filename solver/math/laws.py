@@ -50,6 +50,14 @@ def law_value(
 
     `start` (n_law + 1,) are the first pieces of all laws, `times` (n_piece,) and `coefficients`
     (n_piece, N_COEFFICIENT) the pieces of all laws end to end.
+
+    Parameters
+    ----------
+    start : first pieces of all laws (n_law + 1,)
+    times : begins of all pieces (n_piece,) [s]
+    coefficients : polynomials of all pieces (n_piece, N_COEFFICIENT)
+    law : number of the law
+    t : time [s], or the argument of a curve
     """
     k, end = start[law], start[law + 1]
     while k + 1 < end:
@@ -83,6 +91,12 @@ def smooth_step(value: float, duration: float, start: float = 0.0) -> Law:
     """From 0 at `start` to `value` after `duration` [s]; speed and acceleration begin and end at 0.
 
     value (10 s^3 - 15 s^4 + 6 s^5) with s = (t - start) / duration.
+
+    Parameters
+    ----------
+    value : value at the end, in the unit of the law
+    duration : length of the rise [s]
+    start : its begin [s]
     """
     s = 1.0 / duration
     rise = [0.0, 0.0, 0.0, 10.0 * value * s**3, -15.0 * value * s**4, 6.0 * value * s**5]
@@ -93,6 +107,13 @@ def ramp(speed: float, duration: float, offset: float = 0.0, *, sine: bool = Fal
     """Start from rest at `offset` and reach a constant speed after `duration` [s] by a smooth step.
 
     With `sine` the acceleration is 1 - cos(2 pi t / duration) times its mean.
+
+    Parameters
+    ----------
+    speed : rate of the law after the rise [unit/s]
+    duration : length of the rise [s]
+    offset : value at t = 0
+    sine : whether the acceleration is a full wave of a cosine
     """
     s = 1.0 / duration
     rise = [offset, 0.0, 0.0, 0.0, 2.5 * speed * s**3, -3.0 * speed * s**4, speed * s**5]
@@ -126,6 +147,12 @@ def table(times: Numbers, values: Numbers, interpolation: Pieces = "spline") -> 
 
     The spline (not-a-knot) has two continuous derivatives and may leave the range of the values;
     the monotone cubic has one and does not. After the last time the last value is kept.
+
+    Parameters
+    ----------
+    times : times of the points (k,) [s]
+    values : values at these times (k,)
+    interpolation : "linear", "pchip" (monotone) or "spline"
 
     Raises ValueError : fewer than two points, times not in ascending order, non-finite numbers.
     """
@@ -270,6 +297,12 @@ class NamedCurve:
 def curve(x: Numbers, y: Numbers, *, smooth: bool = True) -> Law:
     """Return a natural cubic spline, or straight lines; straight on beyond both ends.
 
+    Parameters
+    ----------
+    x : arguments of the points (k,)
+    y : values there (k,)
+    smooth : spline in place of straight lines
+
     Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """
     return _through(x, y, "natural" if smooth and len(x) > 2 else "linear", "linear")
@@ -282,7 +315,12 @@ def curve_of_table(
 
     The spline has the same cubic in its first two pieces, and in its last two (not-a-knot).
 
-    beyond : both ends: straight on, or the value of the end
+    Parameters
+    ----------
+    x : arguments of the points (k,)
+    y : values there (k,)
+    interpolation : course between the points
+    beyond : straight on at both ends, or the value of the end
 
     Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """

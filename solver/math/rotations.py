@@ -76,7 +76,16 @@ def turned_back(A: Array, a: Triple) -> Triple:
 
 @inlined
 def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
-    """Return c0 x + c1 v x x + c2 v (v . x): rotations and tangent maps of a vector v."""
+    """Return c0 x + c1 v x x + c2 v (v . x): rotations and tangent maps of a vector v.
+
+    Parameters
+    ----------
+    v : rotation vector or axis
+    c0 : coefficient of x
+    c1 : coefficient of v x x
+    c2 : coefficient of v (v . x)
+    x : vector that is mapped
+    """
     c, along = cross3(v, x), c2 * dot3(v, x)
     return (
         c0 * x[0] + c1 * c[0] + along * v[0],
@@ -87,7 +96,15 @@ def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
 
 @inlined
 def put_column(out: Array, i: int, j: int, a: Triple) -> None:
-    """Write a into column j of an array, from row i on."""
+    """Write a into column j of an array, from row i on.
+
+    Parameters
+    ----------
+    out : array to write to
+    i : first row
+    j : column
+    a : the three numbers
+    """
     out[i, j], out[i + 1, j], out[i + 2, j] = a[0], a[1], a[2]
 
 
@@ -96,6 +113,14 @@ def tangent_rate(theta: Triple, theta_d: Triple, b: float, da: float, db: float)
     """Return (dT/dt) thetadot of the tangent map T of theta, at rates theta_d [rad/s].
 
     T = (1 - s b) 1 + a theta~ + b theta theta' with the coefficients of `tangent_coefficients`.
+
+    Parameters
+    ----------
+    theta : rotation vector [rad]
+    theta_d : its rate [rad/s]
+    b : coefficient of `tangent_coefficients`
+    da : da/ds of `tangent_coefficients`, s = theta . theta
+    db : db/ds
     """
     s_d = 2.0 * dot3(theta, theta_d)
     c = cross3(theta, theta_d)
@@ -153,7 +178,16 @@ def rotation_into(p: Array, A_GB: Array) -> None:
 
 @inlined
 def along_parameters(p: Array, a: int, w0: float, w1: float, w2: float) -> Quadruple:
-    """Return E w for Euler parameters p[a:a+4]: 2 pdot at angular velocity w in body axes."""
+    """Return E w for Euler parameters p[a:a+4]: 2 pdot at angular velocity w in body axes.
+
+    Parameters
+    ----------
+    p : numbers with the four Euler parameters
+    a : place of the first one
+    w0 : angular velocity about x of the body [rad/s]
+    w1 : about y [rad/s]
+    w2 : about z [rad/s]
+    """
     e0, e1, e2, e3 = p[a], p[a + 1], p[a + 2], p[a + 3]
     return (
         -e1 * w0 - e2 * w1 - e3 * w2,
@@ -219,7 +253,14 @@ def matrix_to_parameters(A_GB: Array) -> Array:
 
 @lean
 def parameters_of(x: Triple, y: Triple, z: Triple) -> Quadruple:
-    """Return Euler parameters of the rotation with columns x, y, z, e0 >= 0."""
+    """Return Euler parameters of the rotation with columns x, y, z, e0 >= 0.
+
+    Parameters
+    ----------
+    x : first column of the rotation matrix
+    y : second column
+    z : third column
+    """
     trace = x[0] + y[1] + z[2]
     o0, o1, o2 = y[2] - z[1], z[0] - x[2], x[1] - y[0]
     # The largest of the four squares is the safe one to divide by.
@@ -246,7 +287,14 @@ def matrix_to_vector(A: Array) -> Array:
 
 @lean
 def vector_of(x: Triple, y: Triple, z: Triple) -> Triple:
-    """Return the rotation vector of the rotation with columns x, y, z, up to half a turn [rad]."""
+    """Return the rotation vector of the rotation with columns x, y, z, up to half a turn [rad].
+
+    Parameters
+    ----------
+    x : first column of the rotation matrix
+    y : second column
+    z : third column
+    """
     p0, p1, p2, p3 = parameters_of(x, y, z)
     half_sine = np.sqrt(p1 * p1 + p2 * p2 + p3 * p3)
     # near no rotation: theta / sin(theta / 2) -> 2

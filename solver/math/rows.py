@@ -208,7 +208,14 @@ class RowKeeper:
 
 
 def computed(like: Any, shape: tuple[int, ...], compute: Callable[[int, int], Array]) -> Any:
-    """Return rows by a function of first and end: an array, or ComputedRows if `like` is long."""
+    """Return rows by a function of first and end: an array, or ComputedRows if `like` is long.
+
+    Parameters
+    ----------
+    like : rows whose kind decides: an array, or LongRows of a file
+    shape : shape of the result, rows first
+    compute : function of first row and end
+    """
     if isinstance(like, LongRows):
         return ComputedRows(shape, compute)
     parts = [compute(first, end) for first, end in spans(shape[0], int(np.prod(shape[1:])))]
@@ -216,7 +223,14 @@ def computed(like: Any, shape: tuple[int, ...], compute: Callable[[int, int], Ar
 
 
 def columns(rows: Any, first: int, end: int) -> Any:
-    """Return columns first to end - 1 of rows (k, n): a view, or ComputedRows."""
+    """Return columns first to end - 1 of rows (k, n): a view, or ComputedRows.
+
+    Parameters
+    ----------
+    rows : array or LongRows (k, n)
+    first : first column
+    end : column after the last one
+    """
     if not isinstance(rows, LongRows):
         return rows[:, first:end]
     return ComputedRows((len(rows), end - first), lambda a, b: rows.read(a, b)[:, first:end])

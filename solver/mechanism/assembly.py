@@ -57,6 +57,13 @@ def with_points(
     A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body. It is one
     more station in the sums of invariants.py and second_order.py of package/body/, without cost at
     run time.
+
+    Parameters
+    ----------
+    index : number of the body
+    body : its table without point masses
+    markers : markers of the mechanism
+    point_masses : marker and mass [kg] of each
     """
     for k, m in point_masses:
         if markers[k].body != index:
@@ -98,7 +105,15 @@ def carried_masses(
     used: list[list[bool]],
     point_masses: Sequence[tuple[int, float]],
 ) -> list[tuple[int, float]]:
-    """Return the point masses (marker and mass) of a body with second-order motion."""
+    """Return the point masses (marker and mass) of a body with second-order motion.
+
+    Parameters
+    ----------
+    index : number of the body
+    markers : markers of the mechanism
+    used : second-order components (6) of each marker that are not zero
+    point_masses : marker and mass [kg] of each
+    """
     return [(k, m) for k, m in point_masses if markers[k].body == index and any(used[k][:3])]
 
 
@@ -136,6 +151,12 @@ def inertia_scale(
 
     All rotations of a body use the mean of its three inertias. A thin rod has almost none
     about its axis, which must not give that rotation a larger weight than the others.
+
+    Parameters
+    ----------
+    bodies : tables of all bodies
+    markers : markers of the mechanism
+    point_masses : marker and mass [kg] of each
     """
     scale = []
     for i, body in enumerate(bodies):

@@ -81,6 +81,12 @@ class VirtualBodies:
         """Return the tables with each mass (marker, [kg]) as a virtual body, fixed to its marker.
 
         `bodies` are those of the mechanism without virtual ones.
+
+        Parameters
+        ----------
+        bodies : bodies of the mechanism without virtual ones
+        names : names of the mass points
+        masses : marker and mass [kg] of each
         """
         found = VirtualBodies([*self.bodies], [*self.markers], [*self.joints], [*self.carriers])
         for name, (k, mass) in zip(names, masses, strict=True):
@@ -88,7 +94,15 @@ class VirtualBodies:
         return found
 
     def add(self, name: str, mass: float, marker: MarkerTable, number: int) -> None:
-        """Append a virtual body of a mass [kg], body `number` of the model, fixed to a marker."""
+        """Append a virtual body of a mass [kg], body `number` of the model, fixed to a marker.
+
+        Parameters
+        ----------
+        name : name of the body and of the joint that fixes it
+        mass : mass [kg], 0 of a massless one
+        marker : marker at the interface
+        number : number of the body in the model
+        """
         self.bodies.append(rigid_body(name, mass, np.zeros(3), np.zeros((3, 3))))
         self.carriers.append((marker.body, marker.x))
         self.markers.extend([replace(marker, A=np.eye(3)), MarkerTable(number, np.zeros(3))])
@@ -102,6 +116,12 @@ def through_virtual_bodies(
     """Return the tables with every joint end on a flexible body moved to a virtual body.
 
     All joints of one interface share a virtual body, as in section 2.2 of the paper.
+
+    Parameters
+    ----------
+    bodies : bodies of the mechanism
+    markers : its markers
+    joints : its joints and drives
     """
     found = VirtualBodies([], [*markers], [])
     number: dict[tuple[int, bytes, bytes], int] = {}  # interface -> its virtual body
@@ -158,6 +178,13 @@ def modal_values(
     Modes have their labels, or their kinds if there is one of a kind, or numbers from 1. A body
     that the run takes as rigid has none.
 
+    Parameters
+    ----------
+    name : name of the body
+    key : `modal_coordinates` or `modal_rates`
+    body : its table in the case
+    package : its modal package
+
     Raises
     ------
     InputError
@@ -197,6 +224,15 @@ def build(
     the largest ratio of a mass point to its body, heavier ones are taken as so heavy. With a
     `share` joints are held at this share of their coordinates at the start. `everywhere` gives
     every place a marker with global axes at the start.
+
+    Parameters
+    ----------
+    mechanism : tables of the case, checked
+    packages : modal packages of the bodies by name
+    stiffening : second-order terms for every body, whatever the case says
+    heaviest : largest ratio of a mass point to its body; heavier ones count as so heavy
+    share : joints are held at this share of their coordinates at the start
+    everywhere : a marker with global axes for every place
 
     Raises
     ------

@@ -65,7 +65,14 @@ if TYPE_CHECKING:
 
 
 def drive_law(given: "RotationDrive | TranslationDrive", mechanism: "Mechanism", key: str) -> Law:
-    """Return the law of a drive, which may be an expression of the time."""
+    """Return the law of a drive, which may be an expression of the time.
+
+    Parameters
+    ----------
+    given : table of the drive
+    mechanism : tables of the case, checked
+    key : key of the case file, for messages
+    """
     if given.expression is not None:
         scope = CaseScope(mechanism)
         return laws.of_expression(expression(given.expression, scope, f"{key}.expression"))
@@ -123,6 +130,12 @@ def joint_tables(
     model.
 
     With a `share`, joints are held at this share of their coordinates at the start.
+
+    Parameters
+    ----------
+    mechanism : tables of the case, checked
+    places : places of the mechanism, with their markers
+    share : joints are held at this share of their coordinates at the start; 0: not held
     """
     tables: list[JointTable] = []
     built = {}
@@ -341,6 +354,12 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
     """Return the force elements in the order of the case; `reader` gets what they read.
 
     The friction of contacts is behind all others.
+
+    Parameters
+    ----------
+    mechanism : tables of the case, checked
+    places : places of the mechanism, with their markers
+    reader : collects the quantities that the forces read
     """
     found, friction = [], []
     for name, force in mechanism.forces.items():

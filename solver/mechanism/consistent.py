@@ -36,7 +36,16 @@ def rows_of(model: Model, joint: int) -> slice:
 def described_gaps(
     model: Model, residual: Array, names: list[str], words: tuple[str, str], least: float = 1e-9
 ) -> str:
-    """List the joints with residuals above `least`, largest first."""
+    """List the joints with residuals above `least`, largest first.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    residual : residuals of the constraints (n_c,) [m, rad, or rates]
+    names : names of the joints
+    words : words or units for distances and rotations
+    least : residual below which a joint is left out
+    """
     parts = []
     for k, name in enumerate(names):
         r = residual[rows_of(model, k)]
@@ -254,9 +263,13 @@ def consistent_state(
 ) -> Array:
     """Return the state y (n,) at the start that satisfies position and velocity constraints.
 
-    `deforming`: bodies may deform, and have modal rates, where frames alone do not close the
-    joints; otherwise only to close the small gaps of tilted hinges. `moved`: the velocities were
-    given for other positions, and may change as little as the joints need.
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    start : positions and velocities at the start, as the case gives them
+    joint_names : names of the joints of the model, for messages
+    deforming : bodies may deform, and have modal rates, where frames alone do not close the joints
+    moved : velocities were given for other positions and may change as little as the joints need
 
     Raises
     ------
@@ -273,7 +286,14 @@ def consistent_state(
 
 
 def assembled(model: Model, start: Start, joint_names: list[str]) -> Array:
-    """Return positions (n_pos,) that close the joints. Raises InputError if there are none."""
+    """Return positions (n_pos,) that close the joints. Raises InputError if there are none.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    start : positions and velocities at the start, as the case gives them
+    joint_names : names of the joints of the model, for messages
+    """
     y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     return _assembled(model, y, joint_names, deforming=False)[: model.n_pos]
 
@@ -281,6 +301,10 @@ def assembled(model: Model, start: Start, joint_names: list[str]) -> Array:
 def with_closed_joints(model: Model, y: Array, *, elastic: bool = False) -> Array:
     """Return y (n,) after Newton's steps of least change of frames that close the joints at t = 0.
 
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
     elastic : bodies deform where frames alone do not close the joints, with least strain energy
     """
     scale, y = _ease(model, elastic=elastic), y.copy()
@@ -363,6 +387,13 @@ def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> 
 
     The rank is computed at the start and at a position close to it. In a singular starting position
     the rank is lower than in general. Drives are looked at until `t_end`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    names : names of the joints
+    t_end : end of the time over which drives are checked [s]
 
     Raises
     ------

@@ -45,6 +45,12 @@ def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Mo
 
     Drives and loads keep what they have at t = 0.
 
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    start : positions and velocities at the start, as the case gives them
+    body_names : names of the bodies of the model, for messages
+
     Raises
     ------
     InputError
@@ -62,6 +68,12 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
 
     Gravity, springs, bushings and loads have their values at the start, t = 0; drives keep
     their positions then.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    start : positions and velocities at the start, as the case gives them
+    body_names : names of the bodies of the model, for messages
 
     Raises
     ------
@@ -131,7 +143,14 @@ def _stiffness(model: Model, positions: Array, Z: Array, force: Callable[[Array]
 
 
 def resting(model: Model, positions: Array, velocities: Array) -> Array:
-    """Return the state y (n,) of positions and velocities; angles turn as at the given start."""
+    """Return the state y (n,) of positions and velocities; angles turn as at the given start.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos,)
+    velocities : velocities (n_vel,)
+    """
     return np.concatenate([positions, velocities, model.quantities.start, [0.0]])
 
 
@@ -183,7 +202,14 @@ def _sized(step: Array, size: float) -> Array:
 
 
 def pushed(model: Model, push: Array, body_names: list[str]) -> str:
-    """Describe the largest unbalanced acceleration and its body."""
+    """Describe the largest unbalanced acceleration and its body.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    push : unbalanced accelerations (n_vel,) [m/s2, rad/s2]
+    body_names : names of the bodies of the model, for messages
+    """
     largest, text = -1.0, ""
     for i, name in enumerate(body_names):
         j = int(model.vel_start[i])
@@ -215,7 +241,14 @@ def given_spin(solver: "Solver") -> Spin | None:
 
 
 def spin_about(axis: Array | list[float], point: Array | list[float], rate: float) -> Spin:
-    """Return a spin about a line; `axis` of any length."""
+    """Return a spin about a line; `axis` of any length.
+
+    Parameters
+    ----------
+    axis : direction of the axis (3,), global
+    point : a point of the axis (3,) [m]
+    rate : angular velocity [rad/s]
+    """
     direction = np.array(axis, dtype=float)
     return Spin(direction / np.linalg.norm(direction), np.array(point, dtype=float), float(rate))
 
@@ -287,6 +320,14 @@ def relative_equilibrium(
 ) -> "Turning":
     """Return the relative equilibrium near the given positions; loads are those at t = 0.
 
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    start : positions and velocities at the start, as the case gives them
+    spin : rotation of the whole mechanism about a fixed axis
+    joint_names : names of the joints of the model, for messages
+    body_names : names of the bodies of the model, for messages
+
     Raises
     ------
     InputError
@@ -311,7 +352,16 @@ def relative_equilibrium(
 
 
 def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> "Turning":
-    """Return a mechanism in relative equilibrium y (n,) after it has turned by an angle [rad]."""
+    """Return a mechanism in relative equilibrium y (n,) after it has turned by an angle [rad].
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    spin : rotation of the whole mechanism
+    t : time after the turn [s]
+    angle : angle of the turn [rad]
+    """
     positions = turned(model, y[: model.n_pos], spin, angle)
     return Turning(model, positions, spin, t, angle)
 
@@ -465,6 +515,14 @@ def round_off(model: Model, positions: Array, rate: float, K: Array, free: FreeM
     """Return the accelerations (n_vel,) that round-off of the positions makes, by K and the spin.
 
     A balanced rotor has no others: its loads are no measure of them.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos or more,)
+    rate : angular velocity of the spin [rad/s]
+    K : stiffness of the free motions (f, f)
+    free : motions that the joints leave free
     """
     at_rest = np.concatenate([positions[: model.n_pos], np.zeros(model.n_vel)])
     size = extent(model, at_rest)

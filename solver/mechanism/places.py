@@ -46,6 +46,12 @@ class Places:
     def marker(self, key: str, place: str, A_GM: Array) -> int:
         """Add a marker at a place whose axes are A_GM (3, 3) in the starting position.
 
+        Parameters
+        ----------
+        key : key of the case file, for messages
+        place : name of a place: BODY.INTERFACE, or a point of the ground
+        A_GM : axes of the marker at the start (3, 3)
+
         Raises
         ------
         InputError

@@ -27,7 +27,12 @@ def rotor_table(
 ) -> RotorTable:
     """Return the rotor of a case; `found` gets its states.
 
-    wind_laws : of speed [m/s] and turn of the direction [rad]
+    Parameters
+    ----------
+    keys : table [rotor] of the case
+    wind_laws : laws of wind speed [m/s] and of the turn of its direction [rad]
+    places : places of the mechanism, with their markers
+    found : quantities and states of the model; gets the states of the rotor
 
     Raises
     ------

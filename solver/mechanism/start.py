@@ -46,6 +46,13 @@ def require_inertia(
     moderate mass points: these have inertia in the same directions, without the round-off of heavy
     ones.
 
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    body_names : names of the bodies of the model, for messages
+    light : returns the model with moderate mass points
+
     Raises
     ------
     InputError
@@ -253,6 +260,16 @@ def starting_state(
     With a spin, equilibrium is that of the mechanism turning at it. `light` is as in
     `require_inertia`.
 
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    start : positions and velocities at the start, as the case gives them
+    kind : `solver.start` of the case
+    joint_names : names of the joints of the model, for messages
+    body_names : names of the bodies of the model, for messages
+    spin : rotation of the mechanism in equilibrium
+    light : as of `require_inertia`
+
     Raises
     ------
     InputError
@@ -307,6 +324,12 @@ def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> 
 
     Left out is what is asked for: what drives prescribe at t = 0, where a search for equilibrium
     ends, the place of a body that is given none, and that beside given deformations.
+
+    Parameters
+    ----------
+    mechanism : tables of the case, checked
+    built : the built mechanism
+    y0 : state at the start (n,)
     """
     bodies, model, start, body_names = mechanism.bodies, built.model, built.start, built.body_names
     deformed = any(getattr(body, "modal_coordinates", None) for body in bodies.values())

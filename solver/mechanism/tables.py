@@ -25,7 +25,15 @@ class Body:
 
 
 def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Body:
-    """Return a rigid body of given mass, mass centre (3,) and inertia about it (3, 3)."""
+    """Return a rigid body of given mass, mass centre (3,) and inertia about it (3, 3).
+
+    Parameters
+    ----------
+    name : name of the body
+    mass : mass [kg]
+    centre_B : mass centre (3,) in body axes [m]
+    inertia_B : inertia (3, 3) about the mass centre, body axes [kg m2]
+    """
     centre = np.asarray(centre_B, dtype=float)
     empty = np.zeros((0, 0))
     invariants = Invariants(
@@ -46,6 +54,12 @@ def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False)
     """Return the body that a modal package describes, of second order with `stiffening`.
 
     A package without second-order data always gives a linear body.
+
+    Parameters
+    ----------
+    name : name of the body
+    package : its modal package
+    stiffening : with second-order terms
     """
     second = package.second_order if stiffening else None
     return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
@@ -107,7 +121,14 @@ class RotorTable:
 
 
 def rotor_arrays(rotor: RotorTable | None, n_force: int, first_law: int) -> Rotor:
-    """Return the arrays of the model, with the rotor's loads last among `n_force` elements."""
+    """Return the arrays of the model, with the rotor's loads last among `n_force` elements.
+
+    Parameters
+    ----------
+    rotor : table of the rotor, if there is one
+    n_force : number of force elements of the model
+    first_law : number of the law of the wind speed; that of its direction follows
+    """
     section = np.full(n_force, -1, dtype=np.int64)
     if rotor is None:
         none = np.zeros(0, dtype=np.int64)

@@ -214,7 +214,14 @@ def ply_text(entry: dict[str, Any]) -> str:
 
 
 def place(story: Story, body: str, entry: dict[str, Any]) -> int | None:
-    """Return the drawn node nearest to the place of an entry; None if the body is not drawn."""
+    """Return the drawn node nearest to the place of an entry; None if the body is not drawn.
+
+    Parameters
+    ----------
+    story : a run, with results and summary
+    body : name of the body
+    entry : entry of summary.json with the place
+    """
     for geometry in story.result.bodies:
         if geometry.name != body or geometry.view is None or geometry.view.sites is None:
             continue

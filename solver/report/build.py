@@ -56,6 +56,14 @@ def page(
     """Return the page as HTML; the data of all plots and of the animation are embedded.
 
     Longer histories keep their extremes only; runs that do not fit into LIMIT have no animation.
+
+    Parameters
+    ----------
+    title : title of the case
+    stories : runs of the case, with results and summary
+    comparisons : figures of the case
+    designs : sections on studies of designs, as HTML
+    reload_s : time after which the page is read again [s]; 0: never
     """
     blob = Blob()
     runs = [_run(blob, story, HISTORIES // len(stories)) for story in stories]

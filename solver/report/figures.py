@@ -81,7 +81,14 @@ SPREAD = 10.0  # curves whose ranges differ more than this get separate panels a
 
 
 def draw_comparison(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
-    """Draw one picture: a common panel, or one panel per run if curves would overlap."""
+    """Draw one picture: a common panel, or one panel per run if curves would overlap.
+
+    Parameters
+    ----------
+    path : file of the picture
+    wanted : signal, title and runs of the figure
+    stories : runs of the case, with results and summary
+    """
     signals = [story.signal(wanted.signal) for story in stories]
     t_full = max(float(story.result.t[-1]) for story in stories)
     if crossings(stories, signals) > CROSSINGS or spread(signals) > SPREAD:
@@ -317,7 +324,14 @@ def _words(axes: Any, story: Story, path: Array) -> None:
 
 
 def draw_orbit(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
-    """Draw one signal against another, a curve for each run; one scale if they have one unit."""
+    """Draw one signal against another, a curve for each run; one scale if they have one unit.
+
+    Parameters
+    ----------
+    path : file of the picture
+    wanted : signal, title and runs of the figure
+    stories : runs of the case, with results and summary
+    """
     canvas = Canvas(5.4, 5.0)
     (axes,) = canvas.panels(1)
     for i, story in enumerate(stories):
@@ -340,6 +354,12 @@ SMALLEST = 1e-4  # of the largest amplitude: the lower end of the picture
 
 def draw_spectrum(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
     """Draw amplitudes over frequency, a curve for each run.
+
+    Parameters
+    ----------
+    path : file of the picture
+    wanted : signal, title and runs of the figure
+    stories : runs of the case, with results and summary
 
     Raises
     ------

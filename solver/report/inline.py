@@ -81,6 +81,10 @@ FEWEST = 500  # rows of a run at least
 def histories(blob: Blob, result: RunResult, share: int) -> dict[str, Any]:
     """Add the histories of a run; return what the page needs to plot them.
 
+    Parameters
+    ----------
+    blob : arrays of the page, added to
+    result : results of the run
     share : numbers that this run may take
     """
     groups = {
@@ -108,6 +112,12 @@ def chosen_rows(series: list[Array], k: int, most: int) -> IntArray:
     """Return at most about `most` of k rows: all, or the extremes of every series in intervals.
 
     No maximum or minimum of an interval is lost, in contrast to every n-th row.
+
+    Parameters
+    ----------
+    series : histories (k,)
+    k : number of rows
+    most : largest number of rows that are kept, about
     """
     if k <= most or not series:
         return np.arange(k)
@@ -193,7 +203,14 @@ def policy() -> str:
 
 
 def document(title: str, body: str, reload_s: int = 0) -> str:
-    """Return a whole page, without other files or network, read again after a time [s]."""
+    """Return a whole page, without other files or network, read again after a time [s].
+
+    Parameters
+    ----------
+    title : title of the page
+    body : its content as HTML
+    reload_s : time after which the page is read again [s]; 0: never
+    """
     again = f"<meta http-equiv='refresh' content='{reload_s}'>" if reload_s else ""
     return (
         "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"

@@ -119,7 +119,12 @@ AT_ONCE = 4_000_000  # numbers in memory at a time
 def frame_rows(t: Array, peaks: list[float], width: int, share: int) -> IntArray:
     """Rows of evenly spaced output times, with the first, the last and those of peaks.
 
-    width : numbers of one time; share : numbers that this run may take
+    Parameters
+    ----------
+    t : output times (k,) [s]
+    peaks : times that are kept [s]
+    width : numbers of one time
+    share : numbers that this run may take
     """
     most = min(max(share // max(width, 1), FEWEST), MOST, len(t))
     even = np.linspace(0, len(t) - 1, most).round().astype(int)
@@ -197,7 +202,12 @@ def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
 def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
     """Width of a joint [m], enough to be seen outside the beam that carries it.
 
-    size : of the scene [m]
+    Parameters
+    ----------
+    body : the body that carries the joint
+    view : its surface
+    side : place of the joint on the body
+    size : size of the scene [m]
     """
     least = WIDTH * size
     if not view.provenance:  # a box, not a package
@@ -218,6 +228,10 @@ TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 def scene(blob: Blob, story: Story, share: int) -> dict[str, object] | None:
     """Add the bodies and joints of a run; None if the result is older than views.
 
+    Parameters
+    ----------
+    blob : arrays of the page, added to
+    story : a run, with results and summary
     share : numbers that its animation may take
     """
     result = story.result

@@ -34,7 +34,14 @@ def figures(value: float | None, digits: int = 3) -> Cell:
 
 
 def section(name: str, title: str, *content: str) -> str:
-    """Return a section with a heading and the anchor `name`."""
+    """Return a section with a heading and the anchor `name`.
+
+    Parameters
+    ----------
+    name : anchor
+    title : heading
+    content : parts as HTML; empty ones are left out
+    """
     inside = "\n".join(part for part in content if part)
     head = f"<h2 id='{name}-title'>{title}</h2>"
     return f"<section id='{name}' aria-labelledby='{name}-title'>{head}{inside}</section>"
@@ -44,6 +51,12 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Row]) -> str:
     """Return a table that sorts by the column whose heading is pressed.
 
     `head` and the cells are HTML; a caption is for screen readers.
+
+    Parameters
+    ----------
+    caption : what the table has
+    head : headings of the columns
+    rows : cells of each row
     """
     words = [any(_is_text(row[k]) for row in rows) for k in range(len(head))]
     top = "".join(

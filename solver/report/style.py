@@ -82,7 +82,14 @@ class Canvas:
         FigureCanvasAgg(self.figure)
 
     def panels(self, rows: int, columns: int = 1, **options: Any) -> list[Any]:
-        """Return axes, row by row."""
+        """Return axes, row by row.
+
+        Parameters
+        ----------
+        rows : number of rows
+        columns : number of columns
+        options : options of matplotlib's `subplots`
+        """
         return list(self.figure.subplots(rows, columns, squeeze=False, **options).ravel())
 
     def save(self, path: Path, *, own: bool = False) -> Path:
@@ -120,7 +127,15 @@ def unit_text(unit: str) -> str:
 
 
 def mark_stop(axes: Any, t: float, t_full: float, *, label: bool = True) -> None:
-    """Mark the end of a run that stopped before the others."""
+    """Mark the end of a run that stopped before the others.
+
+    Parameters
+    ----------
+    axes : axes of matplotlib
+    t : end of the run [s]
+    t_full : end of the longest run [s]
+    label : with a text
+    """
     axes.axvline(t, color=WARNING, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
     if label:
         left = t < 0.6 * t_full

@@ -135,7 +135,14 @@ def aligned(
 
 
 def matrix(K: Array, names: Sequence[str], *heads: Sequence[str]) -> str:
-    """Return a symmetric matrix with names of rows and heads of columns; round-off shown as 0."""
+    """Return a symmetric matrix with names of rows and heads of columns; round-off shown as 0.
+
+    Parameters
+    ----------
+    K : symmetric matrix (n, n)
+    names : names of its rows
+    heads : lines of names of its columns
+    """
     size = np.sqrt(np.abs(np.diag(K)))
     shown = np.where(np.abs(K) < ROUND_OFF * np.outer(size, size), 0.0, K)
     rows = [["", *head] for head in heads]
@@ -145,7 +152,14 @@ def matrix(K: Array, names: Sequence[str], *heads: Sequence[str]) -> str:
 
 
 def rounded(value: float, size: float, digits: int = 5) -> str:
-    """Write a number; 0 if it is round-off beside `size`."""
+    """Write a number; 0 if it is round-off beside `size`.
+
+    Parameters
+    ----------
+    value : the number
+    size : size of the terms that it is a sum of
+    digits : number of digits
+    """
     return "0" if abs(value) < ROUND_OFF * size else number(value, digits)
 
 
@@ -155,7 +169,15 @@ def labelled(label: str, text: str) -> str:
 
 
 def in_rows(label: str, values: Iterable[float], unit: str, each: int = 6) -> list[str]:
-    """Return lines of numbers, at most `each` of them in a line."""
+    """Return lines of numbers, at most `each` of them in a line.
+
+    Parameters
+    ----------
+    label : text before the first line
+    values : the numbers
+    unit : their unit
+    each : numbers of a line
+    """
     texts = [f"{value:12.6g}" for value in values]
     rows = ["".join(texts[first : first + each]) for first in range(0, len(texts), each)]
     return [

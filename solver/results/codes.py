@@ -74,7 +74,15 @@ class Code:
     def finding(
         self, text: str, *, body: str = "", t: float | None = None, value: float | None = None
     ) -> Finding:
-        """Return a finding of this code."""
+        """Return a finding of this code.
+
+        Parameters
+        ----------
+        text : what was found, and what helps
+        body : name of the body
+        t : time [s]
+        value : number that is compared with the limit of the code
+        """
         limit = None if isnan(self.limit) else self.limit
         return Finding(self.name, text, body, t, value, limit, self.level)
 

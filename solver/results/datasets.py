@@ -116,7 +116,17 @@ class Datasets:
         frame: str,
         text: str,
     ) -> h5py.Dataset:
-        """Write an array; a large one compressed, block by block."""
+        """Write an array; a large one compressed, block by block.
+
+        Parameters
+        ----------
+        group : group of the file
+        name : name of the dataset
+        values : its values
+        unit : unit, "-" without one
+        frame : frame of the components, "-" without one
+        text : description
+        """
         if values.nbytes > LARGE:
             dataset = group.create_dataset(name, values.shape, values.dtype, **packing(values))
             for first, end in blocks(values.shape):
@@ -146,7 +156,14 @@ Record = Mapping[str, Any]  # field, or group/field -> array, number or text
 
 
 def write_record(group: h5py.Group, record: Record, layout: Layout) -> None:
-    """Write a record into its group: fields of the layout as datasets, others as attributes."""
+    """Write a record into its group: fields of the layout as datasets, others as attributes.
+
+    Parameters
+    ----------
+    group : group of the record
+    record : values by name
+    layout : unit, frame and description of datasets by name
+    """
     for name, value in record.items():
         if name in layout:
             put_array(group, name, value, layout[name])
@@ -188,7 +205,15 @@ def write_table(
     records: Sequence[Record],
     layout: Layout,
 ) -> None:
-    """Write records as a table: texts in rows; values end to end, with the shape of each."""
+    """Write records as a table: texts in rows; values end to end, with the shape of each.
+
+    Parameters
+    ----------
+    group : group of the table
+    names : name of each row
+    records : values of each row by field
+    layout : unit, frame and description of fields by name
+    """
     write_texts(group, "name", names)
     for field in dict.fromkeys(chain.from_iterable(records)):
         values = [record.get(field) for record in records]
@@ -245,7 +270,14 @@ def _split(flat: Any, shapes: Any) -> list[Any]:
 
 
 def write_texts(group: h5py.Group, name: str, texts: Sequence[str]) -> None:
-    """Write texts (n,) as fixed-length UTF-8."""
+    """Write texts (n,) as fixed-length UTF-8.
+
+    Parameters
+    ----------
+    group : group of the file
+    name : name of the dataset
+    texts : the texts (n,)
+    """
     put_array(group, name, text_array(texts), ("-", "-"))
 
 
@@ -257,7 +289,15 @@ def read_texts(dataset: h5py.Dataset) -> list[str]:
 
 
 def put_array(group: h5py.Group, name: str, values: Any, words: tuple[str, ...]) -> None:
-    """Write an array with its unit, frame and description, as far as there are words."""
+    """Write an array with its unit, frame and description, as far as there are words.
+
+    Parameters
+    ----------
+    group : group of the file
+    name : name of the dataset
+    values : its values
+    words : unit, frame and description, as far as they are known
+    """
     array = np.asarray(values)
     squeeze = {"compression": "gzip", "shuffle": True} if array.nbytes > RECORD_BYTES else {}
     dataset = group.create_dataset(name, data=array, **squeeze)
@@ -297,7 +337,14 @@ def link_record(link: Link) -> Record:
 
 
 def body_of(where: str, name: str, record: Record) -> BodyGeometry:
-    """Return a body from its record. Raises ResultError."""
+    """Return a body from its record. Raises ResultError.
+
+    Parameters
+    ----------
+    where : place in the file, for messages
+    name : name of the body
+    record : values by name
+    """
     with _damaged(where):
         return build(BodyGeometry, record, name=name, view=_view(record))
 
@@ -326,7 +373,14 @@ def _view(record: Record) -> BodyView | None:
 
 
 def link_of(where: str, name: str, record: Record) -> Link:
-    """Return a joint from its record. Raises ResultError."""
+    """Return a joint from its record. Raises ResultError.
+
+    Parameters
+    ----------
+    where : place in the file, for messages
+    name : name of the joint
+    record : values by name
+    """
     with _damaged(where):
         one, two = (
             Side(

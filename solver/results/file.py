@@ -75,6 +75,14 @@ def write_result(
     100 MB are left out of /results unless `all_positions` is set: readers compute them from
     the coordinates (docs/adr/0044). `progress` is called with the part of /results that is written.
 
+    Parameters
+    ----------
+    path : file, with the ending .vtkhdf
+    result : the results of a run
+    max_frames : largest number of times in the animation
+    all_positions : positions of nodes are written whatever their size
+    progress : function that gets the part of /results that is written, 0 to 1
+
     Raises
     ------
     ResultError

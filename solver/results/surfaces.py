@@ -234,7 +234,14 @@ def unit_sphere(sides: int = SIDES) -> tuple[Array, IntArray]:
 
 
 def prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:
-    """Points (p, 3) of a prism of length 2 half along z, and its triangles (f, 3), outward."""
+    """Points (p, 3) of a prism of length 2 half along z, and its triangles (f, 3), outward.
+
+    Parameters
+    ----------
+    sides : number of sides
+    radius : radius of the corners [m]
+    half : half its length [m]
+    """
     angle = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
     ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
     points = np.concatenate([np.column_stack([ring, np.full(sides, z)]) for z in (-half, half)])
@@ -280,13 +287,27 @@ class Parts:
         return first
 
     def triangles(self, corners: IntArray, edges: IntArray, site: IntArray) -> None:
-        """Add triangles (f, 3) of points, their drawn edges (f,) and sites (f, 3)."""
+        """Add triangles (f, 3) of points, their drawn edges (f,) and sites (f, 3).
+
+        Parameters
+        ----------
+        corners : numbers of points (f, 3)
+        edges : bits of the edges that are drawn (f,)
+        site : site of each corner (f, 3)
+        """
         self._triangles.append(corners)
         self._edges.append(edges)
         self._site.append(site)
 
     def quads(self, corners: IntArray, site: IntArray, *, sides: int = 0b1111) -> None:
-        """Add quadrilaterals (f, 4) with sites (f, 4); bits of `sides`: drawn edges 01 12 23 30."""
+        """Add quadrilaterals (f, 4) with sites (f, 4); bits of `sides`: drawn edges 01 12 23 30.
+
+        Parameters
+        ----------
+        corners : numbers of points (f, 4)
+        site : site of each corner (f, 4)
+        sides : bits of the edges 01, 12, 23, 30 that are drawn
+        """
         count = len(corners)
         one = (sides & 1) | (sides & 2)
         two = ((sides >> 2) & 1) << 1 | ((sides >> 3) & 1) << 2
@@ -364,7 +385,15 @@ def _add_tubes(parts: Parts, tube: Surface, e: IntArray, axes_B: Array, sites: I
 def faces(
     connectivity: IntArray, offsets: IntArray, cell_types: IntArray, site: IntArray
 ) -> Surface:
-    """Return the cells of surfaces and the outer faces of solids; `site` (c,) of each cell."""
+    """Return the cells of surfaces and the outer faces of solids; `site` (c,) of each cell.
+
+    Parameters
+    ----------
+    connectivity : nodes of all cells, end to end
+    offsets : begin of each cell (c + 1,)
+    cell_types : VTK types of the cells (c,)
+    site : site of each cell (c,)
+    """
     found: dict[int, list[tuple[IntArray, IntArray]]] = {3: [], 4: []}
     for kind in np.unique(cell_types).tolist():
         own = np.flatnonzero(cell_types == kind)
@@ -411,7 +440,14 @@ def spokes(nodes_B: Array, width: float) -> Surface:
 
 
 def add_bars(parts: Parts, nodes_B: Array, width: float) -> None:
-    """Add square bars from the first node to each of the others."""
+    """Add square bars from the first node to each of the others.
+
+    Parameters
+    ----------
+    parts : surface to add to
+    nodes_B : nodes (n, 3), body axes [m]
+    width : side of the square section [m]
+    """
     along = nodes_B - nodes_B[0]
     length = np.linalg.norm(along, axis=1)
     ends = np.flatnonzero(length > 1e-9)

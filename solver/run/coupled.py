@@ -64,8 +64,12 @@ class Course:
     def piece(self, t: float, h: float, value: float, rates: Array) -> Array:
         """Return coefficients (3 or 6,) of powers of the time after t, for a step of h [s].
 
-        value : of the input at t
-        rates : (2,) first and second derivative at t where they are known; nan: not
+        Parameters
+        ----------
+        t : time [s]
+        h : length of the communication step [s]
+        value : value of the input at t
+        rates : first and second derivative at t (2,); nan where not known
         """
         if self._order == 0 and not self._drive and rates is UNKNOWN:
             return np.array([value, 0.0, 0.0])
@@ -197,6 +201,12 @@ def shift_law(model: Model, number: int, by: float) -> None:
     """Add a constant to a law, in the arrays of the model; one by an expression becomes a parabola.
 
     What the law does later stays known to the scales of the run (dynamics/analysis/recovery.py).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    number : number of the law
+    by : the constant
     """
     if model.quantities.law[number] >= 0:
         value, rate, acceleration = law_values(model, 0.0)[number]
@@ -207,7 +217,12 @@ def shift_law(model: Model, number: int, by: float) -> None:
 def write_piece(model: Model, number: int, t: float, coefficients: Array) -> None:
     """Let a law be a polynomial of the time after t [s], in the arrays of the model.
 
-    coefficients : (k,) of ascending powers
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    number : number of the law
+    t : begin of the polynomial [s]
+    coefficients : coefficients of ascending powers (k,)
     """
     first, end = int(model.law_start[number]), int(model.law_start[number + 1])
     model.quantities.law[number] = -1
@@ -218,7 +233,15 @@ def write_piece(model: Model, number: int, t: float, coefficients: Array) -> Non
 
 
 def write_course(model: Model, given: Input, t: float, coefficients: Array) -> None:
-    """Let an input be a polynomial of the time after t [s], in values of the case, which go."""
+    """Let an input be a polynomial of the time after t [s], in values of the case, which go.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    given : the input
+    t : begin of the polynomial [s]
+    coefficients : coefficients of ascending powers (k,), in units of the case
+    """
     coefficients[0] += given.offset
     write_piece(model, given.law, t, coefficients)
 
@@ -329,8 +352,11 @@ class Stepper:
     ) -> Array:
         """Close the joints with these inputs (k,) at t = 0; return the outputs (n,).
 
-        values : None: those of the case
-        drive_order, force_order : 0, 1 or 2, of the polynomials between communication points
+        Parameters
+        ----------
+        values : inputs at t = 0 (k,); None: those of the case
+        drive_order : order of the polynomials of drives between communication points, 0, 1 or 2
+        force_order : the same of forces
 
         Raises
         ------
@@ -400,7 +426,14 @@ class Stepper:
         self.restore(end)
 
     def inputs_at(self, model: Model, k: int, by: float) -> Model:
-        """Return a model whose input k was larger in the last communication step."""
+        """Return a model whose input k was larger in the last communication step.
+
+        Parameters
+        ----------
+        model : model whose arrays are copied
+        k : number of the input
+        by : difference of its value
+        """
         assert self.last is not None
         given, before = self.inputs[k], self.last.before
         model = model._replace(

@@ -168,6 +168,13 @@ def drawn_loads(
 
     On the second place of each, at some of the output times t (k,), with states y (k, n) and
     multipliers (k, n_c).
+
+    Parameters
+    ----------
+    built : the built mechanism
+    t : output times (k,) [s]
+    y : states (k, n)
+    multipliers : multipliers of the constraints (k, n_c)
     """
     model, names = built.model, [*built.joints, *built.force_names]
     # Rows of `loads_of_markers`: both sides of every joint table, then of every force element.

@@ -52,6 +52,15 @@ def collect(
     What has a row for every output time is computed block by block. Of a run whose states are
     in a file (integrators/generic/drive.py), or with many signals, it is kept in a file as well,
     in `folder`. `progress` gets the part of the work that is done.
+
+    Parameters
+    ----------
+    spec : the run
+    sensors : sensors by name of the signal
+    finished : solution and what was noticed
+    solve_s : CPU time of the integration [s]
+    folder : folder for rows that do not fit into memory
+    progress : function that gets the part of the work that is done, 0 to 1
     """
     model, solution = finished.model, finished.solution
     t, y = solution.t, solution.y

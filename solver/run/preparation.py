@@ -90,7 +90,14 @@ class Prepared:
         return replace(solution, message=message, code=SINGULAR.name)
 
     def finished(self, solution: Solution, order: int, look: Look) -> FinishedRun:
-        """Return the run as the checks see it; `order` is that of the integrator."""
+        """Return the run as the checks see it; `order` is that of the integrator.
+
+        Parameters
+        ----------
+        solution : times and states of the run
+        order : order of the integrator
+        look : at how many output times the checks look
+        """
         passage, t_end = self.passage, solution.t[-1]
         # Two monitors may ask for a stop in the same step; what is beyond the earlier one is cut.
         found = [*self.spin.findings, *passage.findings]
@@ -127,6 +134,15 @@ def prepare(
     `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
     may run. `adjust` may write into the arrays of the model before its joints are closed.
     `histories` of other runs as in `sensors`.
+
+    Parameters
+    ----------
+    mechanism : tables of the case, checked
+    packages : modal packages of the bodies by name
+    signals : names of the signals that will be asked for; None: all
+    allow_python : functions of the user may run
+    adjust : function that writes into the arrays of the model before its joints are closed
+    histories : signals of other runs
 
     Raises
     ------
@@ -285,7 +301,15 @@ def integrated(
 
 
 def jammed(mechanism: "Mechanism", model: Model, t: float, y: Array) -> str:
-    """Say which friction leaves no accelerations at time t [s] in state y (n,); "" if none does."""
+    """Say which friction leaves no accelerations at time t [s] in state y (n,); "" if none does.
+
+    Parameters
+    ----------
+    mechanism : tables of the case
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     friction = []
     for name, force in mechanism.forces.items():
         keys = {key: getattr(force, key, None) for key in ("joint", *JAMMING)}

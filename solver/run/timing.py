@@ -72,7 +72,14 @@ class Stopwatch:
         self._last, self._loaded = time.process_time(), statistics.load_s
 
     def move(self, seconds: float, source: str, target: str) -> None:
-        """Count time of one phase as that of another."""
+        """Count time of one phase as that of another.
+
+        Parameters
+        ----------
+        seconds : CPU time [s]
+        source : phase from which it is taken
+        target : phase to which it is added
+        """
         moved = min(seconds, self.seconds[source])
         self.seconds[source] -= moved
         self.seconds[target] += moved

@@ -24,6 +24,12 @@ def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Arra
     """Return translation (k, 3) [m] and rotation vector (k, 3) [rad] of an interface in its body.
 
     phi q and psi q, and with `second_order` 1/2 q' H q of both. q : (k, m) modal coordinates.
+
+    Parameters
+    ----------
+    place : interface of the package
+    q : modal coordinates (k, m)
+    second_order : with the terms of second order
     """
     u, theta = q @ place.phi_B.T, q @ place.psi_B.T
     if second_order and place.H_B is not None and place.H_psi_B is not None:
@@ -35,7 +41,14 @@ def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Arra
 def point_values(
     built: BuiltMechanism, name: str, signal: "PointSignal"
 ) -> Callable[[Recording], Array]:
-    """Return what gives the vectors (k, 3) of a signal of a place."""
+    """Return what gives the vectors (k, 3) of a signal of a place.
+
+    Parameters
+    ----------
+    built : the built mechanism
+    name : name of the signal
+    signal : its table in the case
+    """
     kind = signal.kind
     if kind in ("deflection", "rotation"):
         return _of_segments(built, name, signal) if signal.frame else _elastic(built, signal)

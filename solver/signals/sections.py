@@ -161,6 +161,13 @@ class Cut:
         """Return place, weight less m a, and dh/dt of each slice, in body axes, (k, p, 3).
 
         Of velocity and acceleration (k, 6 + m) of the frame and the modes.
+
+        Parameters
+        ----------
+        A : rotation matrices of the frame (k, 3, 3)
+        q : modal coordinates (k, m)
+        velocity : velocities of frame and modes (k, 6 + m)
+        rate : accelerations of frame and modes (k, 6 + m)
         """
         w, w_d = velocity[:, None, 3:6], rate[:, None, 3:6]
 
@@ -188,6 +195,14 @@ def resultant_values(
 ) -> Values:
     """Return what gives a resultant (k,) [N or N m].
 
+    Parameters
+    ----------
+    key : key of the case file, for messages
+    built : the built mechanism
+    body : number of the body
+    package : its modal package
+    signal : table of the signal
+
     Raises
     ------
     InputError
@@ -202,6 +217,14 @@ def ply_stress_values(
     key: str, built: BuiltMechanism, body: int, package: ModalPackage, signal: "PlyStressSignal"
 ) -> tuple[Values, Look]:
     """Return what gives a stress (k,) in ply axes [Pa], and what looks at all times before.
+
+    Parameters
+    ----------
+    key : key of the case file, for messages
+    built : the built mechanism
+    body : number of the body
+    package : its modal package
+    signal : table of the signal
 
     Raises
     ------
@@ -251,6 +274,12 @@ def resultants_at(key: str, package: ModalPackage, x: float) -> tuple[int, Array
 
     They are linear between stations. If two stations have the same position, those of the far
     side are used.
+
+    Parameters
+    ----------
+    key : key of the case file, for messages
+    package : modal package of the body
+    x : position along the body [m]
 
     Raises
     ------
@@ -309,6 +338,12 @@ def stress_life(
     materials: "Materials", package: ModalPackage, signal: "PlyStressSignal"
 ) -> StressLife | None:
     """Return the S-N line of a stress; None if the case has none for it.
+
+    Parameters
+    ----------
+    materials : materials of the case, with their S-N lines
+    package : modal package of the body
+    signal : table of the signal
 
     Raises
     ------

@@ -138,6 +138,13 @@ def combined(
 ) -> tuple[str, Values, Look | None]:
     """Return unit, values and look of a difference or a norm.
 
+    Parameters
+    ----------
+    name : name of the signal
+    signal : its table in the case
+    measuring : returns unit, values and look of a signal by name
+    histories : signals of other runs
+
     Raises
     ------
     InputError
@@ -276,7 +283,12 @@ def recorded(
 ) -> Iterator[tuple[Recording, Iterator[tuple[str, Array]]]]:
     """Yield recordings of k states and names and values of the sensors (k,), block by block.
 
-    blocks : gives times and states; called again for sensors that look at all of them before
+    Parameters
+    ----------
+    sensors : sensors by name of the signal
+    model : arrays of the mechanism (dynamics/model/model.py)
+    blocks : gives times (k,) and states (k, n), block by block; called again for sensors that look
+        at all of them before
     memory : what sensors keep of blocks that were shown in an earlier call
     """
     memory = {} if memory is None else memory

@@ -30,6 +30,13 @@ def strength_values(
 ) -> Callable[[Recording], Array]:
     """Return what gives strength ratio or exposure (k,) [-].
 
+    Parameters
+    ----------
+    key : key of the case file, for messages
+    body : number of the body
+    package : its modal package
+    signal : table of the signal
+
     Raises
     ------
     InputError

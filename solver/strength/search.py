@@ -55,7 +55,14 @@ class Peaks:
         return np.minimum(np.maximum(self.floors, self.exposure), self.top)
 
     def take(self, exposure: Array, points: IntArray, instants: IntArray) -> None:
-        """Take exposures of pairs of point and time, (k,) each."""
+        """Take exposures of pairs of point and time, (k,) each.
+
+        Parameters
+        ----------
+        exposure : exposures (k,)
+        points : points (k,)
+        instants : numbers of the times (k,)
+        """
         own = self.group[points]
         order = np.lexsort((-exposure, own))
         first = order[np.flatnonzero(np.diff(own[order], prepend=-1))]  # highest of each group
@@ -85,6 +92,13 @@ class PeakSearch:
         """Find the peak of every group of points under resultants F (6, t); see Peaks.
 
         Exact for groups whose peak is above their floor, and for the highest peak above `top`.
+
+        Parameters
+        ----------
+        F : resultants over time (6, t) [N, N m]
+        group : group of each point (p,)
+        floors : peaks below these are not needed (g,)
+        top : highest exposure found before
         """
         best = Peaks(group, floors, top)
         parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)
@@ -194,6 +208,12 @@ def governing(places: Sequence[Place], q: Array, top: Array) -> tuple[IntArray, 
     """Return the place and its point that have the highest exposure `top` (t,) at each time.
 
     Point -1: none has, as without load.
+
+    Parameters
+    ----------
+    places : resultants per mode and search, of each place
+    q : modal coordinates (t, m)
+    top : highest exposure at each time (t,)
     """
     place, point = np.zeros(len(q), dtype=np.int64), np.full(len(q), -1)
     for number, (resultants_E, search) in enumerate(places):
@@ -210,7 +230,14 @@ def governing(places: Sequence[Place], q: Array, top: Array) -> tuple[IntArray, 
 
 
 def exposures_at(places: Sequence[Place], held: tuple[IntArray, IntArray], q: Array) -> Array:
-    """Return the exposure (t,) of the place and point of each time, see `governing`."""
+    """Return the exposure (t,) of the place and point of each time, see `governing`.
+
+    Parameters
+    ----------
+    places : resultants per mode and search, of each place
+    held : place and point at each time (t,)
+    q : modal coordinates (t, m)
+    """
     found = np.zeros(len(q))
     for number in np.unique(held[0]).tolist():
         resultants_E, search = places[number]
@@ -221,7 +248,14 @@ def exposures_at(places: Sequence[Place], held: tuple[IntArray, IntArray], q: Ar
 
 
 def raise_to_peaks(search: PeakSearch, F: Array, top: Array) -> None:
-    """Raise top (t,), in place, to the highest exposure under resultants F (6 or 8, t)."""
+    """Raise top (t,), in place, to the highest exposure under resultants F (6 or 8, t).
+
+    Parameters
+    ----------
+    search : search of one place
+    F : resultants over time (6 or 8, t)
+    top : highest exposure at each time (t,), raised
+    """
     parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)
     live = np.flatnonzero(search.bounds.max(axis=0) @ parts > top)
     if not live.size:

@@ -191,7 +191,11 @@ def ply_searches(
 ) -> Iterator[tuple[IntArray, PeakSearch]]:
     """Yield points (p, 2), ply and level, of each of some plies, and their search.
 
-    criteria : names of those to be used; none given: all
+    Parameters
+    ----------
+    laminate : a laminate of the package
+    plies : numbers of the plies
+    criteria : names of the criteria to use; none given: all
     """
     known = strengths(laminate)
     for number in plies:

@@ -38,7 +38,14 @@ def chosen_sweeps(case: "Case", names: Sequence[str] | None) -> list[str]:
 
 
 def chosen_run(case: "Case", name: str | None, *, only: bool = False) -> str:
-    """Return the run asked for; if none is named the first one, or with `only` the only one."""
+    """Return the run asked for; if none is named the first one, or with `only` the only one.
+
+    Parameters
+    ----------
+    case : checked case
+    name : name of the run; None: none was named
+    only : refuse if none is named and the case has several
+    """
     if only and name is None and len(case.runs) > 1:
         raise InputError(f"--run: expected one of {few(case.runs)}")
     return chosen_runs(case, None if name is None else [name])[0]

@@ -44,7 +44,17 @@ def run_one(
     allow_python: bool = False,
     allow_doubtful: bool = False,
 ) -> Summary:
-    """Execute a run file; return its summary. See `run_file`."""
+    """Execute a run file; return its summary. See `run_file`.
+
+    Parameters
+    ----------
+    file : run file
+    out : folder of the results
+    progress : print the progress
+    import_s : CPU time of imports before [s]
+    allow_python : functions of the user may run
+    allow_doubtful : as in `read_package`
+    """
     return run_file(
         file,
         out,

@@ -55,7 +55,15 @@ def context(*, fresh: bool = False) -> Any:
 def processes(
     count: int, begin: Callable[..., None] | None = None, *arguments: Any, fresh: bool = False
 ) -> "ProcessPoolExecutor":
-    """Return a pool of processes, each of which calls `begin(*arguments)` first."""
+    """Return a pool of processes, each of which calls `begin(*arguments)` first.
+
+    Parameters
+    ----------
+    count : number of processes
+    begin : function that each process calls first
+    arguments : its arguments
+    fresh : start new interpreters in place of forks
+    """
     from concurrent.futures import ProcessPoolExecutor
 
     return ProcessPoolExecutor(count, context(fresh=fresh), begin, arguments)
@@ -177,6 +185,12 @@ def locked(descriptor: int, *, shared: bool = False, wait: bool = False) -> bool
     """Lock an open file or folder; False if another process has it, and `wait` is not given.
 
     The end of the process, however it ends, unlocks it.
+
+    Parameters
+    ----------
+    descriptor : open file or folder
+    shared : lock for reading
+    wait : wait for other processes
 
     Raises
     ------

@@ -76,7 +76,14 @@ class Request:
 def write_specs(
     entries: Sequence[Entry], folder: Path, spec_of: SpecOf
 ) -> tuple[list[Request], list[Made]]:
-    """Check descriptions and write folder/<name>/<name>.json; those that are wrong have failed."""
+    """Check descriptions and write folder/<name>/<name>.json; those that are wrong have failed.
+
+    Parameters
+    ----------
+    entries : descriptions to make
+    folder : folder of the results
+    spec_of : checks a description and returns its specification
+    """
     requests, failed = [], []
     for entry in entries:
         spec_file = folder / entry.name / f"{entry.name}.json"
@@ -100,6 +107,14 @@ def made_file(
     entry: Entry, command: str, options: Sequence[str], spec_of: SpecOf, folder: Path
 ) -> Path:
     """Return the results file of one description, made unless it is up to date.
+
+    Parameters
+    ----------
+    entry : the description
+    command : name of the preprocessor
+    options : its options
+    spec_of : checks a description and returns its specification
+    folder : folder of the results
 
     Raises InputError: the description is wrong, there is no FEniCSx, or the analysis fails.
     """

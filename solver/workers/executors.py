@@ -55,7 +55,14 @@ class Executor(Protocol):
         """Return how many tasks keep all workers busy, at least 1."""
 
     def submit(self, lane: int, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Begin a task. Tasks of one lane go to the same worker where that is possible."""
+        """Begin a task. Tasks of one lane go to the same worker where that is possible.
+
+        Parameters
+        ----------
+        lane : number of the lane
+        function : the task
+        arguments : its arguments
+        """
 
     def close(self, *, at_once: bool) -> None:
         """End the workers that belong to it; `at_once`: without waiting for their tasks."""
@@ -151,7 +158,14 @@ class Here:
         return 1
 
     def submit(self, lane: int, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Compute a task. Raises KeyboardInterrupt."""
+        """Compute a task. Raises KeyboardInterrupt.
+
+        Parameters
+        ----------
+        lane : not used
+        function : the task
+        arguments : its arguments
+        """
         future: Future[Any] = Future()
         try:
             future.set_result(function(*arguments))
@@ -210,7 +224,14 @@ class Local:
         return self._jobs
 
     def submit(self, lane: int, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Begin a task on the worker of a lane, which is free; a new one where it died."""
+        """Begin a task on the worker of a lane, which is free; a new one where it died.
+
+        Parameters
+        ----------
+        lane : number of the lane
+        function : the task
+        arguments : its arguments
+        """
         if self._tasks[lane] == TASKS and not self._threads:
             self._workers.pop(lane).close(at_once=False)
             self._tasks[lane] = 0
@@ -318,7 +339,14 @@ class Dask:
         return max(1, QUEUED * len(self._workers))
 
     def submit(self, lane: int, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Begin a task; another worker than the lane's takes it if that one is gone or busy."""
+        """Begin a task; another worker than the lane's takes it if that one is gone or busy.
+
+        Parameters
+        ----------
+        lane : number of the lane
+        function : the task
+        arguments : its arguments
+        """
         hint: dict[str, object] = {}
         if self._workers:
             worker = self._workers[lane % len(self._workers)]
@@ -367,7 +395,14 @@ class Mpi:
         return 2 * self._ranks
 
     def submit(self, lane: int, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Begin a task on the next rank that is free."""
+        """Begin a task on the next rank that is free.
+
+        Parameters
+        ----------
+        lane : not used
+        function : the task
+        arguments : its arguments
+        """
         future: Future[Any] = self._pool.submit(function, *arguments)
         return future
 

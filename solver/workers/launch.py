@@ -453,6 +453,13 @@ def _changed_mesh(spec: Path) -> str:
 def start_of(command: str, options: Sequence[str], executor: Executor, ranks: int = 1) -> Start:
     """Return how an executor starts the preprocessor; workers elsewhere find their own Python.
 
+    Parameters
+    ----------
+    command : name of the preprocessor
+    options : its options
+    executor : where it runs
+    ranks : number of MPI ranks of a task
+
     Raises
     ------
     InputError

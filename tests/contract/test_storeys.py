@@ -15,6 +15,7 @@ MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it 
 # Folders above that limit, and what they have: no number here may grow.
 LARGE = {}
 LONGEST_CHAIN = {"solver": 25, "preprocess": 24}  # of imports, file by file; may not grow either
+UNDOCUMENTED = 192  # public functions of three or more arguments without their parameters
 Graph = dict[str, set[str]]
 
 
@@ -93,6 +94,27 @@ def test_folders_and_chains_do_not_grow(
     large = {f: n for f, n in sizes.items() if n > MOST_MODULES and f not in kinds}
     assert large == {f: n for f, n in LARGE.items() if f.split("/")[0] == part}
     assert structure.longest_chain(graph) <= LONGEST_CHAIN[part]
+
+
+def test_parameters_are_documented(repository: Path, structure: ModuleType) -> None:
+    known = structure.documented(structure.sources(repository))
+    missing = sorted(name for name, there in known.items() if not there)
+    assert len(missing) <= UNDOCUMENTED, missing
+
+
+def test_functions_without_parameters_are_found(structure: ModuleType) -> None:
+    text = """
+def f(a, b, c):
+    "Text.\\n\\nParameters\\n----------\\na, b, c : numbers"
+def g(a, *b, c): "Text."
+def _own(a, b, c): "Text."
+def short(a, b): "Text."
+class A:
+    def h(self, a, b, **c): "Text."
+    def i(self, a, b): "Text."
+"""
+    found = structure.documented({"x.py": text})
+    assert found == {"x.py:f:2": True, "x.py:g:4": False, "x.py:h:8": False}
 
 
 def test_no_arrow_runs_up(

@@ -61,7 +61,15 @@ def show_each(
     *,
     as_json: bool,
 ) -> int:
-    """Show one after the other, as text or as one JSON table; returns the exit code."""
+    """Show one after the other, as text or as one JSON table; returns the exit code.
+
+    Parameters
+    ----------
+    made : results files, and failures
+    table_of : returns the table of one for --json
+    text_of : returns the text of one
+    as_json : print one JSON table
+    """
     tables: dict[str, object] = {}
     code = 0
     for one in made:
@@ -81,7 +89,14 @@ def show_each(
 def each(
     table_of: Callable[[Made], Any], text_of: Callable[[Made], str], options: argparse.Namespace
 ) -> Shown:
-    """Return a function that shows one after the other, with --json as one table."""
+    """Return a function that shows one after the other, with --json as one table.
+
+    Parameters
+    ----------
+    table_of : returns the table of one for --json
+    text_of : returns the text of one
+    options : parsed arguments of the command
+    """
     return lambda made, _: show_each(made, table_of, text_of, as_json=options.json)
 
 

@@ -163,6 +163,13 @@ class JointCoordinates:
 
         Auxiliary states that count turns have the coordinate of their joint. Rates of a free body
         are the velocity of its frame, global, and its angular velocity in body axes.
+
+        Parameters
+        ----------
+        t : time [s]
+        y : state whose other entries are kept (m,)
+        values : joint coordinates (n,) [m, rad]
+        rates : their rates (n,) [m/s, rad/s]
         """
         model, work, y = self._model, self._work, y.copy()
         r, A = np.zeros((model.n_body + 1, 3)), np.tile(np.eye(3), (model.n_body + 1, 1, 1))
@@ -241,7 +248,14 @@ class JointCoordinates:
         return Projected(Z.T @ equations.M @ Z, c, Z)
 
     def jacobian(self, t: float, y: Array, marker: int) -> Array:
-        """Return velocity and angular velocity of a marker by the rates, (6, n), global."""
+        """Return velocity and angular velocity of a marker by the rates, (6, n), global.
+
+        Parameters
+        ----------
+        t : time [s]
+        y : state (n,), as in dynamics/model/model.py
+        marker : number of the marker
+        """
         Z = self.projected(t, y).Z
         return np.asarray(self._spread(marker, single_motion(self._model, marker, y)[1]) @ Z)
 

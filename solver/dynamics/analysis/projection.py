@@ -166,6 +166,13 @@ def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tup
     """Return the state (n,) on the constraints nearest to y, and whether it was reached.
 
     For mechanisms with constraints. `work` is memory for reuse.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    work : memory for reuse; None: new memory
     """
     out = y.copy()
     method = project if by_blocks(model) else _dense_project

@@ -20,6 +20,12 @@ def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
     The mechanism moves from state y (n,) with the shapes that its bodies have there. The loads
     on the modes are those of this motion: weight, forces, inertia, and reactions of the joints.
     The change is K^-1 times these loads; of a body in static equilibrium it is zero.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
     """
     heavy = model._replace(M_qq=_HEAVY * model.M_qq, alpha=0.0, beta=0.0, penalty=0.0)
     if model.n_constraint and not is_tree(model):  # a planar loop of hinges has dependent rows
@@ -36,7 +42,14 @@ def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
 
 
 def motions_without_strain(model: Model, t: float, y: Array) -> int:
-    """Return how many independent motions the joints leave to bodies that do not deform."""
+    """Return how many independent motions the joints leave to bodies that do not deform.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     frames = np.ravel(np.asarray(model.vel_start)[: model.n_body, None] + np.arange(6))
     Phi_q = assemble(model, t, y).Phi_q[:, frames]
     if not Phi_q.size:
@@ -53,6 +66,13 @@ def quasi_static_deformations_of_loops(model: Model, t: float, y: Array, rigid: 
     bodies that hold their shape it is not determined, and no motion is left once they have
     deformed. So the shapes change along vibrations of the mechanism. The `rigid` slowest of them
     are its motion: see `motions_without_strain`, of a state before the deformation. Dense.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    rigid : number of vibrations that are the motion of the mechanism
     """
     equations = assemble(model, t, y)
     motions, M = free_motions(equations, model.inertia_scale), equations.M
@@ -69,6 +89,12 @@ def vibrations(model: Model, Z: Array, M: Array) -> tuple[Array, Array, Array]:
 
     Z (n_vel, f) are the motions that the joints leave free, M (n_vel, n_vel) is the mass. Stiffness
     (n_vel, n_vel); squared angular frequencies (f,), ascending; velocities (n_vel, f) of unit mass.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    Z : free motions (n_vel, f)
+    M : mass matrix (n_vel, n_vel)
 
     Raises
     ------

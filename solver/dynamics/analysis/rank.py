@@ -100,7 +100,16 @@ def _bodies(model: Model, at_body: Sequence[Sequence[int]]) -> IntArray:
 
 @lean
 def begin(model: Model, work: Work, rows: Independence, t: float, y: Array) -> float:
-    """Take a state as the last one; return its least pivot."""
+    """Take a state as the last one; return its least pivot.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    rows : scaled rows of the last state, and their memory
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     evaluate(model, work, t, y)
     scaled_rows(model, work, rows, rows.C_now)
     rates_into(model, y, rows.rate_now)
@@ -112,7 +121,17 @@ def begin(model: Model, work: Work, rows: Independence, t: float, y: Array) -> f
 def scaled_jacobian_into(
     model: Model, work: Work, rows: Independence, t: float, y: Array, out: Array
 ) -> None:
-    """Fill out (n_c, n_vel), zeros before, with C of all rows in state y."""
+    """Fill out (n_c, n_vel), zeros before, with C of all rows in state y.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    rows : memory of scaled rows
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    out : C (n_c, n_vel), zeros before
+    """
     C, plan = rows.parts[0], model.plan
     evaluate(model, work, t, y)
     scaled_rows(model, work, rows, C)
@@ -129,6 +148,14 @@ def certificate(model: Model, work: Work, rows: Independence, t: float, y: Array
 
     Above CERTAIN: no singular position in the step, or in any of its parts. (t, y) becomes the
     last state.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    rows : scaled rows of the last state, and their memory
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
     """
     scaled_rows(model, work, rows, rows.C_now)
     rates_into(model, y, rows.rate_now)
@@ -188,7 +215,15 @@ def _least_of_parts(
 
 @inlined
 def scaled_rows(model: Model, work: Work, rows: Independence, C: Array) -> None:
-    """Fill C (nb, r, n) of the last evaluation."""
+    """Fill C (nb, r, n) of the last evaluation.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    rows : memory of scaled rows
+    C : scaled rows by bodies (nb, r, n), to fill
+    """
     plan, length, root, J = model.plan, rows.length, rows.root, work.J
     length[:] = 0.0
     for i in range(model.n_body):
@@ -215,6 +250,13 @@ def least_pivot(model: Model, rows: Independence, A: Array, B: Array) -> float:
     """Return the least pivot of H for C_a = A and C_b = B (nb, r, n), over the diagonal entry.
 
     -1 where a row turns by a right angle or more, or is not finite.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    rows : memory of scaled rows
+    A : C_a by bodies (nb, r, n)
+    B : C_b by bodies (nb, r, n)
     """
     H, profile, diagonal = rows.H, rows.order.profile_start, rows.diagonal
     gram_into(model, rows.order, rows.kept, A, B, H)
@@ -238,6 +280,15 @@ def gram_into(model: Model, order: Order, kept: IntArray, A: Array, B: Array, H:
     """Fill the profile H of (C_a C_b' + C_b C_a') / 2, A and B (nb, r, n).
 
     Rows with kept (n_c,) = 0 are those of the identity.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    order : order of the rows, and their profile
+    kept : 1 of rows that count, 0 of others (n_c,)
+    A : C_a by bodies (nb, r, n)
+    B : C_b by bodies (nb, r, n)
+    H : profile, to fill
     """
     plan, place, profile = model.plan, order.place, order.profile_start
     for k in range(H.shape[0]):
@@ -379,6 +430,17 @@ def smallest_at(
     """Fill C (nb, r, n) of state y at time t; return its smallest singular value that counts.
 
     `null` singular values of its n_c rows are zero and do not count.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    rows : memory of scaled rows
+    memory : memory of the search
+    null : number of singular values that are zero
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    C : scaled rows by bodies (nb, r, n), to fill
     """
     evaluate(model, work, t, y)
     scaled_rows(model, work, rows, C)
@@ -389,7 +451,16 @@ def smallest_at(
 def smallest_singular_value(
     model: Model, rows: Independence, memory: Spectrum, null: int, C: Array
 ) -> float:
-    """Return the smallest singular value of C (nb, r, n) after `null` that are zero."""
+    """Return the smallest singular value of C (nb, r, n) after `null` that are zero.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    rows : memory of scaled rows
+    memory : memory of the search; its vector begins and ends the search
+    null : number of singular values that are zero
+    C : scaled rows by bodies (nb, r, n)
+    """
     gram_into(model, rows.order, memory.every, C, C, memory.G)
     x = memory.x
     floor = FLOOR_WITH_NULL if null > 0 else FLOOR
@@ -426,6 +497,13 @@ def difference(model: Model, memory: Spectrum, A: Array, B: Array) -> float:
     """Return a bound of the largest singular value of C_a - C_b, A and B (nb, r, n).
 
     The root of the largest sum of a column times the largest of a row.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    memory : memory of the search
+    A : C_a by bodies (nb, r, n)
+    B : C_b by bodies (nb, r, n)
     """
     plan, across, widest = model.plan, memory.across, 0.0
     across[:] = 0.0
@@ -494,6 +572,12 @@ def degrees_of_freedom(model: Model, y: Array, *, independent: bool = False) -> 
 
     Modes are counted; drives do not reduce the number. In a singular position the number is
     larger than elsewhere. `independent`: no row depends on others in this state, as is known.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    independent : no row depends on others in this state, as is known
     """
     rows = [
         row
@@ -514,6 +598,12 @@ def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
     """Tell whether all constraints, drives too, are far from dependent in state y (n,).
 
     The time is linear in the number of bodies.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    t : time [s]
     """
     if not 0 < model.n_constraint <= model.n_vel:
         return False

@@ -41,6 +41,12 @@ def scales(model: Model, y0: Array, t_end: float) -> Scales:
     - after the length under gravity, or at the accelerations of the start; with springs, bushings
       and dampers, whose accelerations may last for an instant, that of the energy stored in them.
     Energy: that of all masses at this speed.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y0 : state at the start (n,)
+    t_end : end of the run [s]
     """
     length = extent(model, y0)
     driven = speed_of_drives(model, y0, np.linspace(0.0, t_end, SAMPLES), length)
@@ -95,7 +101,15 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
 
 
 def speed_of_drives(model: Model, y0: Array, times: Array, length: float) -> float:
-    """Return the largest speed that drives prescribe at times (k,) [m/s]; of turns, at a length."""
+    """Return the largest speed that drives prescribe at times (k,) [m/s]; of turns, at a length.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y0 : state (n,) whose positions the rows take
+    times : times (k,) [s]
+    length : arm of rotations [m]
+    """
     if not (model.joint_law >= 0).any():
         return 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
@@ -124,12 +138,26 @@ class History:
 
 
 def history(model: Model, t: Array, y: Array) -> History:
-    """Evaluate multipliers, energies and constraint violations at states y (k, n)."""
+    """Evaluate multipliers, energies and constraint violations at states y (k, n).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    """
     return history_of(model, y, series.along(model, t, y))
 
 
 def history_of(model: Model, y: Array, along: series.Along) -> History:
-    """Return the history of states y (k, n) in which the equations were evaluated."""
+    """Return the history of states y (k, n) in which the equations were evaluated.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : states (k, n)
+    along : evaluations in these states
+    """
     (Phi, Phi_d, energy), distance = along.balance, position_rows(model.joint_kind)
     return History(
         multipliers=along.multipliers,
@@ -146,7 +174,14 @@ def history_of(model: Model, y: Array, along: series.Along) -> History:
 
 
 def body_frames(model: Model, body: int, y: Array) -> tuple[Array, Array, Array]:
-    """Return r_G (k, 3), A_GB (k, 3, 3) and modal coordinates (k, m) of one body."""
+    """Return r_G (k, 3), A_GB (k, 3, 3) and modal coordinates (k, m) of one body.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    body : number of the body
+    y : states (k, n)
+    """
     a, m = int(model.pos_start[body]), int(model.n_mode[body])
     return y[:, a : a + 3], rotation_matrices(y[:, a + 3 : a + 7]), y[:, a + 7 : a + 7 + m]
 
@@ -169,6 +204,12 @@ def momentum_rates(model: Model, y: Array, rates: Array) -> Array:
     `rates` = dy/dt (k, n). All coordinates are moved along their rates. Momenta are polynomials of
     low degree in them, except for the norm of the Euler parameters, and a body rotates by
     thousandths of a radian.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : states (k, n)
+    rates : dy/dt (k, n)
     """
     parameters = np.asarray(model.pos_start)[:, None] + np.arange(3, 7)
     turning = np.linalg.norm(rates[:, parameters], axis=2).max(axis=1, initial=1.0)
@@ -185,6 +226,13 @@ def acting(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array,
 
     Also returns the sum of their absolute values (k, nb, 6), as scale of an error. The forces are
     weight, force elements, loads and reactions.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    multipliers : multipliers of the constraints (k, n_c)
     """
     total, scale = np.zeros((2, len(y), model.n_body, 6))
     for i in range(model.n_body):
@@ -215,7 +263,14 @@ class MomentumBalance:
 
 
 def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
-    """Compare forces with the change of momentum for each body at states y (k, n)."""
+    """Compare forces with the change of momentum for each body at states y (k, n).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    """
     rates, multipliers = series.along_solution(model, t, y)
     total, scale = acting(model, t, y, multipliers)
     error = np.abs(momentum_rates(model, y, rates) - total)

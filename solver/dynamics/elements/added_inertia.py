@@ -87,7 +87,14 @@ def undetermined_body(
 
 
 def inertia_of(directions: Sequence[Array], scale: Array, start: np.ndarray) -> Array:
-    """Return the inertia (n_a,) added in each direction: of the size of that of other bodies."""
+    """Return the inertia (n_a,) added in each direction: of the size of that of other bodies.
+
+    Parameters
+    ----------
+    directions : directions (d, 6 + m) of each body without inertia
+    scale : inertia scale of the velocity coordinates (n_vel,)
+    start : first velocity of each body (nb + 1,)
+    """
     moving = max((scale[j] for j in start[:-1]), default=0.0) or 1.0
     turning = max((scale[j + 3] for j in start[:-1]), default=0.0) or 1.0
     found = []

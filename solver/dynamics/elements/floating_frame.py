@@ -31,7 +31,15 @@ from ..model.motion import bend_marker, contract
 
 @inlined
 def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
-    """Fill out (n_c,) with Phi_q a, for J (nb, n, r) and a (nb, n)."""
+    """Fill out (n_c,) with Phi_q a, for J (nb, n, r) and a (nb, n).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    J : Jacobians by bodies (nb, n, r)
+    a : velocities or accelerations by bodies (nb, n)
+    out : products (n_c,), to fill
+    """
     plan = model.plan
     out[:] = 0.0
     for i in range(plan.size.shape[0]):
@@ -44,7 +52,15 @@ def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
 
 @inlined
 def flatten(model: Model, x: Array, out: Array, first: int) -> None:
-    """Fill out from `first` on with x (nb, n), body after body: n_vel numbers."""
+    """Fill out from `first` on with x (nb, n), body after body: n_vel numbers.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    x : numbers by bodies (nb, n)
+    out : array to fill
+    first : place of the first of n_vel numbers
+    """
     for i in range(model.n_body):
         j = first + model.vel_start[i]
         for k in range(model.plan.size[i]):
@@ -53,7 +69,15 @@ def flatten(model: Model, x: Array, out: Array, first: int) -> None:
 
 @inlined
 def inflate(model: Model, a: Array, first: int, x: Array) -> None:
-    """Fill x (nb, n) with n_vel numbers of a, from `first` on."""
+    """Fill x (nb, n) with n_vel numbers of a, from `first` on.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    a : array with n_vel numbers
+    first : place of the first one
+    x : numbers by bodies (nb, n), to fill
+    """
     for i in range(model.n_body):
         j = first + model.vel_start[i]
         for k in range(model.plan.size[i]):
@@ -125,7 +149,16 @@ add_elastic = _looped_add_elastic if COMPILED else _add_elastic
 
 @inlined
 def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Add the second-order terms to the moments of body i, which have the linear terms."""
+    """Add the second-order terms to the moments of body i, which have the linear terms.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    i : number of the body
+    q : its modal coordinates (m,)
+    q_d : their rates (m,) [1/s]
+    """
     m = model.n_mode[i]
     first, B, P, twist = work.first, work.B, work.P, work.twist
     for row in range(12):
@@ -152,6 +185,14 @@ def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
 
     The position of a point is x + u + e, u = phi q, e = 1/2 q' H q. The previous sums contain its
     mass without u e', e u' and e e'.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    i : number of the body
+    q : its modal coordinates (m,)
+    q_d : their rates (m,) [1/s]
     """
     m = model.n_mode[i]
     D, R, B, P = work.D, work.R, work.B, work.P
@@ -193,7 +234,16 @@ def _shape(model: Model, s: int, m: int, n: int) -> Triple:
 
 @inlined
 def add_modal_inertia(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Add the second-order terms to M_qq and f of body i, which have the linear terms."""
+    """Add the second-order terms to M_qq and f of body i, which have the linear terms.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    i : number of the body
+    q : its modal coordinates (m,)
+    q_d : their rates (m,) [1/s]
+    """
     three, four = model.third_start[i], model.fourth_start[i]
     add_elastic(work.M[i], work.f[i], q, q_d, model.G3, three, model.G4, four)
 
@@ -202,6 +252,12 @@ def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
     """Return the second-order terms of sum m b of stiffened body i, 1/2 q Z0 q, (k, 3) [kg m].
 
     q (k, m) are its modal coordinates.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    i : number of the body
+    q : its modal coordinates (k, m)
     """
     return 0.5 * np.einsum("aij,ki,kj->ka", _distances(model, i)[:3], q, q, optimize=True)
 
@@ -251,6 +307,12 @@ def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
 
     Paper: Eq. (1), Eq. (2), Eq. (3), Eq. (4), Eq. (6), Eq. (7), with the modes of Eq. (15) and
     the signs that keep energy, momentum and angular momentum (docs/errata.md).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    y : state (n,), as in dynamics/model/model.py
     """
     for i in range(model.n_body):
         m = model.n_mode[i]

@@ -54,14 +54,28 @@ class Marker(NamedTuple):
 
 @inlined
 def evaluate_markers(model: Model, work: Work, y: Array) -> None:
-    """Fill the motions of all markers of joints and force elements in state y."""
+    """Fill the motions of all markers of joints and force elements in state y.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    y : state (n,), as in dynamics/model/model.py
+    """
     for n in range(model.plan.marker_used.shape[0]):
         k = model.plan.marker_used[n]
         move_marker(model, k, y, work.A[model.marker_body[k]], work.motion[k], work.J_m[k])
 
 
 def marker_motion(model: Model, k: int, y: Array) -> Marker:
-    """Return the motion of marker k in state y (model.py), in new arrays."""
+    """Return the motion of marker k in state y (model.py), in new arrays.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    k : number of the marker
+    y : state (n,), as in dynamics/model/model.py
+    """
     motion, J_m = single_motion(model, k, y)
     return Marker(
         motion[PLACE:AXES],
@@ -76,7 +90,14 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
 
 
 def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
-    """Return the row of motion.py (24,) and the Jacobian (6, n) of marker k in state y."""
+    """Return the row of motion.py (24,) and the Jacobian (6, n) of marker k in state y.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    k : number of the marker
+    y : state (n,), as in dynamics/model/model.py
+    """
     body = model.marker_body[k]
     n = 6 + model.n_mode[body] if body >= 0 else 0
     motion, J_m = np.zeros(N_MOTION), np.zeros((6, n))
@@ -97,6 +118,15 @@ def move_marker(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Ar
     The translation x = r + A (x_k + phi q) is linear in the modes, or of second order on a
     stiffened body (floating_frame.py). The rotation psi q is a finite rotation vector,
     so the marker axes stay orthonormal and the angular velocity is their exact rate.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    k : number of the marker
+    y : state (n,), as in dynamics/model/model.py
+    A : rotation matrix of its body (3, 3)
+    motion : motion of the marker (24,), to fill
+    J_m : its Jacobian (6, n) by the velocities of the body, to fill
     """
     body = model.marker_body[k]
     m = model.n_mode[body]

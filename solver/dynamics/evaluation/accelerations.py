@@ -54,6 +54,12 @@ def soften(model: Model, J: Array, softness: Array) -> None:
     """Fill softness of constraints: 1 / penalty, over the mass that each row of J (nb, n, r) moves.
 
     Softness (n_r,) of other rows is left alone.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    J : Jacobians by bodies (nb, n, r)
+    softness : softness of the rows (n_r,), to fill for constraints
     """
     plan = model.plan
     for k in range(model.n_constraint):
@@ -85,6 +91,14 @@ def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) 
     """Add what body i has of added inertia, times `mass`, to L (n, n), and fill its rows' softness.
 
     Softness is that of the rows of either order of the plan.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    i : number of the body
+    mass : factor of the mass matrix
+    L : matrix of the body (n, n), lower triangle
+    softness : softness of the rows (n_r,)
     """
     for a in range(model.plan.added_start[i], model.plan.added_start[i + 1]):
         sigma, g = mass * model.added_inertia[a], model.added_direction[a]
@@ -143,7 +157,14 @@ class Equations(NamedTuple):
 
 
 def assemble(model: Model, t: float, y: Array) -> Equations:
-    """Return the equations at time t and state y as new dense arrays; no reactions are read."""
+    """Return the equations at time t and state y as new dense arrays; no reactions are read.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     work = spare_work(model)
     work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
@@ -185,7 +206,14 @@ def _dense_into(model: Model, work: Work, M: Array, f: Array, Phi_q: Array) -> N
 
 
 def masses_and_jacobians(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
-    """Return mass matrices (k, n_vel, n_vel) and Jacobians (k, n_c, n_vel) of states y (k, n)."""
+    """Return mass matrices (k, n_vel, n_vel) and Jacobians (k, n_c, n_vel) of states y (k, n).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    """
     k, n = len(t), model.n_vel
     M, Phi_q = np.zeros((k, n, n)), np.zeros((k, model.n_constraint, n))
     work = spare_work(model)
@@ -205,7 +233,14 @@ def _all_dense(
 
 
 def constraint_rates(model: Model, equations: Equations, y: Array) -> Array:
-    """Return Phidot (n_c,) in state y; `equations` are those of the same state."""
+    """Return Phidot (n_c,) in state y; `equations` are those of the same state.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    equations : equations of the same state
+    y : state (n,), as in dynamics/model/model.py
+    """
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
     return equations.Phi_q @ velocities + equations.Phi_t
 
@@ -215,6 +250,13 @@ def solve_dense(model: Model, equations: Equations, f: Array, gamma: Array) -> t
 
     M a + Phi_q' lambda = f and Phi_q a = gamma, by the model's treatment, with dense
     linear algebra. The same equations hold for impulses and small motions.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    equations : mass matrix and Jacobian
+    f : right-hand sides of the motion (n_vel,)
+    gamma : right-hand sides of the constraints (n_c,)
     """
     if model.penalty > 0.0 and model.n_constraint > 0:
         return augmented_lagrangian(
@@ -239,6 +281,12 @@ def accelerations(model: Model, equations: Equations, y: Array) -> tuple[Array, 
 
     The force of constraint i is -Phi_q[i] lambda_i. Multipliers of redundant
     constraints are those of least norm.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    equations : equations of the same state
+    y : state (n,), as in dynamics/model/model.py
     """
     Phi_d = constraint_rates(model, equations, y)
     gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
@@ -251,6 +299,12 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
     `equations` are those of state y.
 
     Potential energy is that of weight (zero for a mass point at the global origin) and of springs.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    equations : equations of the same state
+    y : state (n,), as in dynamics/model/model.py
     """
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
     out = np.zeros(3)
@@ -274,6 +328,13 @@ def accelerate(model: Model, work: Work, t: float, y: Array) -> None:
 
     For models that are solved `by_blocks`. Forces that read reactions agree with the multipliers;
     where none do, accelerations are not-a-number.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
     """
     for k in range(model.n_constraint):
         work.gamma[k] = work.rows[k, GAMMA]
@@ -308,6 +369,14 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
 
     The last entry is the power of drives and dampers, so that the energy
     balance is integrated as accurately as the motion.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    out : dy/dt (n,), to fill
     """
     if reads_reactions(model):  # the result is that of the state alone, not of the last evaluation
         work.multipliers[:] = 0.0
@@ -327,6 +396,14 @@ def sample_into(model: Model, work: Work, t: float, y: Array, rate: Array) -> No
     """Sample the periodic states of y (n,) whose instant t [s] is; fill rate (n,) with dy/dt.
 
     All updates read the state before: those of a controller do not see each other's.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    rate : dy/dt (n,) after sampling, to fill
     """
     q, first = model.quantities, model.n_pos + model.n_vel
     evaluate(model, work, t, y)
@@ -338,7 +415,16 @@ def sample_into(model: Model, work: Work, t: float, y: Array, rate: Array) -> No
 
 
 def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> Array:
-    """As `derivative_into` for any model, by dense linear algebra; return the multipliers."""
+    """As `derivative_into` for any model, by dense linear algebra; return the multipliers.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    out : dy/dt (n,), to fill
+    """
     work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
     equations = dense(model, work)
@@ -361,7 +447,14 @@ def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Arr
 
 
 def derivative(model: Model, t: float, y: Array) -> Array:
-    """Return dy/dt, (n,), in a new array; see `derivative_into`."""
+    """Return dy/dt, (n,), in a new array; see `derivative_into`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     out = np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
     fill(model, spare_work(model), t, y, out)

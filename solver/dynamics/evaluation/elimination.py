@@ -36,6 +36,14 @@ def factorise(plan: Plan, order: Order, factors: Factors, J: Array, softness: Ar
     """Factorise: L holds the lower triangles of K on entry; J (nb, n, r) is transposed.
 
     `softness` (n_r,), by row of `order`, is added to the diagonal of S.
+
+    Parameters
+    ----------
+    plan : structure of the model (model/plan.py)
+    order : order of the rows, and their profile
+    factors : K on entry, the factors on return
+    J : Jacobians by bodies (nb, n, r)
+    softness : e of each row (n_r,)
     """
     S, profile, place, start = factors.S, order.profile_start, order.place, order.free_start
     for k in range(S.shape[0]):
@@ -134,6 +142,12 @@ def factorise_profile(order: Order, S: Array, pivot: Array) -> float:
 
     Returns the least pivot of a constraint over its diagonal entry before: small where
     constraints depend on each other.
+
+    Parameters
+    ----------
+    order : order of the rows, and their profile
+    S : profile of a symmetric matrix, then of L
+    pivot : reciprocals of D (n_p,), to fill
     """
     first, profile, least = order.first, order.profile_start, 1.0
     for i in range(pivot.shape[0]):
@@ -161,7 +175,15 @@ def factorise_profile(order: Order, S: Array, pivot: Array) -> float:
 
 @inlined
 def solve_profile(order: Order, S: Array, pivot: Array, mu: Array) -> None:
-    """Replace mu (n_p,), by place, by the solution of L D L' x = mu (`factorise_profile`)."""
+    """Replace mu (n_p,), by place, by the solution of L D L' x = mu (`factorise_profile`).
+
+    Parameters
+    ----------
+    order : order of the rows, and their profile
+    S : profile of L
+    pivot : reciprocals of D (n_p,)
+    mu : right-hand side, then solution (n_p,), by place
+    """
     first, profile = order.first, order.profile_start
     for i in range(pivot.shape[0]):
         row = profile[i + 1] - 1 - i
@@ -191,6 +213,16 @@ def solve(
     """Fill a (nb, n) and multipliers (k,) of right-hand sides f (nb, n), gamma (k,).
 
     k is the number of rows or less; gamma of the others is zero, their multipliers stay inside.
+
+    Parameters
+    ----------
+    plan : structure of the model (model/plan.py)
+    order : order of the rows, and their profile
+    factors : factors of `factorise`
+    f : right-hand sides by bodies (nb, n)
+    gamma : right-hand sides of the rows (k,)
+    a : solution by bodies (nb, n), to fill
+    multipliers : multipliers of the rows (k,), to fill
     """
     mu, place, start = factors.mu, order.place, order.free_start
     mu[:] = 0.0
@@ -380,6 +412,14 @@ def rows_depend(model: Model, order: Order, factors: Factors, J: Array, softness
 
     Every body counts as one of unit mass with its own radius of gyration and its own modes, so
     that the pivots are those of the geometry.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    order : order of the rows, and their profile
+    factors : memory, overwritten
+    J : Jacobians by bodies (nb, n, r)
+    softness : memory (n_r,), overwritten
     """
     for i in range(model.n_body):
         L, v = factors.L[i], model.vel_start[i]

@@ -33,7 +33,15 @@ from .rotor import PASSES, move_inflow, section_rates_into, section_wrench, wind
 
 @inlined
 def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
-    """Fill out (3,) with the energies of state y, after an evaluation there; see `energies`."""
+    """Fill out (3,) with the energies of state y, after an evaluation there; see `energies`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    y : state (n,), as in dynamics/model/model.py
+    out : kinetic, strain and potential energy (3,) [J], to fill
+    """
     kinetic = 0.0
     for i in range(model.n_body):
         j, M, lead = model.n_pos + model.vel_start[i], work.M[i], model.plan.lead[i]
@@ -49,7 +57,15 @@ def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
 
 @inlined
 def momenta_into(model: Model, work: Work, y: Array, out: Array) -> None:
-    """Fill out (n_vel,) with M v of state y, after an evaluation there."""
+    """Fill out (n_vel,) with M v of state y, after an evaluation there.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    y : state (n,), as in dynamics/model/model.py
+    out : M v (n_vel,), to fill
+    """
     for i in range(model.n_body):
         first, M = model.vel_start[i], work.M[i]
         j = model.n_pos + first
@@ -63,7 +79,15 @@ def momenta_into(model: Model, work: Work, y: Array, out: Array) -> None:
 
 @lean
 def stored_energies(model: Model, y: Array, A: Array, out: Array) -> None:
-    """Fill strain energy and that of weight, out[1] and out[2] [J]; A (3, 3) is memory."""
+    """Fill strain energy and that of weight, out[1] and out[2] [J]; A (3, 3) is memory.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    A : memory (3, 3)
+    out : energies (3,) [J]; entries 1 and 2 are filled
+    """
     strain, weight = 0.0, 0.0
     for i in range(model.n_body):
         p, m = model.pos_start[i], model.n_mode[i]
@@ -95,6 +119,12 @@ def first_moments(model: Model, i: int, q: Array) -> Array:
     """Return the first moments of mass (k, 3) of body i about its frame, body axes [kg m].
 
     q (k, m) are its modal coordinates.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    i : number of the body
+    q : its modal coordinates (k, m)
     """
     one, m = int(model.mode_start[i]), int(model.n_mode[i])
     S = model.S[3 * one : 3 * (one + m)].reshape(3, m)
@@ -106,7 +136,15 @@ def first_moments(model: Model, i: int, q: Array) -> Array:
 
 @lean
 def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
-    """Wrench of force element k at time t, with the quantities and markers of `work`."""
+    """Wrench of force element k at time t, with the quantities and markers of `work`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    k : number of the force element
+    t : time [s]
+    """
     if model.rotor.section[k] >= 0:
         return section_wrench(model, work, k, model.rotor.section[k])
     size = 0.0
@@ -127,6 +165,13 @@ def coordinate_wrench(model: Model, work: Work, k: int, size: float) -> Wrench:
     """Wrench of force element k of a size along its coordinate.
 
     By the row of the coordinate: virtual work size g (v_1, w_1, v_2, w_2).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    k : number of the force element
+    size : force along its coordinate [N, N m]
     """
     along = model.quantities.along[k]
     push = times3(size, triple(work.g[along, 6:9]))
@@ -136,7 +181,14 @@ def coordinate_wrench(model: Model, work: Work, k: int, size: float) -> Wrench:
 
 @inlined
 def add_forces(model: Model, work: Work, t: float) -> None:
-    """Add the force elements to f, their power and their stored energy."""
+    """Add the force elements to f, their power and their stored energy.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    """
     if model.rotor.polar.shape[0] > 0:
         speed, _, _ = law_at(model, model.rotor.law[0], t)
         turned, _, _ = law_at(model, model.rotor.law[1], t)
@@ -147,7 +199,15 @@ def add_forces(model: Model, work: Work, t: float) -> None:
 
 @inlined
 def add_wrench(model: Model, work: Work, k: int, wrench: Wrench) -> None:
-    """Add a wrench of force element k to f, its power and its stored energy."""
+    """Add a wrench of force element k to f, its power and its stored energy.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    k : number of the force element
+    wrench : force, moment, power and stored energy of the element
+    """
     work.power[0] += wrench.power
     work.power[1] += wrench.potential
     _push(model, work, model.force_marker[k, 1], wrench.force, wrench.moment, 1.0)
@@ -173,7 +233,14 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
 
 @inlined
 def evaluate_joints(model: Model, work: Work, t: float) -> None:
-    """Fill the rows of all joints and the Jacobians at the bodies."""
+    """Fill the rows of all joints and the Jacobians at the bodies.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    """
     rows, plan = work.rows, model.plan
     for k in range(model.joint_kind.shape[0] - n_coupling(model)):
         one = work.motion[model.joint_marker[k, 0]]
@@ -252,6 +319,15 @@ def fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int
     """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed.
 
     Most rows hold either a displacement or a rotation: the other half of their product is zero.
+
+    Parameters
+    ----------
+    J : Jacobian of the body (n, r), to fill
+    first : first column
+    C : rows of the joint, coefficients of velocities
+    begin : first coefficient of this side, 0 or 6
+    J_m : Jacobian of the marker (6, n)
+    n : number of velocities of the body
     """
     for p in range(C.shape[0]):
         v0, v1, v2 = C[p, begin], C[p, begin + 1], C[p, begin + 2]
@@ -282,7 +358,15 @@ SETTLED, ROUNDING = 1e-11, 1e-14
 
 @inlined
 def reaction_slope(model: Model, work: Work, r: int, row: int) -> float:
-    """Return the derivative of size r of a reaction by multiplier `row` of its joint."""
+    """Return the derivative of size r of a reaction by multiplier `row` of its joint.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    r : number of the reaction
+    row : row of a multiplier of its joint
+    """
     load, unit, n = _load(model, work, r), _load_of(model, work, r, row), _axis(model, work, r)
     along = dot3(load, n)
     if model.quantities.reaction_kind[r] in (RADIAL, BENDING):
@@ -341,6 +425,13 @@ def move_forces(model: Model, work: Work, t: float, passed: int) -> bool:
 
     Their sizes, work.f and the power follow. `passed` is the number of calls before, for the same
     evaluation.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    passed : number of calls before, for the same evaluation
     """
     q, left = model.quantities, work.unsettled
     last = left.shape[0] - 1
@@ -381,6 +472,13 @@ def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
 
     Paper: Eq. (5), Eq. (6), Eq. (8), Eq. (9), Eq. (12) with the sign of s of Eq. (6):
     M a + Phi_q' lambda = f.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
     """
     work.power[0] = work.power[1] = 0.0
     evaluate_bodies(model, work, y)
@@ -402,7 +500,14 @@ def reads_reactions(model: Model) -> bool:
 
 @inlined
 def measure_into(model: Model, work: Work, y: Array) -> None:
-    """Fill the quantities that expressions read, in state y with these markers."""
+    """Fill the quantities that expressions read, in state y with these markers.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    y : state (n,), as in dynamics/model/model.py
+    """
     if work.quantity.shape[0] > 0:
         first = model.n_pos + model.n_vel
         measure(model.quantities, work.motion, y, first, work.quantity, work.g)
@@ -410,7 +515,15 @@ def measure_into(model: Model, work: Work, y: Array) -> None:
 
 @inlined
 def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None:
-    """Fill the rates of the auxiliary states of the last evaluation in out (n,)."""
+    """Fill the rates of the auxiliary states of the last evaluation in out (n,).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    out : dy/dt (n,), filled at the auxiliary states
+    """
     first = model.n_pos + model.n_vel
     for j in range(model.n_aux):
         out[first + j], _ = auxiliary_rate(model.quantities, j, t, work.quantity)
@@ -419,7 +532,15 @@ def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None
 
 @inlined
 def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
-    """Largest row of Phi + Phi_q x: above round-off if rows contradict each other."""
+    """Largest row of Phi + Phi_q x: above round-off if rows contradict each other.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    J : Jacobians by bodies (nb, n, r)
+    x : change of positions by bodies (nb, n)
+    """
     row_products(model, J, x, work.left)
     for k in range(model.n_constraint):
         work.left[k] += work.rows[k, PHI]
@@ -428,7 +549,14 @@ def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
 
 @inlined
 def evaluate_rates(model: Model, work: Work, y: Array) -> None:
-    """Fill work.left with Phidot (n_c,) in state y, of the last evaluation."""
+    """Fill work.left with Phidot (n_c,) in state y, of the last evaluation.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    y : state (n,), as in dynamics/model/model.py
+    """
     inflate(model, y, model.n_pos, work.acceleration)
     row_products(model, work.J, work.acceleration, work.left)
     for k in range(model.n_constraint):
@@ -440,7 +568,14 @@ _PARTS = np.linspace(0.0, 1.0, 9)
 
 
 def beyond(model: Model, t: float, y: Array) -> Array:
-    """Return how far each coordinate is beyond its level, and the rate of that, (ne, 2)."""
+    """Return how far each coordinate is beyond its level, and the rate of that, (ne, 2).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     q, work = model.quantities, spare_work(model)
     evaluate(model, work, t, y)
     at, sign = q.event_coordinate, q.event_sign
@@ -453,10 +588,15 @@ def first_crossing(
 ) -> tuple[tuple[bool, ...], int, float]:
     """Look for the first event in steps with the ends t (k + 1,), y (k + 1, n).
 
-    armed : of each event, whether its coordinate has been before its level since the last time
-
     Returns `armed` before that instant, the event, and the instant [s]; -1 without one. Between
     ends of a step coordinates are cubics by values and rates.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : ends of the steps (k + 1,) [s]
+    y : states there (k + 1, n)
+    armed : of each event, whether its coordinate has been before its level since the last time
     """
     ready = np.array(armed)
     before = beyond(model, float(t[0]), y[0])
@@ -497,6 +637,12 @@ def started(model: Model, t: float, y: Array) -> Array:
 
     Angles are those of the position, within half a turn of what stood there; the others follow
     from their expressions, in their order; the inflow of a rotor is steady.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
     """
     if model.n_aux == 0:
         return y
@@ -521,6 +667,12 @@ def sampled(
 ) -> Array:
     """Return the state y (n,) after the auxiliary states `which` (na,) have been sampled at t.
 
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    which : states to sample (na,)
     functions : of the states `quantities.called`, of time and inputs (k,); without them these keep
         their values
     """

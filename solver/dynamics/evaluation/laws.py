@@ -28,7 +28,17 @@ COINCIDENT = 1e-12  # distance of two points without a direction [m]
 def coordinate(
     kind: int, axes: IntArray, offset: float, one: Array, two: Array, g: Array
 ) -> tuple[float, float]:
-    """Return value and rate of a coordinate, and fill its row g (12,)."""
+    """Return value and rate of a coordinate, and fill its row g (12,).
+
+    Parameters
+    ----------
+    kind : kind of the coordinate
+    axes : numbers of the axes that it uses
+    offset : radius of a contact [m]; else not used
+    one : motion (24,) of marker one
+    two : motion (24,) of marker two
+    g : row (12,) by the velocities of both markers, to fill
+    """
     e, n, arm = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     turning, d = minus3(spin(two), spin(one)), minus3(place(two), place(one))
     if kind in (DISPLACEMENT, DISTANCE):
@@ -62,6 +72,13 @@ def touch(axes: IntArray, radius: float, one: Array, two: Array) -> tuple[Triple
 
     A sphere about marker two on a sphere about marker one (axes[1] = SPHERES), on the plane through
     it across its axis z (PLANE), or the rim of a disc about axis z of marker two on this plane.
+
+    Parameters
+    ----------
+    axes : numbers of the axes; axes[1] is the kind of contact
+    radius : radius of the sphere or disc [m]
+    one : motion (24,) of marker one
+    two : motion (24,) of marker two
     """
     n = axis(one, 2)
     if axes[1] == SPHERES:
@@ -85,6 +102,15 @@ def of_contact(
 
     The sliding velocity is that along an axis of marker one, of which the part across the normal
     counts.
+
+    Parameters
+    ----------
+    kind : HEIGHT or SLIP
+    axes : numbers of the axes; axes[1] is the kind of contact
+    radius : radius of the sphere or disc [m]
+    one : motion (24,) of marker one
+    two : motion (24,) of marker two
+    g : row (12,) by the velocities of both markers, to fill
     """
     d = minus3(place(two), place(one))
     n, arm = touch(axes, radius, one, two)
@@ -104,6 +130,14 @@ def angle_of(frame: Array, pointer: Array, i: int, j: int, k: int) -> tuple[floa
     """Return the angle from axis i towards axis j of a marker to axis k of another, and n.
 
     From -pi to pi [rad]; its rate is n . (w_pointer - w_frame).
+
+    Parameters
+    ----------
+    frame : motion (24,) of the marker with the reference axes
+    pointer : motion (24,) of the marker with the axis that points
+    i : axis of the frame at angle 0
+    j : axis of the frame at 90 deg
+    k : axis of the pointer
     """
     x, y, arm = axis(frame, i), axis(frame, j), axis(pointer, k)
     u, v = dot3(x, arm), dot3(y, arm)
@@ -113,7 +147,15 @@ def angle_of(frame: Array, pointer: Array, i: int, j: int, k: int) -> tuple[floa
 
 @lean
 def acceleration_of(kind: int, axes: IntArray, one: Array, two: Array) -> float:
-    """Return the second derivative of a coordinate at zero coordinate accelerations."""
+    """Return the second derivative of a coordinate at zero coordinate accelerations.
+
+    Parameters
+    ----------
+    kind : kind of the coordinate
+    axes : numbers of the axes that it uses
+    one : motion (24,) of marker one
+    two : motion (24,) of marker two
+    """
     if kind in (DISPLACEMENT, DISTANCE):
         d, d_d = minus3(place(two), place(one)), minus3(velocity(two), velocity(one))
         d_dd = minus3(acceleration(two), acceleration(one))
@@ -163,6 +205,15 @@ def measure(
     """Fill quantity (2 nm + na,) and g (nm, 12) of state y; auxiliary states begin at `first`.
 
     `motion` (nk, 24) holds the markers.
+
+    Parameters
+    ----------
+    quantities : what expressions read (model/model.py)
+    motion : motions of all markers (nk, 24)
+    y : state (n,), as in dynamics/model/model.py
+    first : place of the auxiliary states in y
+    quantity : values (2 nm + na,), to fill
+    g : rows of the coordinates (nm, 12), to fill
     """
     n = quantities.kind.shape[0]
     for j in range(quantities.rate.shape[0]):
@@ -182,7 +233,15 @@ def measure(
 def auxiliary_rate(
     quantities: Quantities, j: int, t: float, quantity: Array
 ) -> tuple[float, float]:
-    """Return the rate of auxiliary state j, and its derivative by the state itself."""
+    """Return the rate of auxiliary state j, and its derivative by the state itself.
+
+    Parameters
+    ----------
+    quantities : what expressions read (model/model.py)
+    j : number of the auxiliary state
+    t : time [s]
+    quantity : values of the last evaluation
+    """
     of, n = quantities.of_coordinate[j], quantities.kind.shape[0]
     if of >= 0:
         return quantity[2 * of + 1], 0.0
@@ -204,6 +263,14 @@ def auxiliary_rate(
 def force_size(quantities: Quantities, k: int, t: float, quantity: Array, out: Array) -> None:
     """Fill out (3,) with the size of force element k, and its derivatives by its own coordinate
     and by the rate of that.
+
+    Parameters
+    ----------
+    quantities : what expressions read (model/model.py)
+    k : number of the force element
+    t : time [s]
+    quantity : values of the last evaluation
+    out : size and its two derivatives (3,), to fill
     """
     along = quantities.along[k]
     first, second = (2 * along, 2 * along + 1) if along >= 0 else (NO_SEED, NO_SEED)
@@ -221,7 +288,14 @@ def force_size(quantities: Quantities, k: int, t: float, quantity: Array, out: A
 
 @inlined
 def law_of_time(quantities: Quantities, law: int, t: float) -> tuple[float, float, float]:
-    """Return value, first and second derivative of an expression of the time alone."""
+    """Return value, first and second derivative of an expression of the time alone.
+
+    Parameters
+    ----------
+    quantities : expressions of the model
+    law : number of the expression
+    t : time [s]
+    """
     none = quantities.offset
     found = evaluated(quantities.programs, law, t, none, BY_TIME, NO_SEED, quantities.stack)
     return found[0], found[1], found[3]
@@ -229,7 +303,14 @@ def law_of_time(quantities: Quantities, law: int, t: float) -> tuple[float, floa
 
 @inlined
 def law_at(model: Model, law: int, t: float) -> tuple[float, float, float]:
-    """Value and rates of a law at t; zeros where there is none."""
+    """Value and rates of a law at t; zeros where there is none.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    law : number of the law, below 0: none
+    t : time [s]
+    """
     if law < 0:
         return 0.0, 0.0, 0.0
     t = before_end(model.quantities, t)
@@ -245,7 +326,14 @@ def law_values(model: Model, t: float) -> Array:
 
 
 def with_laws(model: Model, t: float, values: Array) -> Model:
-    """Return the model with laws that have these values (n_law, 3) at t."""
+    """Return the model with laws that have these values (n_law, 3) at t.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    values : value, rate and second rate of each law at t (n_law, 3)
+    """
     n = len(values)
     coefficients = np.zeros((n, N_COEFFICIENT))
     coefficients[:, :3] = values * (1.0, 1.0, 0.5)

@@ -67,7 +67,15 @@ LIFT, DRAG = 0, 1  # columns of a polar, before those of model.py
 
 @lean
 def wind_into(model: Model, work: Work, speed: float, turned: float) -> None:
-    """Fill work.wind (3,) with a wind at the reference height, turned about `up`, global [m/s]."""
+    """Fill work.wind (3,) with a wind at the reference height, turned about `up`, global [m/s].
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    speed : wind speed at the reference height [m/s]
+    turned : turn of its direction about `up` [rad]
+    """
     rotor = model.rotor
     c, s = np.cos(turned), np.sin(turned)
     up, along = _three(rotor.numbers, UP), _three(rotor.numbers, DIRECTION)
@@ -83,7 +91,14 @@ def _three(numbers: Array, first: int) -> Triple:
 
 @inlined
 def wind_at(model: Model, work: Work, x: Triple) -> Triple:
-    """Return the wind at a point: by height, a power law [m/s]."""
+    """Return the wind at a point: by height, a power law [m/s].
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    x : point, global [m]
+    """
     numbers, share = model.rotor.numbers, 1.0
     if numbers[SHEAR] != 0.0:
         height = max(dot3(_three(numbers, UP), x), 0.0) / numbers[REFERENCE_HEIGHT]
@@ -93,7 +108,15 @@ def wind_at(model: Model, work: Work, x: Triple) -> Triple:
 
 @lean
 def section_wrench(model: Model, work: Work, k: int, s: int) -> Wrench:
-    """Wrench of section s, force element k; fills work.flow[s] with the rates of its states."""
+    """Wrench of section s, force element k; fills work.flow[s] with the rates of its states.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    k : number of the force element
+    s : number of the section
+    """
     rotor, numbers, shape = model.rotor, model.rotor.numbers, model.rotor.shape[s]
     hub, at = work.motion[model.force_marker[k, 0]], work.motion[model.force_marker[k, 1]]
     first = 2 * model.quantities.kind.shape[0] + rotor.state + N_SECTION_STATE * s
@@ -213,7 +236,14 @@ def _rates(
 
 @inlined
 def section_rates_into(model: Model, work: Work, out: Array) -> None:
-    """Fill the rates of the sections' states in out (n,), after an evaluation."""
+    """Fill the rates of the sections' states in out (n,), after an evaluation.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    out : dy/dt (n,), filled at the states of the sections
+    """
     first = model.n_pos + model.n_vel + model.rotor.state
     for s in range(model.rotor.polar.shape[0]):
         for i in range(N_SECTION_STATE):
@@ -226,7 +256,11 @@ RELAXATION, PASSES, SETTLED = 0.1, 400, 1e-9
 def move_inflow(model: Model, flow: Array, y: Array) -> bool:
     """Move the sections' states in y towards steady inflow by the last evaluation; tell if at rest.
 
-    flow : (ns, N_FLOW) of that evaluation
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    flow : flow of the last evaluation (ns, N_FLOW)
+    y : state (n,), as in dynamics/model/model.py
     """
     first = model.n_pos + model.n_vel + model.rotor.state
     states = y[first : first + N_SECTION_STATE * len(flow)].reshape(-1, N_SECTION_STATE)

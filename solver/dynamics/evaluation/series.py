@@ -48,7 +48,15 @@ class Along(NamedTuple):
 def along_solution(
     model: Model, t: Array, y: Array, regular_above: float = REGULAR
 ) -> tuple[Array, Array]:
-    """Return dy/dt (k, n) and the multipliers (k, n_c); see `along`."""
+    """Return dy/dt (k, n) and the multipliers (k, n_c); see `along`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    regular_above : least pivot above which elimination is used
+    """
     rates, multipliers, _ = along(model, t, y, regular_above)
     return rates, multipliers
 
@@ -62,6 +70,13 @@ def along(model: Model, t: Array, y: Array, regular_above: float = REGULAR) -> A
 
     Below `regular_above`, the least pivot over its diagonal entry, states are solved with dense
     matrices, in the third power of the number of bodies.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    regular_above : least pivot, over its diagonal entry, above which elimination is used
     """
     t, y = _contiguous(t, y)
     found, regular = _evaluated(model, t, y, solve=by_blocks(model))
@@ -79,7 +94,14 @@ def along(model: Model, t: Array, y: Array, regular_above: float = REGULAR) -> A
 
 
 def balance(model: Model, t: Array, y: Array) -> Balance:
-    """Return constraints and energies."""
+    """Return constraints and energies.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    """
     found, _ = _evaluated(model, *_contiguous(t, y), solve=False)
     return found.balance
 
@@ -97,14 +119,29 @@ def momenta(model: Model, y: Array) -> tuple[Array, Array]:
 
 
 def driven_speeds(model: Model, t: Array, y: Array) -> Array:
-    """Return how fast laws of time move the constraints of one state y (n,), (k, n_c)."""
+    """Return how fast laws of time move the constraints of one state y (n,), (k, n_c).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : one state (n,)
+    """
     found = np.zeros((t.size, model.n_constraint))
     _driven_speeds(model, spare_work(model), t, np.ascontiguousarray(y), found)
     return found
 
 
 def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
-    """Return the mass matrix of body i, (k, m + 6, m + 6)."""
+    """Return the mass matrix of body i, (k, m + 6, m + 6).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    i : number of the body
+    t : times (k,) [s]
+    y : states (k, n)
+    """
     t, y = _contiguous(t, y)
     n = int(model.plan.size[i])
     found = np.zeros((t.size, n, n))
@@ -125,6 +162,13 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     (`loaded_markers`). Those of joints are -C' lambda with the coefficients C of the joint's rows,
     which do the same virtual work; multipliers (k, n_c). A load from outside acts on the second
     marker alone. Couplings of coordinates act on the markers of all their terms, which come last.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    multipliers : multipliers of the constraints (k, n_c)
     """
     return loads_of_markers(model, t, y, multipliers)[0]
 
@@ -138,7 +182,15 @@ def marker_places(model: Model, y: Array) -> Array:
 
 
 def loads_of_markers(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array, Array]:
-    """Return the loads of `marker_loads`, and the origins of their markers (k, n, 3) [m]."""
+    """Return the loads of `marker_loads`, and the origins of their markers (k, n, 3) [m].
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    multipliers : multipliers of the constraints (k, n_c)
+    """
     t, y = _contiguous(t, y)
     markers = loaded_markers(model)
     loads, origins = np.zeros((t.size, markers.size, 6)), np.zeros((t.size, markers.size, 3))
@@ -151,6 +203,14 @@ def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array
     """Return the size (k,) of a force element along a coordinate [N, N m].
 
     Multipliers (k, n_c) are those of the states; only forces that read reactions need them.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    force : number of the force element
+    t : times (k,) [s]
+    y : states (k, n)
+    multipliers : multipliers of the constraints (k, n_c)
     """
     t, y = _contiguous(t, y)
     found = np.zeros(t.size)
@@ -159,7 +219,14 @@ def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array
 
 
 def quantities(model: Model, t: Array, y: Array) -> Array:
-    """Return what expressions read (model/model.py), (k, n); reactions are those of before."""
+    """Return what expressions read (model/model.py), (k, n); reactions are those of before.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    """
     t, y = _contiguous(t, y)
     work = spare_work(model)
     found = np.zeros((t.size, work.quantity.size))
@@ -168,7 +235,14 @@ def quantities(model: Model, t: Array, y: Array) -> Array:
 
 
 def marker_motions(model: Model, k: int, y: Array) -> tuple[Array, Array]:
-    """Return the rows of motion.py (k, 24) and the Jacobians (k, 6, m + 6) of marker k."""
+    """Return the rows of motion.py (k, 24) and the Jacobians (k, 6, m + 6) of marker k.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    k : number of the marker
+    y : states (k, n)
+    """
     y = np.ascontiguousarray(y)
     body = int(model.marker_body[k])
     n = 6 + int(model.n_mode[body]) if body >= 0 else 0

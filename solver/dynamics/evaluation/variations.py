@@ -35,7 +35,16 @@ def terms(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Arr
 
 
 def residuals(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Array:
-    """Return f - M a - Phi_q' lambda, (k, n_vel); arguments as of `terms`."""
+    """Return f - M a - Phi_q' lambda, (k, n_vel); arguments as of `terms`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : times (k,) [s]
+    y : states (k, n)
+    a : accelerations (k, n_vel)
+    multipliers : multipliers of the constraints (k, n_c)
+    """
     return terms(model, t, y, a, multipliers)[:, : model.n_vel]
 
 

@@ -17,7 +17,14 @@ from .model import Model
 
 @inlined
 def rates_into(model: Model, y: Array, out: Array) -> None:
-    """Fill the rates of positions of state y in out; the rest of out does not change."""
+    """Fill the rates of positions of state y in out; the rest of out does not change.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    out : array (n,), filled at the positions
+    """
     for i in range(model.n_body):
         a, j, m = model.pos_start[i], model.n_pos + model.vel_start[i], model.n_mode[i]
         for k in range(3):
@@ -30,7 +37,14 @@ def rates_into(model: Model, y: Array, out: Array) -> None:
 
 
 def position_rates(model: Model, positions: Array, velocities: Array) -> Array:
-    """Return the rates (n_pos,) of positions (n_pos,) at velocities (n_vel,)."""
+    """Return the rates (n_pos,) of positions (n_pos,) at velocities (n_vel,).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos,)
+    velocities : velocities (n_vel,)
+    """
     out = np.empty(model.n_pos)
     rates_into(model, np.concatenate((positions, velocities)), out)
     return out
@@ -41,6 +55,12 @@ def moved(model: Model, positions: Array, step: Array) -> Array:
 
     Translations [m] and modes are added. A rotation vector in body axes [rad] rotates the body by
     the exponential map. The resulting Euler parameters have norm one.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos,)
+    step : increments of the velocity coordinates (n_vel,) [m, rad]
     """
     out = positions.copy()
     move(model, out, step)
@@ -49,13 +69,28 @@ def moved(model: Model, positions: Array, step: Array) -> Array:
 
 @lean
 def move_rows(model: Model, y: Array, steps: Array) -> None:
-    """Move the positions in each row of y (k, n_pos or more) in place by steps (k, n_vel)."""
+    """Move the positions in each row of y (k, n_pos or more) in place by steps (k, n_vel).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : states (k, n_pos or more), moved in place
+    steps : increments of the velocity coordinates (k, n_vel) [m, rad]
+    """
     for k in range(y.shape[0]):
         move(model, y[k], steps[k])
 
 
 def displaced(model: Model, y: Array, change: Array) -> Array:
-    """Return states (n,) or (k, n) moved by changes (2 n_vel + n_aux,), or one for each."""
+    """Return states (n,) or (k, n) moved by changes (2 n_vel + n_aux,), or one for each.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,) or states (k, n)
+    change : increments of positions, velocities and auxiliary states (2 n_vel + n_aux,), one for
+        all or one each
+    """
     found, n = np.atleast_2d(y).copy(), model.n_vel
     change = np.broadcast_to(change, (len(found), np.shape(change)[-1]))
     found[:, model.n_pos : -1] += change[:, n:]
@@ -65,7 +100,14 @@ def displaced(model: Model, y: Array, change: Array) -> Array:
 
 @lean
 def move(model: Model, y: Array, step: Array) -> None:
-    """Move the positions in y (n_pos or more) in place; see `moved`."""
+    """Move the positions in y (n_pos or more) in place; see `moved`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n_pos or more,), moved in place
+    step : increments of the velocity coordinates (n_vel,) [m, rad]
+    """
     for i in range(model.n_body):
         a, j, m = model.pos_start[i], model.vel_start[i], model.n_mode[i]
         for k in range(3):
@@ -96,7 +138,14 @@ class Spin(NamedTuple):
 
 
 def spin_velocities(model: Model, positions: Array, spin: Spin) -> Array:
-    """Return the velocities (n_vel,) of a rigid rotation in positions (n_pos or more,)."""
+    """Return the velocities (n_vel,) of a rigid rotation in positions (n_pos or more,).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos or more,)
+    spin : rotation about a fixed axis
+    """
     out = np.zeros(model.n_vel)
     for i in range(model.n_body):
         a, j = int(model.pos_start[i]), int(model.vel_start[i])
@@ -106,7 +155,14 @@ def spin_velocities(model: Model, positions: Array, spin: Spin) -> Array:
 
 
 def spin_accelerations(model: Model, positions: Array, spin: Spin) -> Array:
-    """Return the accelerations (n_vel,) of a rigid rotation: W x v of frames, else zero."""
+    """Return the accelerations (n_vel,) of a rigid rotation: W x v of frames, else zero.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos or more,)
+    spin : rotation about a fixed axis
+    """
     out = np.zeros(model.n_vel)
     for i in range(model.n_body):
         a, j = int(model.pos_start[i]), int(model.vel_start[i])
@@ -115,7 +171,15 @@ def spin_accelerations(model: Model, positions: Array, spin: Spin) -> Array:
 
 
 def turned(model: Model, positions: Array, spin: Spin, angle: float) -> Array:
-    """Return positions (n_pos,) after a rigid rotation about the axis of the spin [rad]."""
+    """Return positions (n_pos,) after a rigid rotation about the axis of the spin [rad].
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    positions : positions (n_pos,)
+    spin : rotation, of which the axis and its point count
+    angle : angle of the turn [rad]
+    """
     out = np.array(positions, dtype=float)
     c, s = np.cos(0.5 * angle), np.sin(0.5 * angle)
     e0, e = c, s * spin.axis

@@ -273,7 +273,14 @@ class Work(NamedTuple):
 
 
 def new_factors(model: Model, order: Order, one: Any) -> Factors:
-    """Return memory for factors with the rows of `order`, of the type of `one`."""
+    """Return memory for factors with the rows of `order`, of the type of `one`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    order : order of the rows, and their profile
+    one : 1.0 or 1.0 + 0.0j: real or complex factors
+    """
     nb, n, r = model.n_body, model.plan.widest, order.most_rows
     n_p = order.first.shape[0]
     return Factors(
@@ -355,7 +362,14 @@ def spare_work(model: Model) -> Work:
 
 
 def modal_matrix(model: Model, flat: Array, i: int) -> Array:
-    """Return the part (m, m) of body i of M_qq, K_qq or D_qq, as a view."""
+    """Return the part (m, m) of body i of M_qq, K_qq or D_qq, as a view.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    flat : M_qq, K_qq or D_qq of all bodies, end to end
+    i : number of the body
+    """
     m, first = int(model.n_mode[i]), int(model.square_start[i])
     return flat[first : first + m * m].reshape(m, m)
 

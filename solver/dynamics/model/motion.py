@@ -75,13 +75,27 @@ def spin_rate(m: Array) -> Triple:
 
 @inlined
 def put(m: Array, part: int, a: Triple) -> None:
-    """Write a into three numbers of the row, from `part` on."""
+    """Write a into three numbers of the row, from `part` on.
+
+    Parameters
+    ----------
+    m : motion of a marker (24,)
+    part : place of the first number
+    a : the three numbers
+    """
     m[part], m[part + 1], m[part + 2] = a[0], a[1], a[2]
 
 
 @lean
 def stand(motion: Array, x: Array, A: Array) -> None:
-    """Fill the motion of a marker of the ground at x (3,) with axes A (3, 3)."""
+    """Fill the motion of a marker of the ground at x (3,) with axes A (3, 3).
+
+    Parameters
+    ----------
+    motion : motion of a marker (24,), to fill
+    x : position (3,), global [m]
+    A : axes (3, 3)
+    """
     for i in range(3):
         motion[PLACE + i] = x[i]
         for j in range(3):

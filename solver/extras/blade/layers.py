@@ -77,7 +77,14 @@ def joined(row: list[Band], perimeter: float) -> list[Band]:
 
 
 def slope(one: Band, two: Band, perimeter: float) -> float:
-    """Length over which the thicker of two bands that meet is tapered to the other [-]."""
+    """Length over which the thicker of two bands that meet is tapered to the other [-].
+
+    Parameters
+    ----------
+    one : first band
+    two : second band
+    perimeter : length of the contour [m]
+    """
     room = min(one.end - one.start, two.end - two.start)
     return min(STEEP * abs(one.thickness - two.thickness) / perimeter, 0.4 * room)
 
@@ -120,7 +127,14 @@ def taper(band: Band, perimeter: float) -> float:
 
 
 def thickness(row: list[Band], arcs: Array, perimeter: float) -> Array:
-    """Thickness of a row at arcs (n,) [m]."""
+    """Thickness of a row at arcs (n,) [m].
+
+    Parameters
+    ----------
+    row : bands of one layer of the wall
+    arcs : places on the contour (n,), 0 to 1
+    perimeter : length of the contour [m]
+    """
     found = np.zeros(len(arcs))
     shared = {band.end for band in row} & {band.start for band in row}
     for band, (points, values) in _ends(row, perimeter):
@@ -208,6 +222,12 @@ def feet_of(web: WebLayers, perimeter: float, spacing: float = math.inf) -> Arra
     """Arcs of the boundaries of a web's layers: on the suction and the pressure side (2, n).
 
     Layers that are wide beside `spacing` [-] have columns between them, equally many on both sides.
+
+    Parameters
+    ----------
+    web : layers of the web
+    perimeter : length of the contour [m]
+    spacing : length of the cells along the contour, of the perimeter
     """
     plain = tuple(layer.thickness for layer in web.layers)
     found = []
@@ -253,7 +273,15 @@ def _columns_of(web: WebLayers, arcs: Array, perimeter: float) -> IntArray:
 
 
 def check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float) -> None:
-    """Refuse feet that reach past the ends of the contour or over those of another web."""
+    """Refuse feet that reach past the ends of the contour or over those of another web.
+
+    Parameters
+    ----------
+    webs : layers of the webs
+    perimeter : length of the contour [m]
+    low : first arc that they may cover
+    high : last arc
+    """
     taken: list[tuple[float, float, str]] = []
     for web in webs:
         for foot in feet_of(web, perimeter):
@@ -269,7 +297,15 @@ def check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float)
 
 
 def level_under(web: WebLayers, t: Array, arcs: Array, perimeter: float) -> None:
-    """Give the wall one thickness under each foot of a web, the mean of what it has there."""
+    """Give the wall one thickness under each foot of a web, the mean of what it has there.
+
+    Parameters
+    ----------
+    web : layers of the web
+    t : thickness of each row of the wall (k, n) [m], changed
+    arcs : places on the contour (n,), 0 to 1
+    perimeter : length of the contour [m]
+    """
     for foot in feet_of(web, perimeter):
         at = np.flatnonzero((arcs > foot.min() - 1e-9) & (arcs < foot.max() + 1e-9))
         width = arcs[at[-1]] - arcs[at[0]]
@@ -284,7 +320,17 @@ def add_web(
     perimeter: float,
     size: float,
 ) -> None:
-    """Add a strip between the two feet; `inner` are nodes, `size` the length of its cells [m]."""
+    """Add a strip between the two feet; `inner` are nodes, `size` the length of its cells [m].
+
+    Parameters
+    ----------
+    mesh : mesh of the station, added to
+    web : layers of the web
+    arcs : places on the contour (n,), 0 to 1
+    inner : nodes on the inside of the wall
+    perimeter : length of the contour [m]
+    size : length of the cells along the web [m]
+    """
     columns = _columns_of(web, arcs, perimeter)
     one, two = ([inner[k] for k in _every(side)] for side in columns)
     start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))

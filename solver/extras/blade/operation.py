@@ -212,6 +212,12 @@ def blade_axes(i: int, blades: int, cone_deg: float) -> Array:
     """Return the axes (3, 3) of blade i of an upwind rotor, in columns.
 
     The wind is along x, z upwards, the first blade upright; the rotor turns about the wind.
+
+    Parameters
+    ----------
+    i : number of the blade, from 0
+    blades : number of blades
+    cone_deg : cone angle [deg]
     """
     c, s = math.cos(math.radians(cone_deg)), math.sin(math.radians(cone_deg))
     upright = np.array([[-s, 0.0, c], [0.0, -1.0, 0.0], [c, 0.0, s]])

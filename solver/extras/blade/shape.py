@@ -76,6 +76,13 @@ class Shape:
 def read_shape(tables: Tables, top: Table, shape: Table, axis: Table) -> Shape:
     """Read outer shape and reference axis of a windIO file.
 
+    Parameters
+    ----------
+    tables : reader of the file
+    top : the whole file
+    shape : table `outer_shape`
+    axis : table with the reference axis
+
     Raises
     ------
     InputError : something is missing, not a number, or not possible.
@@ -212,7 +219,14 @@ def _blended(shape: Shape, r: float) -> Array:
 
 
 def along_span(airfoils: list[Airfoil], r: float, numbers: Callable[[Airfoil], Array]) -> Array:
-    """Return numbers at r of airfoils of one thickness: linear between their places."""
+    """Return numbers at r of airfoils of one thickness: linear between their places.
+
+    Parameters
+    ----------
+    airfoils : airfoils of one thickness
+    r : place along the span, 0 to 1
+    numbers : numbers of an airfoil
+    """
     if len(airfoils) == 1:
         return numbers(airfoils[0])
     places = [(place, airfoil) for airfoil in airfoils for place in airfoil.places]
@@ -259,6 +273,12 @@ def doubts(shape: Shape) -> Iterator[str]:
 
 def check_layers(tables: Tables, shape: Shape, layers: Sequence[Layer]) -> None:
     """Refuse layers that cannot be.
+
+    Parameters
+    ----------
+    tables : reader of the file
+    shape : outer shape of the blade
+    layers : layers of the shell and of the webs
 
     Raises
     ------

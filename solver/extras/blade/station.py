@@ -368,6 +368,13 @@ PLATE = 0.004  # its thickness over the chord
 def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMesh:
     """Write folder/name.msh and folder/name.toml of the station at r of 0 to 1.
 
+    Parameters
+    ----------
+    blade : blade of the windIO file
+    r : place along the span, 0 to 1
+    name : name of the files
+    folder : folder of the files
+
     Raises
     ------
     InputError : the station has no layers, an unknown material, or webs whose feet overlap.

@@ -154,6 +154,12 @@ def frequencies_at_rest(
 
     A cause that cannot be estimated is left out: of the sections without their estimates, of the
     stations if there are fewer than three.
+
+    Parameters
+    ----------
+    blade : blade of the windIO file
+    stations : analysed stations
+    quiet : print no progress
     """
     known = complete(stations)
     elements = elements_of(len(known))

@@ -73,7 +73,14 @@ class Tables:
         return found
 
     def entries(self, parent: Table, path: str, *, required: bool = False) -> list[dict[str, Any]]:
-        """Return the list of tables of the last part of `path`; without it, none."""
+        """Return the list of tables of the last part of `path`; without it, none.
+
+        Parameters
+        ----------
+        parent : table that has the key
+        path : keys from the top of the file, with dots
+        required : a missing key is an error
+        """
         found = parent.get(path.rpartition(".")[2])
         if found is None and not required:
             return []
@@ -94,7 +101,14 @@ class Tables:
         return str(found)
 
     def numbers(self, parent: Table, path: str, count: int | None = None) -> Array:
-        """Return numbers (count,) of the last part of `path`; without count, one or more."""
+        """Return numbers (count,) of the last part of `path`; without count, one or more.
+
+        Parameters
+        ----------
+        parent : table that has the key
+        path : keys from the top of the file, with dots
+        count : how many numbers; None: one or more
+        """
         found = parent.get(path.rpartition(".")[2])
         if found is None:
             raise self.error(path, "missing; expected numbers")

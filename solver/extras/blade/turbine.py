@@ -39,7 +39,14 @@ DEMAND = f"clip({FREE}, fine_pitch, 1.57)"
 
 
 def write_blade_case(blade: Blade, stations: Sequence[Station], folder: Path) -> Path:
-    """Write the case of a blade whose table beam.csv is in `folder`; returns its file."""
+    """Write the case of a blade whose table beam.csv is in `folder`; returns its file.
+
+    Parameters
+    ----------
+    blade : blade of the windIO file
+    stations : analysed stations
+    folder : folder with beam.csv
+    """
     count = len(complete(stations))
     radius, cone = blade.hub.radius, blade.hub.cone_deg
     angle = math.radians(cone)

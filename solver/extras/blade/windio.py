@@ -109,7 +109,14 @@ def read_given(tables: Tables, structure: Table) -> Given | None:
 
 
 def differences(given: Given, r: float, results: SectionResults) -> list[str]:
-    """Return the quantities of a station in which file and section differ, with both numbers."""
+    """Return the quantities of a station in which file and section differ, with both numbers.
+
+    Parameters
+    ----------
+    given : properties of the blade in the file
+    r : place along the span, 0 to 1
+    results : results of the section
+    """
     K = results.K
     ours = {"mass": float(results.M[0, 0]), "GJ": float(1.0 / np.linalg.inv(K)[3, 3])}
     ours |= _bending(K[np.ix_([0, 4, 5], [0, 4, 5])])

@@ -21,6 +21,12 @@ INSTALL = "pip install 'plymotion[robot]'"
 def body_surface(robot: Robot, body: Body, packages: Mapping[str, Path]) -> Array:
     """Return the triangles (f, 3, 3) of the links of a body, in its axes [m].
 
+    Parameters
+    ----------
+    robot : the robot
+    body : one of its bodies
+    packages : folders of ROS packages by name
+
     Raises
     ------
     InputError
@@ -82,6 +88,12 @@ def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
 
     A package is a folder of that name above or beside a folder above the URDF, or one of
     `packages`.
+
+    Parameters
+    ----------
+    name : `filename` of a mesh in the URDF
+    urdf : file of the robot
+    packages : folders of ROS packages by name
 
     Raises
     ------

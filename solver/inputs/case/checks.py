@@ -63,7 +63,15 @@ def interfaces(body: Body) -> list[str] | None:
 
 
 def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
-    """Return errors of a place "BODY.INTERFACE" or "ground.POINT"."""
+    """Return errors of a place "BODY.INTERFACE" or "ground.POINT".
+
+    Parameters
+    ----------
+    key : key of the input file, for messages
+    place : text of the place
+    mechanism : tables of the case, checked for types and bounds
+    ground : whether a point of the ground is allowed
+    """
     owner, dot, point = place.partition(".")
     if not dot:
         expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
@@ -130,7 +138,14 @@ RESTS = 0.01  # of the largest speed of a table of a drive: it has come to rest
 
 
 def check_force(key: str, force: ForceTable, mechanism: Mechanism) -> list[str]:
-    """Return errors of the expressions of a force."""
+    """Return errors of the expressions of a force.
+
+    Parameters
+    ----------
+    key : key of the input file, for messages
+    force : table of the force
+    mechanism : tables of the case, checked for types and bounds
+    """
     found: list[str] = []
     with collected(found):
         if is_along(force):
@@ -180,7 +195,14 @@ def _stop(key: str, table: DriveTable, t_end: float) -> list[str]:
 def check_drive(
     key: str, drive: RotationDrive | TranslationDrive, mechanism: Mechanism
 ) -> list[str]:
-    """Return errors of the law of a drive: an expression reads the time alone, no speed jumps."""
+    """Return errors of the law of a drive: an expression reads the time alone, no speed jumps.
+
+    Parameters
+    ----------
+    key : key of the input file, for messages
+    drive : table of the drive
+    mechanism : tables of the case, checked for types and bounds
+    """
     if drive.table is not None:
         return _stop(key, drive.table, mechanism.solver.t_end)
     if drive.expression is None:

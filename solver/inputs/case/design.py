@@ -220,7 +220,14 @@ def _misplaced(
 
 
 def unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
-    """Return what a quantity names and the run does not have, or cannot give."""
+    """Return what a quantity names and the run does not have, or cannot give.
+
+    Parameters
+    ----------
+    key : key of the input file, for messages
+    quantity : subject and name of an objective or limit
+    base : the run that is varied
+    """
     name, end = quantity.name, base.solver.t_end
     for time, at in ((quantity.time, "time"), (quantity.low, "from")):
         if time is not None and time > end:

@@ -41,6 +41,12 @@ def coupled(
 ) -> tuple[tuple[str, str], tuple[str, str]]:
     """Return joint and coordinate of both sides.
 
+    Parameters
+    ----------
+    name : name of the coupling
+    coupling : its table
+    mechanism : tables of the case, checked for types and bounds
+
     Raises
     ------
     InputError
@@ -244,6 +250,12 @@ def _rate_of(node: Node) -> Node:
 def joint_coordinate(mechanism: "Mechanism", name: str, coordinate: str | None) -> tuple[str, str]:
     """Return joint and coordinate by name.
 
+    Parameters
+    ----------
+    mechanism : tables of the case, checked for types and bounds
+    name : name of the joint
+    coordinate : name of the coordinate; None: the only one
+
     Raises ValueError : no such joint or coordinate, or several to choose from.
     """
     if name not in mechanism.joints:
@@ -260,6 +272,12 @@ def joint_coordinate(mechanism: "Mechanism", name: str, coordinate: str | None) 
 
 def expression(text: str, scope: CaseScope, key: str) -> Node:
     """Return the tree of an expression.
+
+    Parameters
+    ----------
+    text : text of the expression
+    scope : names that it may use
+    key : key of the input file, for messages
 
     Raises
     ------
@@ -374,6 +392,13 @@ def force_terms(
     check: PlaceCheck | None = None,
 ) -> ForceTerms:
     """Return the expressions of `[forces.NAME]`.
+
+    Parameters
+    ----------
+    name : name of the force
+    force : its table
+    mechanism : tables of the case, checked for types and bounds
+    check : check of places that expressions name
 
     Raises
     ------

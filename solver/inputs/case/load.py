@@ -29,6 +29,12 @@ def merge(base: Tables, over: Tables, way: tuple[str, ...] = ()) -> None:
     """Merge tables of `over` into `base` in place; values and lists are replaced.
 
     A table of a mechanism whose kind changes keeps the keys that both kinds have.
+
+    Parameters
+    ----------
+    base : tables that are changed
+    over : tables with the new values
+    way : keys from the case to `base`
     """
     for key, value in over.items():
         if isinstance(value, dict) and isinstance(base.get(key), dict):

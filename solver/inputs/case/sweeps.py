@@ -161,6 +161,13 @@ def unit_at(mechanism: Mechanism, key: str, folder: Path, units: str = "m") -> s
     """Return the unit of the number at a key in the file that has it, "" for none.
 
     See `number_at`.
+
+    Parameters
+    ----------
+    mechanism : tables of the case, checked for types and bounds
+    key : dotted key of a number of the case
+    folder : folder for relative names of files
+    units : unit of length of the case file
     """
     return number_at(mechanism, key, folder, units)[0]
 
@@ -272,7 +279,14 @@ class CheckedSweep:
 def base_of(
     where: str, merged: dict[str, object], specs: BodySpecs
 ) -> tuple[Mechanism, dict[str, str]]:
-    """Return `mechanism_of` a run that is varied. Raises InputError."""
+    """Return `mechanism_of` a run that is varied. Raises InputError.
+
+    Parameters
+    ----------
+    where : file and run, for messages
+    merged : tables of the run
+    specs : specifications of its bodies
+    """
     try:
         return mechanism_of(merged, specs.folder, specs.units)
     except ValidationError as error:

@@ -51,7 +51,14 @@ class OutputFolder:
         self._kept: tuple[str, ...] = ()  # beginnings of names
 
     def add(self, name: str, text: str, *made: str) -> None:
-        """Want a file; `made` are names of files that other programs make from it."""
+        """Want a file; `made` are names of files that other programs make from it.
+
+        Parameters
+        ----------
+        name : name of the file
+        text : its content
+        made : names of files that other programs make from it
+        """
         self._texts[name] = text
         self._made |= dict.fromkeys(made)
 

@@ -263,5 +263,12 @@ class Content(Table):
 
 
 def unknown_materials(key: str, names: Iterable[str], known: Iterable[str]) -> list[str]:
-    """Return the errors of materials that are named at a key and not described."""
+    """Return the errors of materials that are named at a key and not described.
+
+    Parameters
+    ----------
+    key : key of the input file, for messages
+    names : names of materials at the key
+    known : names of the materials that are described
+    """
     return [line for name in dict.fromkeys(names) for line in unknown(key, name, "material", known)]

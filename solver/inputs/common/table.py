@@ -67,7 +67,14 @@ def entry(meaning: str, unit: str = "", default: Any = ..., **bounds: Any) -> An
 
 
 def optional(meaning: str, unit: str = "", **bounds: Any) -> Any:
-    """Return a key that may be absent, without a default; see `entry`."""
+    """Return a key that may be absent, without a default; see `entry`.
+
+    Parameters
+    ----------
+    meaning : what the key means
+    unit : its unit
+    bounds : bounds of its value, as of `entry`
+    """
     return entry(meaning, unit, None, **bounds)
 
 
@@ -144,7 +151,14 @@ _DECIMAL = re.compile(r"0\.0{6,}\d+")  # a limit like 1e-30, which pydantic writ
 
 
 def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
-    """Return one message per finding of `error`, sorted; `where` names file and run."""
+    """Return one message per finding of `error`, sorted; `where` names file and run.
+
+    Parameters
+    ----------
+    error : error of pydantic
+    model : model that was checked
+    where : file and run
+    """
     return [f"{where}: {line}" for line in bare_lines(error, model)]
 
 
@@ -168,7 +182,14 @@ def validated(model: type[Model], table: Any, where: object, **context: Any) -> 
 
 
 def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") -> list[str]:
-    """Return the same without a file: messages that begin with the key, `under` that of a table."""
+    """Return the same without a file: messages that begin with the key, `under` that of a table.
+
+    Parameters
+    ----------
+    error : error of pydantic
+    model : model that was checked
+    under : path of the table that was checked
+    """
     found: dict[str, list[str]] = {}  # key and value: what is expected, by member of a union
     unknown: dict[tuple[Any, ...], list[str]] = {}  # table: keys that it does not have
     items = error.errors()

@@ -29,7 +29,14 @@ def in_metres(value: Any, unit: str) -> Any:
 
 
 def with_metres(table: Any, unit: str, keys: Iterable[str]) -> Any:
-    """Return a table with its lengths in metres, at keys such as "lower" or "table.values"."""
+    """Return a table with its lengths in metres, at keys such as "lower" or "table.values".
+
+    Parameters
+    ----------
+    table : table as it was read
+    unit : unit of its lengths
+    keys : keys of its lengths, as "lower" or "table.values"
+    """
     if unit == "m" or not isinstance(table, dict):
         return table
     found = dict(table)

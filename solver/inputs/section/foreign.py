@@ -306,6 +306,13 @@ def write_arrays(
         lines         (m, 2 or 3)  line cells of the named curves: ends, then the middle
         curve         (m,)    row of curve_names
         curve_names   (s,)    text
+
+    Parameters
+    ----------
+    mesh : the mesh
+    names : names of the regions
+    region : region of each cell (c,)
+    folder : folder for relative names of files
     """
     rows, curve = np.nonzero(
         np.array(list(mesh.curves.values()), dtype=bool).T.reshape(
@@ -327,7 +334,14 @@ def write_arrays(
 
 
 def write_npz(folder: Path, name: str, **arrays: Any) -> tuple[Path, str]:
-    """Write named arrays to a file whose name ends in its hash; return file and SHA-256."""
+    """Write named arrays to a file whose name ends in its hash; return file and SHA-256.
+
+    Parameters
+    ----------
+    folder : folder for relative names of files
+    name : begin of the file's name
+    arrays : arrays by name
+    """
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)
     content = buffer.getvalue()

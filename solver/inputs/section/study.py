@@ -212,6 +212,13 @@ def design_of(
 
     A thickness of a description moves thicknesses of plies and sizes of the mesh at once.
 
+    Parameters
+    ----------
+    table : the description
+    file : its file, for messages
+    folder : folder for relative names of files
+    asked : factor of each key, by parameter
+
     Raises
     ------
     InputError : a key that does not exist or is no number; a number of elements that changes.

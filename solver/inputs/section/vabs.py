@@ -100,11 +100,25 @@ class Records:
         return found[:count]
 
     def whole(self, what: str, least: int = 0, most: int | None = None) -> int:
-        """A read of one whole number within bounds."""
+        """A read of one whole number within bounds.
+
+        Parameters
+        ----------
+        what : what the number is, for messages
+        least : least value
+        most : largest value; None: any
+        """
         return self.wholes([what], least, most)[0]
 
     def wholes(self, whats: Sequence[str], least: int = 0, most: int | None = None) -> list[int]:
-        """Whole numbers within bounds of one read; `whats` says what each one is."""
+        """Whole numbers within bounds of one read; `whats` says what each one is.
+
+        Parameters
+        ----------
+        whats : what each number is, for messages
+        least : least value
+        most : largest value; None: any
+        """
         values = self.reals(len(whats), ", ".join(whats))
         limit = f" up to {most}" if most is not None else ""
         for what, value in zip(whats, values, strict=True):
@@ -113,11 +127,25 @@ class Records:
         return [int(value) for value in values]
 
     def wrong(self, line: int, value: float, what: str) -> InputError:
-        """The error for a number of a line."""
+        """The error for a number of a line.
+
+        Parameters
+        ----------
+        line : line of the file
+        value : the number
+        what : what was expected
+        """
         return InputError(f"{self.file}, line {line}: {value:g}: expected {what}")
 
     def table(self, rows: int, columns: int, what: str) -> tuple[Array, IntArray]:
-        """The numbers of equal reads, (rows, columns), and the line of each."""
+        """The numbers of equal reads, (rows, columns), and the line of each.
+
+        Parameters
+        ----------
+        rows : number of reads
+        columns : numbers of each read
+        what : what a read is, for messages
+        """
         start = self.place
         words = self._words[start : start + rows]
         if len(words) == rows and all(len(row) >= columns for row in words):
@@ -168,7 +196,15 @@ class NumberedRows:
 
     @classmethod
     def read(cls, records: Records, count: int, columns: int, what: str) -> "NumberedRows":
-        """Read `count` rows of a number and `columns` others; `what` names one row."""
+        """Read `count` rows of a number and `columns` others; `what` names one row.
+
+        Parameters
+        ----------
+        records : reads of the file
+        count : number of rows
+        columns : numbers of each row, without its own number
+        what : name of one row
+        """
         table, lines = records.table(count, 1 + columns, f"the number and values of a {what}")
         given = table[:, 0]
         for row in np.flatnonzero((given != np.rint(given)) | (given < 1)):
@@ -183,7 +219,14 @@ class NumberedRows:
         return cls(records, what, numbers, table[:, 1:], lines)
 
     def rows_of(self, given: Array, lines: IntArray, what: str) -> IntArray:
-        """Rows with given numbers, which `what` describes for messages."""
+        """Rows with given numbers, which `what` describes for messages.
+
+        Parameters
+        ----------
+        given : numbers of rows (k,)
+        lines : their lines in the file (k,)
+        what : what the numbers are, for messages
+        """
         order = np.argsort(self.numbers)
         place = np.searchsorted(self.numbers, given, sorter=order)
         rows = order[np.minimum(place, len(order) - 1)]

@@ -82,6 +82,19 @@ def advance_alpha(
     """Take steps until END or `most_steps` accepted ones; see `advance` (radau.py).
 
     `first` is the scheme of steps without one before, under error control.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    options : tolerances and options of the run (step_control.py)
+    usual : coefficients of the method
+    first : coefficients of steps without one before, under error control
+    workspace : memory of the run
+    most_steps : number of accepted steps after which the call returns
+    times : output times (k,) [s]
+    rows : solution at these times (k, n), to fill
+    filled : number of rows filled before
+    ends : memory of accepted step ends
     """
     clock, counts = workspace.clock, workspace.counts
     tightest = np.inf

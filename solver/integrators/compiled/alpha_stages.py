@@ -139,7 +139,15 @@ class AlphaWorkspace(NamedTuple):
 
 
 def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> AlphaWorkspace:
-    """Return memory for a run from state y (n,) at t [s], which `restart_alpha` begins."""
+    """Return memory for a run from state y (n,) at t [s], which `restart_alpha` begins.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    first_step : size of the first step [s]
+    """
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
     n_r = model.plan.newton.place.shape[0]
     workspace = AlphaWorkspace(
@@ -175,7 +183,14 @@ def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> 
 
 
 def restart_alpha(model: Model, workspace: AlphaWorkspace, t: float) -> None:
-    """Forget what was before the state at t [s], and evaluate it."""
+    """Forget what was before the state at t [s], and evaluate it.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    workspace : memory of the run
+    t : time [s]
+    """
     rate = workspace.rate
     derivative_into(model, workspace.work, t, workspace.y, rate)
     workspace.a[:], workspace.v_dd[:] = rate[model.n_pos : model.n_pos + model.n_vel], 0.0
@@ -186,7 +201,15 @@ def restart_alpha(model: Model, workspace: AlphaWorkspace, t: float) -> None:
 
 @inlined
 def predict(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float) -> None:
-    """Begin Newton's iteration: accelerations go on as over the last step."""
+    """Begin Newton's iteration: accelerations go on as over the last step.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    scheme : coefficients of the method
+    workspace : memory of the run
+    h : step size [s]
+    """
     n_pos, last = model.n_pos, workspace.clock[TAKEN]
     alpha_m, alpha_f, gamma, beta = scheme.alpha_m, scheme.alpha_f, scheme.gamma, scheme.beta
     ratio = h / last if last > 0.0 else 1.0
@@ -223,7 +246,14 @@ def place(model: Model, workspace: AlphaWorkspace) -> None:
 
 @inlined
 def correction_size(model: Model, options: Options, workspace: AlphaWorkspace) -> float:
-    """Size of `step` of positions and `change` of velocities in units of tolerance."""
+    """Size of `step` of positions and `change` of velocities in units of tolerance.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    options : tolerances and options of the run (step_control.py)
+    workspace : memory of the run
+    """
     n_pos, stage, both = model.n_pos, workspace.stage, workspace.both
     # rates_into takes the velocities of a state for the step
     for i in range(model.n_vel):
@@ -243,6 +273,13 @@ def middle_rates(model: Model, workspace: AlphaWorkspace, t: float, h: float) ->
 
     Of a step without one before, with which its rates could be compared. Leaves the last evaluation
     at the end of the step.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    workspace : memory of the run
+    t : begin of the step [s]
+    h : step size [s]
     """
     work, middle, n_pos = workspace.work, workspace.both, model.n_pos
     rates_into(model, workspace.stage, workspace.stage_rate)
@@ -270,6 +307,14 @@ def local_error(
     takes out what is stiff or against the constraints and damped there anyway. What the
     constraints prescribe is exact at the end of the step, but a cubic within it, off by
     h^4 vdddot / 384.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    options : tolerances and options of the run (step_control.py)
+    scheme : coefficients of the method
+    workspace : memory of the run
+    h : step size [s]
     """
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, workspace.clock[TAKEN], workspace.real
     frozen, factors, plan = workspace.frozen, workspace.real.factors, model.plan
@@ -322,7 +367,16 @@ def local_error(
 
 @inlined
 def accept(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float, power: float) -> None:
-    """Make the end of the step the state."""
+    """Make the end of the step the state.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    scheme : coefficients of the method
+    workspace : memory of the run
+    h : step size [s]
+    power : power of drives and dampers at the end of the step [W]
+    """
     clock, n_pos, last = workspace.clock, model.n_pos, workspace.clock[TAKEN]
     n = workspace.y.shape[0] - 1
     work = 0.5 * h * (clock[POWER] + power)
@@ -347,7 +401,15 @@ def accept(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float, po
 
 @inlined
 def interpolate(workspace: AlphaWorkspace, h: float, x: float, out: Array) -> None:
-    """Fill out (n,) with the cubic through both ends of the last step at its part x, 0 to 1."""
+    """Fill out (n,) with the cubic through both ends of the last step at its part x, 0 to 1.
+
+    Parameters
+    ----------
+    workspace : memory of the run
+    h : step size [s]
+    x : part of the step, 0 to 1
+    out : state there (n,), to fill
+    """
     rise, bent = x * x * (3.0 - 2.0 * x), x * (1.0 - x) * h
     for i in range(out.shape[0]):
         out[i] = (1.0 - rise) * workspace.y_old[i] + rise * workspace.y[i]

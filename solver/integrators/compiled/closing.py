@@ -38,6 +38,17 @@ def close(
     """Move y (n,) onto the constraints, in place; return whether that has succeeded.
 
     `frozen` and `real` are filled again; `counts` as in step_control.py.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    real : real Newton matrix and its memory
+    s : rate per change, of the method over the step size [1/s]
+    t : time [s]
+    y : state (n,), moved in place
+    counts : counters of the run (step_control.py)
     """
     n_pos, n_vel = model.n_pos, model.n_vel
     evaluate(model, work, t, y)

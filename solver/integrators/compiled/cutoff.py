@@ -43,6 +43,12 @@ def new_cutoff(model: Model, frozen: Frozen, least: Array) -> Cutoff:
 
     A stop that stands open, or a spring that goes slack, has no stiffness then: its contact is an
     event of the motion, and stays under error control. So do motions that tension holds.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    least : least stiffness that each element row has had (n_e,) [N/m, N m/rad]
     """
     n = state_size(model)
     held = frozen._replace(stiffness=least, tension=np.zeros_like(frozen.tension))
@@ -51,7 +57,15 @@ def new_cutoff(model: Model, frozen: Frozen, least: Array) -> Cutoff:
 
 @lean
 def start_filter(model: Model, frozen: Frozen, cutoff: Cutoff, w_c: float) -> None:
-    """Factorise the filter for the matrices of a step."""
+    """Factorise the filter for the matrices of a step.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    cutoff : memory of the filter
+    w_c : cutoff frequency [rad/s]
+    """
     least = cutoff.held.stiffness
     for k in range(least.shape[0]):
         least[k] = min(least[k], frozen.stiffness[k])
@@ -63,6 +77,13 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
     """Fill cutoff.error (n,) with e (n,), less its parts above |w_c| [rad/s].
 
     With w_c < 0 velocities alone lose theirs, and positions keep all.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    cutoff : memory of the filter; its `error` is filled
+    w_c : cutoff frequency [rad/s]; below 0: of velocities alone
+    e : error (n,)
     """
     plan, pencil, held, out = model.plan, cutoff.pencil, cutoff.held, cutoff.error
     x, load, n_pos = pencil.x, pencil.load, model.n_pos
@@ -114,7 +135,16 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
 
 @lean
 def energy(model: Model, work: Work, t: float, y: Array, parts: Array) -> float:
-    """Return the energy of state y (n,) at t [J]; `parts` (3,) is filled with its parts."""
+    """Return the energy of state y (n,) at t [J]; `parts` (3,) is filled with its parts.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    parts : kinetic, strain and potential energy (3,) [J], to fill
+    """
     evaluate(model, work, t, y)
     energies_into(model, work, y, parts)
     return float(parts[0] + parts[1] + parts[2])

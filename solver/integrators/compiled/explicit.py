@@ -75,7 +75,16 @@ class ExplicitWorkspace(NamedTuple):
 def new_explicit_workspace(
     tableau: Tableau, t: float, y: Array, rate: Array, sizes: tuple[int, int] = (0, 0)
 ) -> ExplicitWorkspace:
-    """Return memory for a run from state y (n,) at t [s], with its rate; sizes (n_vel, n_pos)."""
+    """Return memory for a run from state y (n,) at t [s], with its rate; sizes (n_vel, n_pos).
+
+    Parameters
+    ----------
+    tableau : coefficients of the method
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    rate : dy/dt of that state (n,)
+    sizes : n_vel and n_pos of a mechanism
+    """
     n, d = y.shape[0], tableau.D.shape[0]
     workspace = ExplicitWorkspace(
         np.zeros((tableau.D.shape[1], n)),
@@ -98,7 +107,17 @@ def new_explicit_workspace(
 
 @inlined
 def step_to(y: Array, weights: Array, count: int, h: float, K: Array, out: Array) -> None:
-    """Fill out (n,) with y + h times the sum of the first rows of K (s, n), weighed."""
+    """Fill out (n,) with y + h times the sum of the first rows of K (s, n), weighed.
+
+    Parameters
+    ----------
+    y : state at the begin of the step (n,)
+    weights : coefficients of the stages (count or more,)
+    count : number of stages used
+    h : step size [s]
+    K : derivatives at the stages (s, n)
+    out : y + h sum, (n,), to fill
+    """
     n = y.shape[0]
     for k in range(n):
         out[k] = weights[0] * K[0, k]
@@ -118,6 +137,15 @@ def fill_stages(
     """Fill K[1:s] with the derivatives at the stages of a step h from t; K[0] is there.
 
     `point` holds the last stage's state at the end.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    tableau : coefficients of the method
+    workspace : memory of the run
+    t : begin of the step [s]
+    h : step size [s]
     """
     K, point = workspace.K, workspace.point
     for i in range(1, tableau.C.shape[0]):
@@ -138,6 +166,16 @@ def attempt_step(
     """Try a step; return its error in units of the tolerance, and the factor after a refusal.
 
     TROUBLE tells whether it is refused; `y_new` is its end.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    options : tolerances and options of the run (step_control.py)
+    tableau : coefficients of the method
+    workspace : memory of the run
+    h : step size [s]
+    t_new : end of the step [s]
     """
     counts, K, y_new, s = workspace.counts, workspace.K, workspace.y_new, tableau.B.shape[0]
     copy(workspace.f, K[0])
@@ -189,6 +227,15 @@ def accept_step(
 
     By proportional-integral control: its factor is SAFETY err^-a err_last^b. An order a steadies
     it and b damps the change, which saves refusals where the error varies along the motion.
+
+    Parameters
+    ----------
+    options : tolerances and options of the run (step_control.py)
+    tableau : coefficients of the method
+    workspace : memory of the run
+    error : error of the step in units of the tolerance
+    h : step size [s]
+    t_new : end of the step [s]
     """
     clock, counts, error = workspace.clock, workspace.counts, max(error, 1e-8)
     proportional = 1.0 / tableau.exponent - 0.75 * tableau.integral
@@ -219,7 +266,21 @@ def advance_explicit(
     filled: int,
     ends: Ends,
 ) -> tuple[int, int]:
-    """Take steps until END or `most_steps` accepted ones; see `advance` (radau.py)."""
+    """Take steps until END or `most_steps` accepted ones; see `advance` (radau.py).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    options : tolerances and options of the run (step_control.py)
+    tableau : coefficients of the method
+    workspace : memory of the run
+    most_steps : number of accepted steps after which the call returns
+    times : output times (k,) [s]
+    rows : solution at these times (k, n), to fill
+    filled : number of rows filled before
+    ends : memory of accepted step ends
+    """
     clock, counts, y = workspace.clock, workspace.counts, workspace.y
     taken = 0
     while clock[TIME] < clock[END]:
@@ -261,7 +322,15 @@ def advance_explicit(
 def local_error(
     options: Options, tableau: Tableau, workspace: ExplicitWorkspace, h: float
 ) -> float:
-    """Local error in units of the tolerance."""
+    """Local error in units of the tolerance.
+
+    Parameters
+    ----------
+    options : tolerances and options of the run (step_control.py)
+    tableau : coefficients of the method
+    workspace : memory of the run
+    h : step size [s]
+    """
     set_weights(options, workspace.y, workspace.y_new, workspace.weight)
     _combine(tableau.E[0], workspace)
     first = norm(options, workspace.error, workspace.weight)
@@ -313,7 +382,15 @@ def _test_stiffness(
 def fill_polynomial(
     model: Model, work: Work, tableau: Tableau, workspace: ExplicitWorkspace
 ) -> None:
-    """Fill F with the polynomial of the last step, after the extra stages that it needs."""
+    """Fill F with the polynomial of the last step, after the extra stages that it needs.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    tableau : coefficients of the method
+    workspace : memory of the run
+    """
     K, clock, point, s = workspace.K, workspace.clock, workspace.point, tableau.B.shape[0] + 1
     t, h = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD]
     for e in range(tableau.C_extra.shape[0]):
@@ -325,7 +402,14 @@ def fill_polynomial(
 
 @lean
 def set_polynomial(tableau: Tableau, workspace: ExplicitWorkspace, h: float) -> None:
-    """Fill F from all stages of the last step."""
+    """Fill F from all stages of the last step.
+
+    Parameters
+    ----------
+    tableau : coefficients of the method
+    workspace : memory of the run
+    h : size of the last step [s]
+    """
     K, F, s = workspace.K, workspace.F, tableau.B.shape[0]
     first = F.shape[0] - tableau.D.shape[0]
     for i in range(workspace.y.shape[0]):

@@ -37,7 +37,16 @@ OF_FORCE, OF_VALUE, OF_RATE = 0, 1, 2  # F_z, phi_e, phi_v
 
 @lean
 def freeze_states(model: Model, work: Work, t: float, auxiliary: Array, coupled: Array) -> None:
-    """Fill auxiliary (na,) with phi_z and coupled (n, 3) with F_z, phi_e, phi_v at time t."""
+    """Fill auxiliary (na,) with phi_z and coupled (n, 3) with F_z, phi_e, phi_v at time t.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    auxiliary : phi_z (na,), to fill
+    coupled : F_z, phi_e, phi_v (n, 3), to fill
+    """
     q = model.quantities
     n = q.kind.shape[0]
     for j in range(model.n_aux):
@@ -61,7 +70,18 @@ def hold_states(
     first: int,
     hold: Array,
 ) -> None:
-    """Add what states hold to the rows of force elements, from `first` on, times `stiffness`."""
+    """Add what states hold to the rows of force elements, from `first` on, times `stiffness`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    s : rate per change, of the method over the step size [1/s]
+    stiffness : factor of the stiffness in the matrix
+    first : first row of the force elements
+    hold : stiffness of each row, added to
+    """
     q = model.quantities
     for p in range(coupled.shape[0]):
         row = first + model.plan.element_start[q.coupled_force[p]]
@@ -82,7 +102,20 @@ def left_of_states(
     first: int,
     gamma: Array,
 ) -> None:
-    """Subtract the residuals of the auxiliary states from the rows of force elements in gamma."""
+    """Subtract the residuals of the auxiliary states from the rows of force elements in gamma.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    J : Jacobians by bodies (nb, n, r), columns of elements included
+    r : residuals of the rates (n,)
+    rho : residuals of positions by bodies (nb, n)
+    s : rate per change, of the method over the step size [1/s]
+    first : first row of the force elements
+    gamma : right-hand sides of the rows (n_r,), changed
+    """
     q = model.quantities
     for p in range(coupled.shape[0]):
         k, j = q.coupled_force[p], q.coupled_state[p]
@@ -109,7 +142,20 @@ def move_states(
     s: complex,
     delta: Array,
 ) -> None:
-    """Fill the changes of the states in delta (n,), from the motion x and rho (nb, n)."""
+    """Fill the changes of the states in delta (n,), from the motion x and rho (nb, n).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    J : Jacobians by bodies (nb, n, r), columns of elements included
+    r : residuals of the rates (n,)
+    rho : residuals of positions by bodies (nb, n)
+    x : change of positions by bodies (nb, n)
+    s : rate per change, of the method over the step size [1/s]
+    delta : change of the state (n,), filled at the auxiliary states
+    """
     q, first = model.quantities, model.n_pos + model.n_vel
     for j in range(model.n_aux):
         delta[first + j] = r[first + j] / (s - auxiliary[j])
@@ -170,7 +216,15 @@ def new_answers(model: Model, one: Any) -> Answers:
 
 @lean
 def freeze_feedback(model: Model, work: Work, t: float, feedback: Feedback) -> None:
-    """Fill the slopes at the last evaluation, at time t."""
+    """Fill the slopes at the last evaluation, at time t.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    feedback : slopes of the forces with feedback
+    """
     q, fed, by_reactions = model.quantities, feedback.fed, feedback.by_reactions
     n_force = q.feedback.shape[0]
     fed[:] = 0.0
@@ -219,7 +273,16 @@ def scale_feedback(feedback: Feedback, factor: float) -> None:
 
 @inlined
 def followed(s: complex, of: Array, x: Array, rho: Array, lagging: float) -> complex:
-    """Return (by value + s by rate) x - lagging by rate rho of one row of `fed`."""
+    """Return (by value + s by rate) x - lagging by rate rho of one row of `fed`.
+
+    Parameters
+    ----------
+    s : rate per change, of the method over the step size [1/s]
+    of : one row of `fed`: derivatives by value and by rate (2, nb, n)
+    x : change of positions by bodies (nb, n)
+    rho : residuals of positions by bodies (nb, n)
+    lagging : factor of rho, 0 or 1
+    """
     total = 0.0 * s
     for i in range(x.shape[0]):
         for b in range(x.shape[1]):
@@ -242,7 +305,21 @@ def change_of_force(
     lagging: float,
     mu: Array,
 ) -> complex:
-    """Return w of feedback i."""
+    """Return w of feedback i.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    feedback : slopes of the forces with feedback
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    i : number of the feedback
+    s : rate per change, of the method over the step size [1/s]
+    x : change of positions by bodies (nb, n)
+    rho : residuals of positions by bodies (nb, n)
+    lagging : factor of rho, 0 or 1
+    mu : changes of multipliers and element forces (n_r,)
+    """
     q, fed = model.quantities, feedback.fed
     total = followed(s, fed[i], x, rho, lagging)
     for row in range(feedback.by_reactions.shape[1]):
@@ -267,7 +344,21 @@ def answer_forces(
     s: complex,
     answers: Answers,
 ) -> None:
-    """Fill the answers of a factorised pencil to the forces with feedback; load, gamma get 0."""
+    """Fill the answers of a factorised pencil to the forces with feedback; load, gamma get 0.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    factors : factors of the pencil
+    softness : softness of its rows (n_r,)
+    load : memory by bodies (nb, n), zero on return
+    gamma : memory (n_r,), zero on return
+    feedback : slopes of the forces with feedback
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    s : rate per change, of the method over the step size [1/s]
+    answers : answers to a unit of each force, to fill
+    """
     q, plan = model.quantities, model.plan
     n = q.feedback.shape[0]
     first = model.n_constraint + plan.added_start[model.n_body]
@@ -302,7 +393,20 @@ def add_feedback(
     rho: Array,
     mu: Array,
 ) -> None:
-    """Add what forces with feedback do to the answer x (nb, n), mu (n_r,) of a pencil."""
+    """Add what forces with feedback do to the answer x (nb, n), mu (n_r,) of a pencil.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    feedback : slopes of the forces with feedback
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    s : rate per change, of the method over the step size [1/s]
+    answers : answers to a unit of each force
+    x : answer by bodies (nb, n), changed
+    rho : residuals of positions by bodies (nb, n)
+    mu : multipliers and element forces (n_r,), changed
+    """
     n = model.quantities.feedback.shape[0]
     for i in range(n):
         answers.change[i] = change_of_force(
@@ -329,7 +433,18 @@ def move_fed_states(
     rho: Array,
     delta: Array,
 ) -> None:
-    """Add to delta (n,) what states follow of coordinates other than their force's own."""
+    """Add to delta (n,) what states follow of coordinates other than their force's own.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    feedback : slopes of the forces with feedback
+    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
+    s : rate per change, of the method over the step size [1/s]
+    x : change of positions by bodies (nb, n)
+    rho : residuals of positions by bodies (nb, n)
+    delta : change of the state (n,), added to
+    """
     q, first = model.quantities, model.n_pos + model.n_vel
     for p in range(q.coupled_force.shape[0]):
         j = q.coupled_state[p]

@@ -125,7 +125,16 @@ def new_frozen(model: Model) -> Frozen:
 
 @inlined
 def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None:
-    """Keep what the last evaluation, at time t in state y, has filled."""
+    """Keep what the last evaluation, at time t in state y, has filled.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    frozen : matrices, to fill
+    """
     plan, row_start = model.plan, model.plan.row_start
     frozen.softness[:] = 0.0
     for i in range(plan.size.shape[0]):
@@ -154,6 +163,15 @@ def factorise_pencil(
     """Factorise mass M + damping D + stiffness K, of modes and elements, with the constraints.
 
     Rows that depend on each other are softened as in `factorise_mass` (mass_solution.py).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    pencil : factors and memory, to fill
+    mass : factor of M
+    damping : factor of D
+    stiffness : factor of K
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
@@ -197,7 +215,15 @@ def _factorise(
 
 @inlined
 def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
-    """Answer the forces with feedback, after `factorise_pencil` with mass s^2 and damping s."""
+    """Answer the forces with feedback, after `factorise_pencil` with mass s^2 and damping s.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    pencil : factorised matrix
+    s : rate per change, of the method over the step size [1/s]
+    """
     if model.quantities.feedback.shape[0] > 0:
         answer_forces(
             model,
@@ -217,7 +243,17 @@ def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex)
 def fed_back(
     model: Model, frozen: Frozen, pencil: Pencil, s: complex, x: Array, rho: Array
 ) -> None:
-    """Add what forces with feedback do to the answer x (nb, n) and pencil.mu of the pencil."""
+    """Add what forces with feedback do to the answer x (nb, n) and pencil.mu of the pencil.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    pencil : factorised matrix
+    s : rate per change, of the method over the step size [1/s]
+    x : answer by bodies (nb, n), changed
+    rho : residuals of positions by bodies (nb, n)
+    """
     add_feedback(
         model,
         frozen.feedback,
@@ -236,6 +272,13 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r.
 
     After `factorise_feedback` with the same s.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    frozen : matrices of the last evaluation that Newton's matrix uses
+    pencil : factorised matrix with right-hand sides load, gamma and r
+    s : rate per change, of the method over the step size [1/s]
     """
     load, rho, x, gamma, r, delta = (
         pencil.load,
@@ -320,7 +363,15 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
 
 @inlined
 def spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
-    """rho[3:6] = 2 E' r[a:a+4] / p'p: the rotation that changes Euler parameters so."""
+    """rho[3:6] = 2 E' r[a:a+4] / p'p: the rotation that changes Euler parameters so.
+
+    Parameters
+    ----------
+    p : Euler parameters of the matrices (4,)
+    r : array with changes of Euler parameters
+    a : place of the first one
+    rho : array (6,); the last three are filled [rad]
+    """
     e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
     c = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
     r0, r1, r2, r3 = r[a], r[a + 1], r[a + 2], r[a + 3]

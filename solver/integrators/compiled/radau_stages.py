@@ -99,7 +99,15 @@ class RadauWorkspace(NamedTuple):
 
 
 def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> RadauWorkspace:
-    """Return memory for a run from state y (n,) at t [s], which `restart_radau` begins."""
+    """Return memory for a run from state y (n,) at t [s], which `restart_radau` begins.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    first_step : size of the first step [s]
+    """
     n, nb, widest = y.shape[0], model.n_body, model.plan.widest
     n_r = model.plan.newton.place.shape[0]
     frozen, least = new_frozen(model), np.full(model.plan.element_row.shape[0], np.inf)
@@ -139,7 +147,14 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
 
 @lean
 def restart_radau(model: Model, workspace: RadauWorkspace, t: float) -> None:
-    """Forget what was before the state at t [s], and evaluate it."""
+    """Forget what was before the state at t [s], and evaluate it.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    workspace : memory of the run
+    t : time [s]
+    """
     derivative_into(model, workspace.work, t, workspace.y, workspace.f)
     begin_anew(model, workspace)
 
@@ -156,7 +171,14 @@ def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
 
 @inlined
 def predict(workspace: RadauWorkspace, h: float, last: float) -> None:
-    """Begin a step of h with the polynomials of the last one, continued; constant without one."""
+    """Begin a step of h with the polynomials of the last one, continued; constant without one.
+
+    Parameters
+    ----------
+    workspace : memory of the run
+    h : step size [s]
+    last : size of the last step [s], 0 without one
+    """
     Z, Q = workspace.Z, workspace.Q
     L, L_old = workspace.multipliers, workspace.multipliers_old
     for k in range(3):
@@ -176,7 +198,14 @@ def predict(workspace: RadauWorkspace, h: float, last: float) -> None:
 
 @inlined
 def place(workspace: RadauWorkspace, k: int, h: float) -> None:
-    """Fill workspace.stage and its rate for stage k: K = A^-1 Z / h."""
+    """Fill workspace.stage and its rate for stage k: K = A^-1 Z / h.
+
+    Parameters
+    ----------
+    workspace : memory of the run
+    k : number of the stage, 0 to 2
+    h : step size [s]
+    """
     Z, stage, rate = workspace.Z, workspace.stage, workspace.rate
     a0, a1, a2 = A_INVERSE[k, 0] / h, A_INVERSE[k, 1] / h, A_INVERSE[k, 2] / h
     for i in range(stage.shape[0]):
@@ -239,7 +268,14 @@ def correct(options: Options, workspace: RadauWorkspace) -> float:
 
 @inlined
 def complete(options: Options, workspace: RadauWorkspace, h: float) -> None:
-    """Fill the stage with the end of the step; weights, and the work of drives and dampers."""
+    """Fill the stage with the end of the step; weights, and the work of drives and dampers.
+
+    Parameters
+    ----------
+    options : tolerances and options of the run (step_control.py)
+    workspace : memory of the run
+    h : step size [s]
+    """
     y, Z, stage, power = workspace.y, workspace.Z, workspace.stage, workspace.power
     n = y.shape[0]
     for k in range(3):
@@ -298,7 +334,14 @@ def accept(workspace: RadauWorkspace, h: float) -> None:
 
 @inlined
 def interpolate(workspace: RadauWorkspace, x: float, out: Array) -> None:
-    """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
+    """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1.
+
+    Parameters
+    ----------
+    workspace : memory of the run
+    x : part of the step, 0 to 1
+    out : state there (n,), to fill
+    """
     Q = workspace.Q
     for i in range(out.shape[0]):
         out[i] = workspace.y_old[i] + x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i]))
@@ -318,7 +361,14 @@ def softened(frozen: Frozen) -> bool:
 
 @inlined
 def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> int:
-    """Factorise the matrices of a step of h, with the same softness in both; return how many."""
+    """Factorise the matrices of a step of h, with the same softness in both; return how many.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    workspace : memory of the run
+    h : step size [s]
+    """
     frozen, real, pair = workspace.frozen, workspace.real, workspace.pair
     factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
     hard = not softened(frozen)

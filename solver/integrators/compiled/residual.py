@@ -33,7 +33,14 @@ from ...math.compiled import inlined, lean
 
 @inlined
 def element_rows_at(model: Model, work: Work, e: int) -> int:
-    """Fill work.element_used with the rows of element e at the last evaluation; return how many."""
+    """Fill work.element_used with the rows of element e at the last evaluation; return how many.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    e : number of the force element
+    """
     plan = model.plan
     begin, end = plan.element_start[e], plan.element_start[e + 1]
     if begin < end:
@@ -56,7 +63,16 @@ def element_rows_at(model: Model, work: Work, e: int) -> int:
 
 @lean
 def freeze_elements(model: Model, work: Work, stiffness: Array, damping: Array, J: Array) -> None:
-    """Fill stiffness and damping (n_e,) and the columns of elements in J (nb, n, r)."""
+    """Fill stiffness and damping (n_e,) and the columns of elements in J (nb, n, r).
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    stiffness : stiffness of the element rows (n_e,), to fill
+    damping : damping of the element rows (n_e,), to fill
+    J : Jacobians by bodies (nb, n, r), columns of elements included
+    """
     plan = model.plan
     for e in range(model.force_kind.shape[0]):
         count, begin = element_rows_at(model, work, e), plan.element_start[e]
@@ -100,7 +116,14 @@ def element_residual(model: Model, work: Work, forces: Array, load: Array, gamma
 
 @lean
 def start_forces(model: Model, work: Work, forces: Array) -> None:
-    """Fill the entries of elements in forces (n_r,) with k e + c edot of the last evaluation."""
+    """Fill the entries of elements in forces (n_r,) with k e + c edot of the last evaluation.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    forces : multipliers and element forces (n_r,), filled at the elements
+    """
     first = model.n_constraint + model.plan.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
         count, begin = element_rows_at(model, work, e), first + model.plan.element_start[e]
@@ -167,7 +190,19 @@ def inertia_residual(
     load: Array,
     gamma: Array,
 ) -> None:
-    """load = f - M vdot - Phi_q' lambda (nb, n); gamma -= Phi_q vdot."""
+    """load = f - M vdot - Phi_q' lambda (nb, n); gamma -= Phi_q vdot.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    M : mass matrices by bodies (nb, n, n)
+    J : Jacobians by bodies (nb, n, r), columns of elements included
+    rate : dy/dt (n,)
+    multipliers : multipliers and element forces (n_r,)
+    f : forces by bodies (nb, n)
+    load : residual of the motion by bodies (nb, n), to fill
+    gamma : right-hand sides of the rows (n_r,), reduced
+    """
     plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
     for i in range(plan.size.shape[0]):
         n, j = plan.size[i], model.n_pos + model.vel_start[i]

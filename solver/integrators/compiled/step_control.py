@@ -62,7 +62,15 @@ class Ends(NamedTuple):
 
 @inlined
 def keep_end(ends: Ends, k: int, t: float, y: Array) -> None:
-    """Keep the end of step k of a call."""
+    """Keep the end of step k of a call.
+
+    Parameters
+    ----------
+    ends : memory of accepted step ends
+    k : number of the step in the call
+    t : end of the step [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     if k < ends.t.shape[0]:
         ends.t[k] = t
         for i in range(y.shape[0]):
@@ -118,6 +126,14 @@ def refuse(options: Options, clock: Array, counts: IntArray, h: float, shorter: 
     """Count an attempt of h that failed, and leave the next size; say whether to go on.
 
     `shorter` is the factor of the next size where numbers are finite.
+
+    Parameters
+    ----------
+    options : tolerances and options of the run (step_control.py)
+    clock : times and factors of the step control (step_control.py)
+    counts : counters of the run (step_control.py)
+    h : step size [s]
+    shorter : factor of the next step size where numbers are finite
     """
     counts[REJECTED] += 1
     counts[BECAUSE + counts[TROUBLE]] += 1
@@ -134,7 +150,15 @@ def refuse(options: Options, clock: Array, counts: IntArray, h: float, shorter: 
 
 @inlined
 def count_step(clock: Array, counts: IntArray, h: float, t_new: float) -> None:
-    """Count an accepted step of h to t_new."""
+    """Count an accepted step of h to t_new.
+
+    Parameters
+    ----------
+    clock : times and factors of the step control (step_control.py)
+    counts : counters of the run (step_control.py)
+    h : step size [s]
+    t_new : end of the step [s]
+    """
     clock[TAKEN], clock[TIME] = h, t_new
     counts[STEPS] += 1
     counts[BAD] = 0
@@ -142,14 +166,29 @@ def count_step(clock: Array, counts: IntArray, h: float, t_new: float) -> None:
 
 @inlined
 def set_weights(options: Options, a: Array, b: Array, weight: Array) -> None:
-    """Fill weight (n,) with 1 / (atol + rtol max(|a|, |b|))."""
+    """Fill weight (n,) with 1 / (atol + rtol max(|a|, |b|)).
+
+    Parameters
+    ----------
+    options : tolerances and options of the run (step_control.py)
+    a : values at the begin of the step (n,)
+    b : values at its end (n,)
+    weight : 1 / tolerance (n,), to fill
+    """
     for i in range(a.shape[0]):
         weight[i] = 1.0 / (options.atol[i] + options.rtol * max(abs(a[i]), abs(b[i])))
 
 
 @inlined
 def norm(options: Options, a: Array, weight: Array) -> float:
-    """Largest of the blocks' root mean squares, nan if there is one; see generic/norm.py."""
+    """Largest of the blocks' root mean squares, nan if there is one; see generic/norm.py.
+
+    Parameters
+    ----------
+    options : tolerances and options of the run (step_control.py)
+    a : vector (n,)
+    weight : 1 / tolerance (n,)
+    """
     largest = 0.0
     for b in range(options.block_starts.shape[0] - 1):
         s = 0.0

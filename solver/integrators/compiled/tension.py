@@ -46,6 +46,15 @@ def freeze_tension(
     """Fill the lower triangles of tension (nb, n, n) after an evaluation at t in state y (n,).
 
     `forces` (n_r,) are multipliers of constraints and forces of elements, by row of plan.newton.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    forces : multipliers of constraints and forces of elements (n_r,), by row of plan.newton
+    tension : stiffness by tension by bodies (nb, n, n), lower triangles, to fill
     """
     tension[:] = 0.0
     for k in range(model.joint_kind.shape[0] - n_coupling(model)):
@@ -129,7 +138,18 @@ def _from_virial(T: Array) -> None:
 def add_tension(
     K: Array, M: Array, n: int, lead: int, s_squared: float, stiffness: float, L: Array
 ) -> None:
-    """Add K (n, n) of one body, times stiffness, to its L (n, n), unless faint beside s^2 M."""
+    """Add K (n, n) of one body, times stiffness, to its L (n, n), unless faint beside s^2 M.
+
+    Parameters
+    ----------
+    K : stiffness by tension of one body (n, n)
+    M : its mass matrix (n, n)
+    n : number of its velocities
+    lead : number of coordinates that are coupled with all others
+    s_squared : factor of M [1/s2]
+    stiffness : factor of K
+    L : matrix of the body (n, n), added to
+    """
     if _exceeds(K, M, n, FAINT * s_squared):
         for a in range(3, n):
             for b in range(3, min(a, lead)):
@@ -162,6 +182,18 @@ def update_tension(
 
     `s_squared` is that of the step before if Newton's iteration has refused it, or 0: the refusal
     counts where tension exceeds a part of s^2 M (nb, n, n). Others: see `freeze_tension`.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    forces : multipliers of constraints and forces of elements (n_r,)
+    clock : times and factors of the step control (step_control.py)
+    s_squared : s^2 of the step before if Newton's iteration refused it, else 0 [1/s2]
+    M : mass matrices by bodies (nb, n, n)
+    tension : stiffness by tension by bodies (nb, n, n), brought up to date
     """
     if clock[TENSE] > 0.0 or s_squared > 0.0:
         freeze_tension(model, work, t, y, forces, tension)
@@ -173,7 +205,16 @@ def update_tension(
 
 @inlined
 def count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_squared: float) -> None:
-    """Count a step that Newton's iteration has refused, if tension may be the reason."""
+    """Count a step that Newton's iteration has refused, if tension may be the reason.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    clock : times and factors of the step control (step_control.py)
+    M : mass matrices by bodies (nb, n, n)
+    tension : stiffness by tension by bodies (nb, n, n)
+    s_squared : s^2 of the refused step [1/s2]
+    """
     taut = False
     for i in range(model.n_body):
         taut = taut or _exceeds(tension[i], M[i], model.plan.size[i], TAUT * s_squared)

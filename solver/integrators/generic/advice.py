@@ -59,7 +59,14 @@ class Pace:
         self._t, self._attempts, self._refused = t, 0, 0
 
     def stalled(self, t: float, steps: int, refused: int) -> Stall | None:
-        """Look at a run at t [s] after so many steps; None where it goes on well, or too early."""
+        """Look at a run at t [s] after so many steps; None where it goes on well, or too early.
+
+        Parameters
+        ----------
+        t : time [s]
+        steps : accepted steps of the run so far
+        refused : refused attempts so far
+        """
         attempts = steps + refused - self._attempts
         if attempts < WINDOW:
             return None
@@ -105,7 +112,14 @@ def of_choice(formulation: str, rho: float) -> list[str]:
 
 
 def of_feedback(rate: float, h_mean: float, order: int) -> list[str]:
-    """Remarks on a run of mean step `h_mean` [s] whose constraints are fed back at `rate` [1/s]."""
+    """Remarks on a run of mean step `h_mean` [s] whose constraints are fed back at `rate` [1/s].
+
+    Parameters
+    ----------
+    rate : feedback of the constraints [1/s]
+    h_mean : mean step size [s]
+    order : order of the method
+    """
     if rate * h_mean < FEEDBACK_LIMITED * order:
         return []
     return [
@@ -144,6 +158,13 @@ def fastest_motion(f: Callable[[float, Array], Array], t: float, y: Array, weigh
     Two applications at a time: a pair of imaginary eigenvalues +-iw gives -w^2. The direction is
     that of the largest of two eigenvalues, by least squares.
     `weight` (n,) scales the components, 0 leaves one out; RATE_EVALUATIONS evaluations.
+
+    Parameters
+    ----------
+    f : right-hand side of y' = f(t, y)
+    t : time [s]
+    y : state (n,)
+    weight : scale of the components (n,), 0 leaves one out
     """
     known = np.isfinite(weight) & (weight > 0)
     scale = np.where(known, weight, 0.0)

@@ -57,7 +57,16 @@ class SimplifiedNewton:
     def solve(
         self, t: float, predicted: Array, psi: Array, gamma: float, weight: Array
     ) -> Array | None:
-        """y (n,), or None with the reason in `trouble`."""
+        """y (n,), or None with the reason in `trouble`.
+
+        Parameters
+        ----------
+        t : end of the step [s]
+        predicted : predicted state (n,)
+        psi : constant part of the equations (n,)
+        gamma : factor of f in y = psi + gamma f(t, y) [s]
+        weight : 1 / tolerance (n,)
+        """
         if self._J is None or self._excess > self._jacobian_cost:
             self._renew(t, predicted)
         while True:
@@ -177,6 +186,13 @@ def increments(y: Array, change: Array, rtol: float, atol: Array) -> Array:
 
     Its size is the largest of |y|, the change it makes in one step, and atol / rtol, below
     which it does not count; 1 where all are zero.
+
+    Parameters
+    ----------
+    y : state (n,)
+    change : its change in one step (n,)
+    rtol : relative tolerance
+    atol : absolute tolerances (n,)
     """
     size = np.maximum(np.abs(y), np.abs(change))
     floor = np.where(np.isfinite(atol), atol, 0.0) / rtol
@@ -187,7 +203,16 @@ def increments(y: Array, change: Array, rtol: float, atol: Array) -> Array:
 
 
 def difference_jacobian(f: Derivative, t: float, y: Array, f_y: Array, delta: Array) -> Array:
-    """df/dy by forward differences, (n, n), from f_y = f(t, y) and n more evaluations."""
+    """df/dy by forward differences, (n, n), from f_y = f(t, y) and n more evaluations.
+
+    Parameters
+    ----------
+    f : right-hand side of y' = f(t, y)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    f_y : f(t, y), (n,)
+    delta : increment of each component (n,)
+    """
     J = np.empty((y.size, y.size), order="F")
     moved = y.copy()
     for j in range(y.size):

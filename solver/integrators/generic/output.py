@@ -86,6 +86,12 @@ class Output:
 def requested_times(t_out: Sequence[float] | Array, t0: float, t_end: float) -> Array:
     """Check the output times: (k,) ascending without repetition, inside [t0, t_end].
 
+    Parameters
+    ----------
+    t_out : output times (k,) [s]
+    t0 : start of the run [s]
+    t_end : end of the run [s]
+
     Raises
     ------
     ValueError : not so; the message names the offending time

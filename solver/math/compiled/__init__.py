@@ -121,7 +121,14 @@ def unit(part: Part, text: str) -> Unit:
 
 
 def door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
-    """Return what takes words and arguments of such kinds to compiled code."""
+    """Return what takes words and arguments of such kinds to compiled code.
+
+    Parameters
+    ----------
+    part : compiled function
+    arguments : arguments of this call
+    kinds : their types as text, read (doors.py)
+    """
     begin = time.process_time()
     try:
         return _door(part, arguments, kinds)

@@ -151,7 +151,17 @@ def fixed_load(builder: Any, pointer: Any) -> Any:
 def whole_array(
     context: Any, builder: Any, kind: Any, data: Any, shape: list[Any], strides: Any = None
 ) -> Any:
-    """Return an array of data and lengths; strides are those of layout C if not given."""
+    """Return an array of data and lengths; strides are those of layout C if not given.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    builder : builder of LLVM instructions
+    kind : Numba type of the array
+    data : address of its first number
+    shape : lengths of its axes
+    strides : bytes from entry to entry of each axis
+    """
     made = arrayobj.make_array(kind)(context, builder)
     size = ir.Constant(_WORD, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     if strides is None:
@@ -181,7 +191,14 @@ class PartType(types.Callable, types.Dummy):  # type: ignore[misc]
         return self.part
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of a call; compile or load what is called."""
+        """Return the signature of a call; compile or load what is called.
+
+        Parameters
+        ----------
+        context : Numba's typing context
+        args : Numba types of the arguments
+        kws : arguments by keyword: none are allowed
+        """
         part = self.part.of_count(len(args))
         if kws or part is None:
             raise TypeError(f"{self.part.name}: other arguments expected, by position")
@@ -239,7 +256,14 @@ def result_of_call(part: Part, kinds: tuple[Any, ...]) -> Any:
 
 
 def unit_type(context: Any, kinds: tuple[Any, ...], result: Any) -> Any:
-    """Return the type of a unit, as LLVM sees it."""
+    """Return the type of a unit, as LLVM sees it.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    kinds : Numba types of the arguments
+    result : Numba type of the result
+    """
     flat = [t for kind in kinds for t in flat_types(context, kind)]
     back = ir.VoidType() if result is types.none else context.get_value_type(result)
     return ir.FunctionType(back, flat)
@@ -273,7 +297,15 @@ def flat_types(context: Any, kind: Any) -> list[Any]:
 
 
 def flattened(context: Any, builder: Any, kind: Any, value: Any) -> list[Any]:
-    """Return the values by which one argument is handed over."""
+    """Return the values by which one argument is handed over.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    builder : builder of LLVM instructions
+    kind : Numba type of the argument
+    value : the argument, as Numba holds it
+    """
     if isinstance(kind, types.Array):
         array = arrayobj.make_array(kind)(context, builder, value)
         lengths = cgutils.unpack_tuple(builder, array.shape, kind.ndim)
@@ -291,7 +323,15 @@ def flattened(context: Any, builder: Any, kind: Any, value: Any) -> list[Any]:
 
 
 def whole(context: Any, builder: Any, kind: Any, values: Any) -> Any:
-    """Return the argument that the next of `values` (an iterator) hand over."""
+    """Return the argument that the next of `values` (an iterator) hand over.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    builder : builder of LLVM instructions
+    kind : Numba type of the argument
+    values : iterator over the values of all arguments, as `flattened` gives them
+    """
     if isinstance(kind, types.Array):
         data = next(values)
         shape = [next(values) for _ in range(kind.ndim)]
@@ -308,6 +348,12 @@ _RAISED = "plymotion_raised"  # called where code may raise: no part does
 
 def compiled_unit(part: Part, text: str, symbol: str) -> tuple[str, bytes, dict[str, Any]]:
     """Return the result's type, the object code and the needs of a part for arguments of `text`.
+
+    Parameters
+    ----------
+    part : function to compile
+    text : types of its arguments (doors.py)
+    symbol : name of the unit in the object code
 
     Raises RuntimeError : code that may raise, or needs what no library has
     """
@@ -353,6 +399,13 @@ def compiled_door(text: str, result: str, symbol: str, door: str) -> bytes:
 
     Both point to 8-byte words: a number, the address of a structure's table, the address of an
     array object; a complex number takes two. Results are the numbers in order.
+
+    Parameters
+    ----------
+    text : types of the arguments (doors.py)
+    result : type of the result
+    symbol : name of the unit that is called
+    door : name of the entry point that is made
     """
     kinds = tuple(numba_type(kind) for kind in parse_all(text))
     back = numba_type(parse(result))

@@ -82,7 +82,15 @@ def text_of_tuple(parts: Iterable[str], name: str = "") -> str:
 
 
 def text_of_array(code: str, ndim: int, layout: str = "C", *, mutable: bool = True) -> str:
-    """Return the text of an array."""
+    """Return the text of an array.
+
+    Parameters
+    ----------
+    code : type of the numbers, as 'f8'
+    ndim : number of axes
+    layout : 'C', or 'A' with strides
+    mutable : whether the array may be written
+    """
     return repr(("array", code, ndim, layout, mutable))
 
 
@@ -265,6 +273,12 @@ def door(address: int, kinds: tuple[Any, ...], result: Any) -> Callable[..., Any
     """Return what calls the code at an address with words, and makes a result of its words.
 
     `kinds` are those of `described`: reading the long texts of structures would take 2 ms each.
+
+    Parameters
+    ----------
+    address : address of the entry point
+    kinds : types of the arguments
+    result : type of the result
     """
     call = ctypes.PYFUNCTYPE(None, ctypes.c_char_p, ctypes.c_void_p)(address)
     form = [_LETTERS[_NUMBERS[k]] if isinstance(k, type) else "q" for k in kinds]

@@ -33,7 +33,14 @@ def lesser(a: Any, b: Any) -> Any:
 
 
 def least(a: Any, b: Any, c: Any) -> Any:
-    """Return the least of three numbers."""
+    """Return the least of three numbers.
+
+    Parameters
+    ----------
+    a : first number
+    b : second number
+    c : third number
+    """
     return min(min(a, b), c)
 
 
@@ -43,7 +50,14 @@ def larger(a: Any, b: Any) -> Any:
 
 
 def largest(a: Any, b: Any, c: Any) -> Any:
-    """Return the largest of three numbers."""
+    """Return the largest of three numbers.
+
+    Parameters
+    ----------
+    a : first number
+    b : second number
+    c : third number
+    """
     return max(max(a, b), c)
 
 
@@ -70,7 +84,15 @@ def _made(context: Any, builder: Any, kind: Any, real: Any, imag: Any) -> Any:
 
 
 def multiply(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
-    """Multiply, as Numba does: inf and nan are those of the sums and products."""
+    """Multiply, as Numba does: inf and nan are those of the sums and products.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    builder : builder of LLVM instructions
+    sig : types of both factors and of the product
+    arguments : both factors
+    """
     a, b = _parts(context, builder, sig, arguments)
     real = builder.fsub(builder.fmul(a.real, b.real), builder.fmul(a.imag, b.imag))
     imag = builder.fadd(builder.fmul(a.real, b.imag), builder.fmul(a.imag, b.real))
@@ -78,7 +100,15 @@ def multiply(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
 
 
 def divide(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
-    """Divide by Smith's method; by zero: inf or nan, as NumPy does."""
+    """Divide by Smith's method; by zero: inf or nan, as NumPy does.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    builder : builder of LLVM instructions
+    sig : types of both numbers and of the quotient
+    arguments : numerator, denominator
+    """
     a, b = _parts(context, builder, sig, arguments)
     size = builder.module.declare_intrinsic("llvm.fabs", [b.real.type])
     swap = builder.fcmp_ordered("<", builder.call(size, [b.real]), builder.call(size, [b.imag]))
@@ -94,7 +124,15 @@ def divide(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
 
 
 def absolute(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
-    """Take the root of the squares: of numbers below 1e154, which no unit exceeds."""
+    """Take the root of the squares: of numbers below 1e154, which no unit exceeds.
+
+    Parameters
+    ----------
+    context : Numba's context of our compilations
+    builder : builder of LLVM instructions
+    sig : types of the number and of the result
+    arguments : the complex number
+    """
     (a,) = _parts(context, builder, sig, arguments)
     square = builder.fadd(builder.fmul(a.real, a.real), builder.fmul(a.imag, a.imag))
     root = builder.module.declare_intrinsic("llvm.sqrt", [square.type])
@@ -145,7 +183,14 @@ class PartContext(CPUContext):  # type: ignore[misc]
     """Numba's context for this CPU, with operations and calls of parts; it leaves Numba's alone."""
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
-        """Return what makes the code of a call or an operation."""
+        """Return what makes the code of a call or an operation.
+
+        Parameters
+        ----------
+        fn : function or operation that is called
+        sig : Numba types of its arguments and result
+        _firstcall : passed on to Numba
+        """
         key = fn.get_impl_key(sig.as_function()) if isinstance(fn, types.Callable) else fn
         if key in _definitions:
             try:
@@ -167,7 +212,14 @@ CONTEXT = _part_context()
 
 
 def define(code: Any, key: Any, kinds: tuple[Any, ...]) -> None:
-    """Let `code` make the instructions of what `key` stands for, for arguments of these types."""
+    """Let `code` make the instructions of what `key` stands for, for arguments of these types.
+
+    Parameters
+    ----------
+    code : function that makes the instructions
+    key : function or operation
+    kinds : Numba types of its arguments
+    """
     _definitions.setdefault(key, OverloadSelector()).append(code, kinds)
 
 

@@ -175,6 +175,12 @@ def programs(
     """Return expressions as arrays; `place` numbers the quantities and curves that they read.
 
     Curves that they call by name follow `curves`.
+
+    Parameters
+    ----------
+    nodes : trees of the expressions
+    place : number of a quantity among those that are read
+    curves : laws that expressions call by number
     """
     called = {leaf.quantity: None for node in nodes for leaf in node.leaves()}
     named = [quantity for quantity in called if isinstance(quantity, NamedCurve)]

@@ -34,7 +34,13 @@ class Part(NamedTuple):
 def parts(programs: Programs, p: int, low: Array, high: Array, stack: Array) -> list[Part]:
     """Return the parts of an expression that read the time alone, over [low, high] (k,) [s].
 
-    `stack` : memory (program.py)
+    Parameters
+    ----------
+    programs : expressions as arrays
+    p : number of the expression
+    low : begins of the intervals (k,) [s]
+    high : their ends (k,) [s]
+    stack : memory of the evaluation (program.py)
     """
     code = programs.code[programs.start[p] : programs.start[p + 1]]
     code = code[code > op.LOAD]
@@ -68,7 +74,15 @@ def _over_intervals(
 
 
 def curve_ranges(times: Array, coefficients: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Return bounds of a piecewise polynomial over intervals of its argument, (k,) each."""
+    """Return bounds of a piecewise polynomial over intervals of its argument, (k,) each.
+
+    Parameters
+    ----------
+    times : begins of the pieces (n_piece,)
+    coefficients : polynomials of the pieces (n_piece, N_COEFFICIENT)
+    low : begins of the intervals (k,)
+    high : their ends (k,)
+    """
     bounds = np.zeros((len(low), 2))
     _over_curve(times, coefficients, low, high, bounds)
     return bounds[:, 0], bounds[:, 1]

@@ -132,6 +132,12 @@ def inertia_loads(package: ModalPackage) -> Array:
 def interface_load(package: ModalPackage, at: str, direction: str) -> Array:
     """Modal load (m,) of a unit force along, or moment about, a body axis at an interface.
 
+    Parameters
+    ----------
+    package : the modal package
+    at : name of an interface
+    direction : "x", "y", "z", "rx", "ry" or "rz" of the body
+
     Raises PackageError for an interface that the package does not have.
     """
     places = {place.name: place for place in package.interfaces}

@@ -54,7 +54,11 @@ TRIANGLE, QUADRILATERAL = 5, 9  # VTK's numbers of the cells
 def cell_table(connectivity: IntArray, offsets: IntArray, rows: IntArray | None = None) -> IntArray:
     """Table of cells of 3 or 4 corners; cell j owns connectivity[offsets[j]:offsets[j + 1]].
 
-    rows : (c,) the wanted ones; None: all
+    Parameters
+    ----------
+    connectivity : nodes of all cells, end to end
+    offsets : begin of each cell (c + 1,)
+    rows : numbers of the cells; None: all
     """
     rows = np.arange(len(offsets) - 1) if rows is None else rows
     first, count = offsets[rows], offsets[rows + 1] - offsets[rows]

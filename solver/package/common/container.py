@@ -29,6 +29,12 @@ def refuse_foreign_parts(path: Path, file: h5py.File, error: type[Exception]) ->
 
     Also for more data than a file of its size can hold: arrays that nobody has written, or packed
     twice, would fill the memory with a single value.
+
+    Parameters
+    ----------
+    path : path of the file, for messages
+    file : open HDF5 file
+    error : class of the error
     """
     seen: set[int] = set()
     room = max(SMALL, PACKED * path.stat().st_size)
@@ -161,7 +167,14 @@ def kind_of_file(file: h5py.File) -> str:
 
 
 def set_text(item: h5py.HLObject, name: str, text: str) -> None:
-    """Store text as an attribute of fixed length. Raises ValueError if it is too long."""
+    """Store text as an attribute of fixed length. Raises ValueError if it is too long.
+
+    Parameters
+    ----------
+    item : group, dataset or file
+    name : name of the attribute
+    text : its text
+    """
     raw = text.encode("utf-8")
     if len(raw) > MAX_ATTRIBUTE:
         raise ValueError(f"attribute {name} has {len(raw)} bytes, the limit is {MAX_ATTRIBUTE}")
@@ -176,7 +189,14 @@ def as_text(value: Any) -> str:
 
 
 def get_text(item: h5py.HLObject, name: str, default: str = "") -> str:
-    """Return a text attribute, or a text dataset of that name."""
+    """Return a text attribute, or a text dataset of that name.
+
+    Parameters
+    ----------
+    item : group, dataset or file
+    name : name of the attribute or dataset
+    default : text if there is none
+    """
     if name in item.attrs:
         return as_text(item.attrs[name])
     if isinstance(item, h5py.Group) and isinstance(item.get(name), h5py.Dataset):
@@ -185,7 +205,14 @@ def get_text(item: h5py.HLObject, name: str, default: str = "") -> str:
 
 
 def set_long_text(group: h5py.Group, name: str, text: str) -> None:
-    """Store text as an attribute, or as a dataset of that name if it is too long."""
+    """Store text as an attribute, or as a dataset of that name if it is too long.
+
+    Parameters
+    ----------
+    group : group of the file
+    name : name of the attribute or dataset
+    text : its text
+    """
     if len(text.encode("utf-8")) <= MAX_ATTRIBUTE:
         set_text(group, name, text)
     else:
@@ -218,6 +245,13 @@ def content_sha256(
     the path; for each attribute, sorted by name, its name and value; for a
     dataset its value. A value is text, or its shape ("3,4"), "f8" or "i8", and
     the numbers as little-endian 64-bit in C order.
+
+    Parameters
+    ----------
+    group : group, with all below it
+    preamble : texts before the group
+    without : name of an attribute of the group that is left out
+    known : values of datasets by path, if they were read
     """
     digest = hashlib.sha256()
 

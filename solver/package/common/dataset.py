@@ -146,7 +146,14 @@ def _below(at: str, path: str) -> str:
 
 @cache
 def layout(kind: Any, at: str = "", packed: bool = False) -> tuple[Data, ...]:
-    """Return datasets and attributes of a dataclass, without those of named members."""
+    """Return datasets and attributes of a dataclass, without those of named members.
+
+    Parameters
+    ----------
+    kind : the dataclass
+    at : path of its group, with a slash at the end
+    packed : whether its datasets are compressed
+    """
     found: list[Data] = []
     for field in _fields(kind):
         mark = field.mark
@@ -228,6 +235,13 @@ def build(
     kind: Callable[..., Object], data: Mapping[str, Any], at: str = "", **given: Any
 ) -> Object:
     """Return a dataclass from its values by path; `given` are fields from elsewhere.
+
+    Parameters
+    ----------
+    kind : the dataclass
+    data : values by path
+    at : path of its group, with a slash at the end
+    given : fields from elsewhere
 
     Raises KeyError for a missing value.
     """
@@ -380,7 +394,14 @@ def _read_dataset(dataset: h5py.Dataset, spec: Data) -> Any:
 
 
 def read_fields(group: h5py.Group, kind: Callable[..., Object], **given: Any) -> Object:
-    """Return the object of a group with a checked layout; `given` are fields from elsewhere."""
+    """Return the object of a group with a checked layout; `given` are fields from elsewhere.
+
+    Parameters
+    ----------
+    group : group of the file
+    kind : the dataclass
+    given : fields from elsewhere
+    """
     for field in _fields(kind):
         if isinstance(field.mark, Named):
             items = list(group[field.mark.path].values()) if field.mark.path in group else []
@@ -399,7 +420,14 @@ def read_fields(group: h5py.Group, kind: Callable[..., Object], **given: Any) ->
 
 
 def layout_findings(group: h5py.Group, kind: type, owner: Sizes | None = None) -> list[Remark]:
-    """Compare the datasets of a group with the format: presence, type, shape."""
+    """Compare the datasets of a group with the format: presence, type, shape.
+
+    Parameters
+    ----------
+    group : group of the file
+    kind : the dataclass
+    owner : sizes by symbol of the body that owns the group
+    """
     sizes = dict(owner or {})
     for symbol, path in _sized_by(kind).items():
         if isinstance(group.get(path), h5py.Dataset) and group[path].ndim > 0:

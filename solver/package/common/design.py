@@ -125,7 +125,14 @@ def independent(
 
 
 def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) -> None:
-    """Write derivatives beside their datasets. Raises PackageError for what `validate` refuses."""
+    """Write derivatives beside their datasets. Raises PackageError for what `validate` refuses.
+
+    Parameters
+    ----------
+    group : data group of the object
+    design : derivatives by parameter
+    where : path of the group, for messages
+    """
     known: Datasets = {}
     for index, one in enumerate(design):
         if not one.name or one.name == "." or "/" in one.name or "\0" in one.name:
@@ -186,7 +193,14 @@ def _faults(
 def changed(
     design: Sequence[Derivative], change: Callable[[str, Any], Any], shapes: Mapping[str, str]
 ) -> tuple[Derivative, ...]:
-    """Return derivatives with `change(shape, array)` of each array; `shapes` by path."""
+    """Return derivatives with `change(shape, array)` of each array; `shapes` by path.
+
+    Parameters
+    ----------
+    design : derivatives by parameter
+    change : function of shape and array
+    shapes : shapes by path, as in the format
+    """
     return tuple(
         replace(one, values={p: change(shapes[p], rate) for p, rate in one.values.items()})
         for one in design

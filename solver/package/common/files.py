@@ -301,6 +301,13 @@ def write_text(path: Path, text: str, *, own: bool = False, encoding: str = "utf
     """Write a text file under a temporary name, then rename it; its folder is made if missing.
 
     ASCII gets ? for other letters. See `temporary_sibling`.
+
+    Parameters
+    ----------
+    path : the file
+    text : its text
+    own : the caller has checked that the file may be replaced (`refuse_foreign`)
+    encoding : "utf-8" or "ascii"
     """
     if not own:
         refuse_foreign(path)

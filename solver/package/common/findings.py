@@ -35,7 +35,14 @@ ORTHONORMAL = 1e-9  # largest entry of |A'A - 1|
 
 
 def finite(path: str, value: object, error: Reporter) -> None:
-    """Report the first entry that is NaN or infinite."""
+    """Report the first entry that is NaN or infinite.
+
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    value : numbers of the dataset
+    error : function that gets path and text of a finding
+    """
     array = np.asarray(value)
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
@@ -45,7 +52,12 @@ def finite(path: str, value: object, error: Reporter) -> None:
 def symmetric(path: str, matrix: Array, error: Reporter, scale: float = 0.0) -> None:
     """Report the pair of entries that differ most.
 
-    `scale`: size of the terms that the entries are sums of; they may cancel.
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    matrix : the matrix (n, n)
+    error : function that gets path and text of a finding
+    scale : size of the terms that the entries are sums of
     """
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
@@ -61,6 +73,13 @@ def positive_definite(path: str, matrix: Array, error: Reporter, size: Array | N
     """Report a matrix that has an eigenvalue at or below zero, to round-off.
 
     `size` (n,): square roots of the diagonal by the scale of the data; see `to_unit_diagonal`.
+
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    matrix : the matrix (n, n)
+    error : function that gets path and text of a finding
+    size : square roots of the diagonal by the scale of the data (n,)
     """
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
@@ -76,7 +95,15 @@ def positive_definite(path: str, matrix: Array, error: Reporter, size: Array | N
 
 
 def one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Reporter) -> None:
-    """Report every name that is not a known one."""
+    """Report every name that is not a known one.
+
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    values : names in the dataset
+    known : names that are allowed
+    error : function that gets path and text of a finding
+    """
     for value in values:
         if value not in known:
             hint = did_you_mean(value, known)
@@ -84,14 +111,30 @@ def one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Repo
 
 
 def rows_of(path: str, rows: IntArray, length: int, error: Reporter) -> None:
-    """Report rows that point outside a table of `length` rows."""
+    """Report rows that point outside a table of `length` rows.
+
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    rows : numbers of rows
+    length : number of rows of the table
+    error : function that gets path and text of a finding
+    """
     rows = np.asarray(rows)
     if len(rows) and (rows.min() < 0 or rows.max() >= length):
         error(path, f"expected rows 0 ... {length - 1}, found {rows.min()} ... {rows.max()}")
 
 
 def mesh_cells(offsets: IntArray, connectivity: IntArray, n_node: int, error: Reporter) -> None:
-    """Report offsets that do not divide the connectivity, and unknown nodes."""
+    """Report offsets that do not divide the connectivity, and unknown nodes.
+
+    Parameters
+    ----------
+    offsets : begin of each cell (c + 1,)
+    connectivity : nodes of all cells, end to end
+    n_node : number of nodes
+    error : function that gets path and text of a finding
+    """
     offsets, connectivity = np.asarray(offsets), np.asarray(connectivity)
     if len(offsets) and (
         offsets[0] != 0 or offsets[-1] != len(connectivity) or np.any(np.diff(offsets) < 0)
@@ -101,7 +144,14 @@ def mesh_cells(offsets: IntArray, connectivity: IntArray, n_node: int, error: Re
 
 
 def rotations(path: str, A: Array, error: Reporter) -> None:
-    """Report a matrix (..., 3, 3) that is not a rotation."""
+    """Report a matrix (..., 3, 3) that is not a rotation.
+
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    A : matrices (..., 3, 3)
+    error : function that gets path and text of a finding
+    """
     A = np.asarray(A)
     if A.shape[-2:] != (3, 3) or not A.size:
         return

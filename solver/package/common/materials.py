@@ -81,7 +81,14 @@ class Orthotropic:
 
 
 def isotropic(E: float, nu: float, rho: float) -> Orthotropic:
-    """The isotropic material of modulus E [Pa], Poisson's ratio nu and density rho [kg/m3]."""
+    """The isotropic material of modulus E [Pa], Poisson's ratio nu and density rho [kg/m3].
+
+    Parameters
+    ----------
+    E : Young's modulus [Pa]
+    nu : Poisson's ratio
+    rho : density [kg/m3]
+    """
     _check_isotropic(E, nu, "material")
     G = E / (2.0 * (1.0 + nu))
     return Orthotropic(E, E, E, G, G, G, nu, nu, nu, rho)
@@ -200,7 +207,14 @@ def _check_positive(key: str, value: float, where: str) -> None:
 
 
 def check_density(rho: float, where: str, massless: bool) -> None:
-    """Raise MaterialError for a density [kg/m3] that is not above 0, or 0 if `massless`."""
+    """Raise MaterialError for a density [kg/m3] that is not above 0, or 0 if `massless`.
+
+    Parameters
+    ----------
+    rho : density [kg/m3]
+    where : path of the material, for messages
+    massless : 0 is allowed
+    """
     if massless and not rho >= 0.0:
         raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected 0 or more")
     if not massless:
@@ -214,7 +228,14 @@ def _number(table: Mapping[str, Any], key: str, where: str) -> float:
 
 
 def finite_number(value: Any, where: str, unit: str) -> float:
-    """Return a number; raise MaterialError for anything else."""
+    """Return a number; raise MaterialError for anything else.
+
+    Parameters
+    ----------
+    value : value of the input
+    where : its path, for messages
+    unit : its unit, for messages
+    """
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise MaterialError(f"{where} = {value!r}: expected a number [{unit}]")
     return float(value)

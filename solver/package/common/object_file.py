@@ -55,7 +55,14 @@ class FileFormat:
 
 
 def write_identity(file: h5py.File, known: FileFormat, name: str) -> None:
-    """Write format, version, the object's name and units as attributes of the root."""
+    """Write format, version, the object's name and units as attributes of the root.
+
+    Parameters
+    ----------
+    file : open HDF5 file
+    known : format of the file
+    name : name of the object
+    """
     set_text(file, "format", known.format)
     file.attrs["format_version"] = np.array(known.version, dtype=np.int64)
     set_text(file, known.title, name)
@@ -80,6 +87,12 @@ def check_file_checksum(path: Path, file: h5py.File, error: type[Exception]) -> 
     """Compare a whole file with its checksum. Raises `error`.
 
     `open_file` has compared all bytes of a file with a seal, which takes a tenth of the time.
+
+    Parameters
+    ----------
+    path : path of the file, for messages
+    file : open HDF5 file
+    error : class of the error
     """
     stored = get_text(file, CHECKSUM)
     if stored and has_seal(path):
@@ -102,7 +115,14 @@ def unit_findings(file: h5py.File) -> list[Remark]:
 
 
 def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remark]:
-    """Check that the format and version of a file are known. Raises PackageError."""
+    """Check that the format and version of a file are known. Raises PackageError.
+
+    Parameters
+    ----------
+    path : path of the file, for messages
+    file : open HDF5 file
+    known : format that is expected
+    """
     found = get_text(file, "format")
     if found != known.format:
         what = f"{found!r}" if found else kind_of_file(file)
@@ -124,7 +144,14 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
 
 
 def version_of(path: Path, file: h5py.File, error: type[Exception]) -> tuple[int, int]:
-    """Return major and minor version of a file's format. Raises `error` for other values."""
+    """Return major and minor version of a file's format. Raises `error` for other values.
+
+    Parameters
+    ----------
+    path : path of the file, for messages
+    file : open HDF5 file
+    error : class of the error
+    """
     try:
         major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
     except (KeyError, ValueError, TypeError, OverflowError):
@@ -136,6 +163,12 @@ def checksum_findings(file: h5py.File, known: FileFormat, *, whole: bool = False
     """Compare the content with the stored checksum.
 
     Without `whole`, not that of a file with a seal: `open_file` has compared all its bytes.
+
+    Parameters
+    ----------
+    file : open HDF5 file
+    known : format of the file
+    whole : hash the content of a file with a seal, too
     """
     stored = get_text(file, "content_sha256")
     if not stored:
@@ -207,7 +240,14 @@ def recall(key: str | None, kind: str) -> Any:
 
 
 def keep(key: str | None, kind: str, found: Any) -> None:
-    """Keep the object of a file that has no findings."""
+    """Keep the object of a file that has no findings.
+
+    Parameters
+    ----------
+    key : digest of the file; None: it is not kept
+    kind : name of its format
+    found : the object
+    """
     if key is None:
         return
     arrays: list[bytes] = []
@@ -318,6 +358,12 @@ class ObjectFormat(FileFormat, Generic[Object]):
 
 def write_object(path: str | Path, known: ObjectFormat[Object], item: Any) -> None:
     """Write an object under a temporary name, then rename it.
+
+    Parameters
+    ----------
+    path : the file, with the ending .vtkhdf
+    known : format of the file
+    item : the object
 
     Raises
     ------

@@ -94,7 +94,14 @@ class SpecError(ValueError):
 
 
 def expected(key: str, value: Any, expectation: str) -> str:
-    """Message for a wrong value."""
+    """Message for a wrong value.
+
+    Parameters
+    ----------
+    key : key of the value
+    value : the wrong value
+    expectation : what was expected
+    """
     return f"{key or 'specification'}: expected {expectation}, found {value!r}"
 
 

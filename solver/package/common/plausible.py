@@ -135,6 +135,12 @@ def shell_doubts(spec: Mapping[str, Any], nodes: Array, mass: float) -> Iterator
     """Yield what is unusual about a shell: thickness against shorter side, mass [kg].
 
     `nodes` (n, 3) are in any frame [m].
+
+    Parameters
+    ----------
+    spec : specification of the shell
+    nodes : nodes (n, 3), any frame [m]
+    mass : mass [kg]
     """
     stacks = [table["plies"] for table in spec.get("laminates", {}).values()]
     layers = [sum(float(ply["thickness"]) for ply in plies) for plies in stacks]
@@ -152,7 +158,14 @@ def shell_doubts(spec: Mapping[str, Any], nodes: Array, mass: float) -> Iterator
 
 
 def beam_doubts(width: float, length: float, mass: float) -> Iterator[Doubt]:
-    """Yield what is unusual about a beam: largest section's diagonal, length [m], mass [kg]."""
+    """Yield what is unusual about a beam: largest section's diagonal, length [m], mass [kg].
+
+    Parameters
+    ----------
+    width : largest diagonal of the sections [m]
+    length : length of the beam [m]
+    mass : mass [kg]
+    """
     if width > length:
         text = f"the beam is {width:.4g} m wide and {length:.4g} m long: are both in m, not in mm?"
         yield Doubt(SIZE, text, width / length)
@@ -177,7 +190,14 @@ def body_doubts(mass: float, inertia: float = 0.0) -> Iterator[Doubt]:
 
 
 def rotor_doubts(density: float, wind: float, tip: float) -> Iterator[Doubt]:
-    """Yield what is unusual about a rotor: density [kg/m3], fastest wind and its tip then [m/s]."""
+    """Yield what is unusual about a rotor: density [kg/m3], fastest wind and its tip then [m/s].
+
+    Parameters
+    ----------
+    density : density of the air [kg/m3]
+    wind : fastest wind [m/s]
+    tip : speed of the tips then [m/s]
+    """
     if not any(low <= density <= high for low, high in (AIR, WATER)):
         text = (
             f"air_density = {density:.4g} kg/m3 (expected {AIR[0]:g} to {AIR[1]:g}, or that of "

@@ -17,6 +17,12 @@ def create_grid(file: h5py.File, mesh: h5py.Group, nodes: str) -> h5py.Group:
     """Add /VTKHDF with hard links to a mesh, without a copy.
 
     Nodes of a plane mesh (n, 2) are shown in the plane x = 0: their columns are y and z.
+
+    Parameters
+    ----------
+    file : open HDF5 file
+    mesh : group of the mesh
+    nodes : name of its nodes
     """
     view = file.create_group("VTKHDF")
     view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
@@ -36,12 +42,28 @@ def create_grid(file: h5py.File, mesh: h5py.Group, nodes: str) -> h5py.Group:
 def part_view(
     group: h5py.Group, name: str, of: h5py.Dataset, part: Any, shape: tuple[int, ...]
 ) -> h5py.Dataset:
-    """Add a virtual dataset that shows `of[part]`."""
+    """Add a virtual dataset that shows `of[part]`.
+
+    Parameters
+    ----------
+    group : group of the view
+    name : name of the dataset
+    of : dataset that is shown
+    part : index of the part
+    shape : shape of the part
+    """
     return _virtual(group, name, of, part, shape, (0,) * len(shape))
 
 
 def plane_view(group: h5py.Group, name: str, of: h5py.Dataset) -> h5py.Dataset:
-    """Add a virtual dataset (n, 3) that shows vectors (n, 2) of the section, x1 = 0."""
+    """Add a virtual dataset (n, 3) that shows vectors (n, 2) of the section, x1 = 0.
+
+    Parameters
+    ----------
+    group : group of the view
+    name : name of the dataset
+    of : vectors (n, 2) of the section
+    """
     return _virtual(group, name, of, ..., (of.shape[0], 3), (0, 1))
 
 
@@ -72,13 +94,27 @@ def _virtual(
 
 
 def describe(dataset: h5py.Dataset, unit: str, frame: str) -> None:
-    """Give a dataset of the view its unit and frame."""
+    """Give a dataset of the view its unit and frame.
+
+    Parameters
+    ----------
+    dataset : dataset of the view
+    unit : its unit
+    frame : frame of its components
+    """
     set_text(dataset, "unit", unit)
     set_text(dataset, "frame", frame)
 
 
 def view_findings(file: h5py.File, mesh_path: str, nodes: str) -> list[Remark]:
-    """Check that ParaView shows the mesh that this reader reads."""
+    """Check that ParaView shows the mesh that this reader reads.
+
+    Parameters
+    ----------
+    file : open HDF5 file
+    mesh_path : path of the mesh
+    nodes : name of its nodes
+    """
     view = file.get("VTKHDF")
     if not isinstance(view, h5py.Group):
         return [Remark("warning", "/VTKHDF", "missing: ParaView cannot open the file")]

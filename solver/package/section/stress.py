@@ -56,7 +56,15 @@ class OfPlies(OfMaterials, Protocol):
 
 
 def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
-    """Report unknown materials of plies and unusable strengths; `kind` of owner, for messages."""
+    """Report unknown materials of plies and unusable strengths; `kind` of owner, for messages.
+
+    Parameters
+    ----------
+    owner : object with plies and materials
+    kind : what the owner is, for messages
+    where : begin of the path of the dataset, for messages
+    error : function that gets path and text of a finding
+    """
     for row, ply in enumerate(owner.plies):
         if ply.material not in owner.materials:
             hint = did_you_mean(ply.material, tuple(owner.materials))
@@ -66,7 +74,14 @@ def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
 
 
 def check_materials(owner: OfMaterials, where: str, error: Reporter) -> None:
-    """Report unusable strengths; `where` starts the path."""
+    """Report unusable strengths; `where` starts the path.
+
+    Parameters
+    ----------
+    owner : object with materials
+    where : begin of the path of the dataset, for messages
+    error : function that gets path and text of a finding
+    """
     try:
         strengths(owner)
     except MaterialError as cause:
@@ -74,7 +89,14 @@ def check_materials(owner: OfMaterials, where: str, error: Reporter) -> None:
 
 
 def check_recovery(recovery: SectionRecovery, where: str, error: Reporter) -> None:
-    """Report finite numbers of a recovery that cannot be used; `where` starts their path."""
+    """Report finite numbers of a recovery that cannot be used; `where` starts their path.
+
+    Parameters
+    ----------
+    recovery : recovery data of a section
+    where : begin of the path of the dataset, for messages
+    error : function that gets path and text of a finding
+    """
     rows_of(f"{where}recovery/ply", recovery.ply, len(recovery.plies), error)
     rotations(f"{where}recovery/A_BM", recovery.A_BM, error)
     for row, C_M in enumerate(recovery.C_M):
@@ -136,6 +158,13 @@ def unit_resultants_findings(
 
     The error is scaled by sqrt(K_jj / K_ii) and compared with `limit`; `path` is that of the
     stresses.
+
+    Parameters
+    ----------
+    path : path of the dataset, for messages
+    K : stiffness of the section (6, 6)
+    recovery : recovery data of the section
+    limit : largest relative error
     """
     scale = np.sqrt(np.diag(K))
     back = resultants(recovery, unit_stress(recovery))
@@ -211,7 +240,14 @@ def reentrant_corners(mesh: SectionMeshData) -> tuple[IntArray, Array]:
 
 
 def near_corner(mesh: SectionMeshData, points: Array, distance: float) -> NDArray[np.bool_]:
-    """True for points (p, 2) nearer than `distance` [m] to a re-entrant corner, (p,)."""
+    """True for points (p, 2) nearer than `distance` [m] to a re-entrant corner, (p,).
+
+    Parameters
+    ----------
+    mesh : mesh of the section
+    points : points (p, 2) [m]
+    distance : distance [m]
+    """
     corners, _ = reentrant_corners(mesh)
     near = np.zeros(len(points), dtype=bool)
     for place in mesh.nodes[corners]:

@@ -92,14 +92,28 @@ def shape_of(mesh: SectionMeshData) -> Shape:
 
 
 def fill(axes: Any, shape: Shape, **style: Any) -> PolyCollection:
-    """Add the cells to axes; `array=` colours them by value, `facecolors=` by name."""
+    """Add the cells to axes; `array=` colours them by value, `facecolors=` by name.
+
+    Parameters
+    ----------
+    axes : axes of matplotlib
+    shape : outline and cells
+    style : options of matplotlib's PolyCollection
+    """
     collection = PolyCollection(shape.polygons, **style)
     axes.add_collection(collection, autolim=False)
     return collection
 
 
 def frame(axes: Any, low: Array, high: Array) -> None:
-    """Show a rectangle with equal scales of both axes."""
+    """Show a rectangle with equal scales of both axes.
+
+    Parameters
+    ----------
+    axes : axes of matplotlib
+    low : lower left corner (2,) [m]
+    high : upper right corner (2,) [m]
+    """
     axes.set_aspect("equal")
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

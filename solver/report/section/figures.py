@@ -52,7 +52,14 @@ CENTRES = (  # name, field, marker, size: coincident ones remain visible one ins
 
 
 def draw_mesh(section: SectionFile, shape: Shape, path: Path) -> Path:
-    """Draw mesh, plies, directions and centres; the file appears only when it is complete."""
+    """Draw mesh, plies, directions and centres; the file appears only when it is complete.
+
+    Parameters
+    ----------
+    section : results of the section
+    shape : outline and cells of the section
+    path : file of the picture
+    """
     colours, row = ply_colours(section)
     faces = [colours[row[ply]].colour for ply in section.mesh.ply]
     detail = detail_of(section, shape)
@@ -229,7 +236,14 @@ PREFIXES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa")
 
 
 def draw_states(section: SectionFile, shape: Shape, path: Path) -> Path:
-    """Draw the six unit states; the file appears only when it is complete."""
+    """Draw the six unit states; the file appears only when it is complete.
+
+    Parameters
+    ----------
+    section : results of the section
+    shape : outline and cells of the section
+    path : file of the picture
+    """
     stress = unit_stress(section.recovery)
     field = CellField(section, shape)
     low, high = _panel_corners(shape)
@@ -326,6 +340,12 @@ def shear_flow(field: CellField, tau: Array, step: float) -> tuple[Array, Array]
     Cells of one region in one box of a grid give an arrow at their middle. They give two if the
     flow is reversed on the other face of a wall, as in the torsion of an open section. Of two
     arrows with the same direction that are too close, the longer one is kept.
+
+    Parameters
+    ----------
+    field : cells of the section, with their middles and areas
+    tau : shear stress of each cell (c, 2) [Pa]
+    step : least distance of arrows [m]
     """
     box = np.floor((field.middle - field.shape.low) / step).astype(np.int64)
     region = field.section.mesh.region

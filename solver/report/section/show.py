@@ -100,7 +100,11 @@ def judged_peaks(
 ) -> tuple[list[PlyPeak], list[dict[str, str]]]:
     """`ply_peaks` of a section, and warnings about the places of the least margins.
 
-    distance : from re-entrant corners [m], below which points are not judged; absent: all are
+    Parameters
+    ----------
+    section : results of the section
+    F : resultants (6,) [N, N m]
+    distance : distance from re-entrant corners below which points are not judged [m]; None: all are
     """
     recovery, mesh = section.recovery, section.mesh
     if distance is None:
@@ -148,7 +152,14 @@ def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[st
 def load_text(
     peaks: Sequence[PlyPeak], F: Sequence[float], warnings: Sequence[Mapping[str, str]] = ()
 ) -> str:
-    """Return the highest stress of every ply under resultants F, its smallest margins, warnings."""
+    """Return the highest stress of every ply under resultants F, its smallest margins, warnings.
+
+    Parameters
+    ----------
+    peaks : highest stress of each ply
+    F : resultants (6,) [N, N m]
+    warnings : warnings on places of the least margins
+    """
     loads = ", ".join(
         f"{name} = {value:g} {'N' if name[0] == 'F' else 'N m'}"
         for name, value in zip(RESULTANTS, F, strict=True)
@@ -293,7 +304,14 @@ def _derivative_text(results: SectionResults, code: str) -> list[str]:
 
 
 def section_text(results: SectionResults, title: str = "", code: str = "plymotion") -> str:
-    """Return the main results of a section, at most 100 columns wide."""
+    """Return the main results of a section, at most 100 columns wide.
+
+    Parameters
+    ----------
+    results : results of the section
+    title : title of its description
+    code : program whose order and signs the matrices have
+    """
     order = order_of(code)
     signs = (
         "axes x1 along the beam, x2, x3" if code == "plymotion" else f"order and signs of {code}"
@@ -392,7 +410,14 @@ class Row:
 
 
 def write_summary(folder: Path, stem: str, rows: Sequence[Row]) -> list[Path]:
-    """Write the table as folder/stem.csv and folder/stem.json; returns the two files."""
+    """Write the table as folder/stem.csv and folder/stem.json; returns the two files.
+
+    Parameters
+    ----------
+    folder : folder of the files
+    stem : name without ending
+    rows : one row for each section
+    """
     texts = {".csv": _csv(rows), ".json": json_text(summary_json(rows)) + "\n"}
     files = []
     for suffix, text in texts.items():

@@ -167,6 +167,13 @@ def imbalance(shell: ShellFile, case: int, load: Array, reactions: Array) -> flo
     """|load + reactions| over the larger of both, moments divided by the shell's size; 0 to 1.
 
     Loads that balance each other have neither; the force of the stresses across the shell counts.
+
+    Parameters
+    ----------
+    shell : results of the shell
+    case : number of the load case
+    load : resultant of the loads (6,) about the origin [N, N m]
+    reactions : resultant of the reactions (6,)
     """
     size = float(np.linalg.norm(np.ptp(shell.mesh.nodes_G, axis=0)))
     size += float(np.linalg.norm(shell.mesh.nodes_G, axis=1).max())  # arms about the origin

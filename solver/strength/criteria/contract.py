@@ -55,7 +55,14 @@ def exposure(quadratic: Array, linear: Array) -> Array:
 
 
 def governing(modes: tuple[str, ...], exposures: list[Array], indices: list[Array]) -> Verdict:
-    """The condition of the highest exposure at every point."""
+    """The condition of the highest exposure at every point.
+
+    Parameters
+    ----------
+    modes : names of the conditions
+    exposures : exposure of each condition, arrays of one shape
+    indices : failure index of each condition, arrays of that shape
+    """
     E, index = np.stack(exposures), np.stack(indices)
     mode = np.argmax(E, axis=0)
     pick: NDArray[np.int64] = mode[None]

@@ -205,6 +205,13 @@ def crossings(
 
     A crossing between two speeds is found on a monotone cubic through the branch, and improved
     by the secant method.
+
+    Parameters
+    ----------
+    diagram : branches over speed
+    at : returns the modes at a speed [rad/s], from those of a point nearby
+    harmonics : number of lines
+    fixed : frequencies seen from axes at rest
     """
     found = []
     for branch in range(diagram.frequencies.shape[1]):

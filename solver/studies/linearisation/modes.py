@@ -70,6 +70,14 @@ def modes_of(
     `turning` (n_vel,) is a displacement that is known to leave the equations as they are: the turn
     of a mechanism in steady spin. Its eigenvalue is set to zero: as computed, it has the round-off
     of the stiff terms of the accelerations.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    space : linearised equations about a state
+    t : time [s]
+    turning : displacement (n_vel,) that leaves the equations as they are; its eigenvalue is set to
+        zero
     """
     if not space.A_free.size:
         none = np.zeros((0, 0), dtype=complex)
@@ -180,7 +188,17 @@ def participation(
     packages: Mapping[str, ModalPackage],
     axis: Array | None = None,
 ) -> Participation:
-    """Return what moves in each mode; `axis` (3,) is that of the spin, global."""
+    """Return what moves in each mode; `axis` (3,) is that of the spin, global.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    space : linearised equations about a state
+    modes : modes of the linearised equations
+    body_names : names of the bodies of the model
+    packages : modal packages by name
+    axis : axis of the spin (3,), global
+    """
     x = modes.x
     k = x.shape[1]
     bodies, strain = np.zeros((model.n_body, k)), np.zeros(x.shape)  # twice the strain energies
@@ -204,7 +222,14 @@ def participation(
 def coordinate_names(
     model: Model, body_names: Sequence[str], packages: Mapping[str, ModalPackage]
 ) -> list[str]:
-    """Return the names of the velocity coordinates, (n_vel,): "arm x", "arm bending-xy 1"."""
+    """Return the names of the velocity coordinates, (n_vel,): "arm x", "arm bending-xy 1".
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    body_names : names of the bodies of the model
+    packages : modal packages by name
+    """
     names: list[str] = []
     for i in range(model.n_body):
         body = body_names[i] if i < len(body_names) else f"virtual {i - len(body_names) + 1}"
@@ -223,6 +248,12 @@ def whirl_rates(modes: Modes, forward: Array, rate: float) -> Array:
 
     A motion that circles the axis at w in axes turning at W does so at W + w in axes at rest, or
     at W - w if it circles against the spin. Motion along the axis has the same frequency in both.
+
+    Parameters
+    ----------
+    modes : modes of the linearised equations
+    forward : share of each mode that circles with the spin (k,)
+    rate : angular velocity of the spin [rad/s]
     """
     w = modes.frequencies
     out = np.full(w.shape, np.nan)
@@ -281,6 +312,15 @@ def change_when_turned(
     eigenvalues and the spin: a whirl at the speed itself has eigenvalue zero in turning axes. The
     eigenvalues alone do not tell: on supports that differ in two directions, those of an
     axisymmetric rotor are the same at any angle, though its equations are not.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    space : linearised equations about a state
+    modes : modes of the linearised equations
+    later : equations after the turn
+    A : rotation matrix of the turn (3, 3)
+    rate : angular velocity of the spin [rad/s]
     """
     moving = ~modes.still
     if not moving.any():

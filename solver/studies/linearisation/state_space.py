@@ -54,6 +54,12 @@ def turning_axes(model: Model, y: Array, W_G: Array) -> Frame:
 
     Translations: -W x in both. Rotations, in body axes that turn at w0: -W x for displacements,
     (w0 - W) x for velocities, so that both are seen from axes that turn at W. Modes: none.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    y : state (n,), as in dynamics/model/model.py
+    W_G : angular velocity of the axes (3,) [rad/s]
     """
     T, T_u = np.zeros((model.n_vel, model.n_vel)), np.zeros((model.n_vel, model.n_vel))
     for i in range(model.n_body):
@@ -68,7 +74,14 @@ def turning_axes(model: Model, y: Array, W_G: Array) -> Frame:
 
 
 def common_spin(model: Model, t: float, y: Array) -> Spin | None:
-    """Return the constant spin at which the whole mechanism turns in state y; None: it does not."""
+    """Return the constant spin at which the whole mechanism turns in state y; None: it does not.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
     v = y[model.n_pos : model.n_pos + model.n_vel]
     first = int(model.vel_start[0])
     a = int(model.pos_start[0])
@@ -340,7 +353,15 @@ def frequency_response(space: StateSpace, w: Array) -> Array:
 
 
 def frequencies_between(low: float, high: float, count: int, resonances: Array) -> Array:
-    """Return rising angular frequencies, evenly on a logarithmic scale and close to resonances."""
+    """Return rising angular frequencies, evenly on a logarithmic scale and close to resonances.
+
+    Parameters
+    ----------
+    low : lowest angular frequency [rad/s]
+    high : highest one [rad/s]
+    count : number on the logarithmic scale
+    resonances : angular frequencies of the modes (k,) [rad/s]
+    """
     near = np.concatenate([[-d, d] for d in (1e-2, 3e-3, 1e-3, 1e-4)]).ravel()
     beside = np.outer(resonances, 1.0 + near).ravel()
     found = np.concatenate([np.geomspace(low, high, count), beside])

@@ -28,6 +28,14 @@ def write_modes(
     """Write modes.json, linear.npz, linear.mat, the lowest shapes and a response, if any.
 
     Return the names of the files.
+
+    Parameters
+    ----------
+    folder : folder of the files
+    states : mechanism and the states that were asked for
+    found : modes about a state
+    shapes : number of shapes to draw
+    response : transfer functions; None: none asked for
     """
     refuse_foreign(folder / "modes.json")
     folder.mkdir(parents=True, exist_ok=True)
@@ -189,7 +197,15 @@ class Period(NamedTuple):
 
 
 def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[str]:
-    """Write modes.png and mode-NN.vtkhdf of the lowest modes; return the names of the files."""
+    """Write modes.png and mode-NN.vtkhdf of the lowest modes; return the names of the files.
+
+    Parameters
+    ----------
+    folder : folder of the files
+    states : mechanism and the states that were asked for
+    found : modes about a state
+    count : largest number of shapes
+    """
     for old in filter(is_ours, folder.glob(_PATTERN)):
         old.unlink()
     n = min(count, found.modes.eigenvalues.size)
@@ -212,7 +228,14 @@ def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[
 
 
 def period_of(states: States, found: Found, k: int) -> Period:
-    """Return one period of mode k, its its largest displacement _SIZE of the mechanism."""
+    """Return one period of mode k, with a largest displacement of _SIZE times the mechanism.
+
+    Parameters
+    ----------
+    states : mechanism and the states that were asked for
+    found : modes about a state
+    k : number of the mode
+    """
     model, y = found.state.model, found.state.y
     x = found.modes.x[:, k]
     phase = np.exp(2j * np.pi * np.arange(FRAMES + 1) / FRAMES)

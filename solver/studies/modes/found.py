@@ -248,6 +248,13 @@ def response_of(
 ) -> Response:
     """Return the transfer functions between named inputs and outputs; None: all of them.
 
+    Parameters
+    ----------
+    found : modes about a state
+    span : lowest and highest frequency [Hz]
+    inputs : names of inputs; None: all
+    outputs : names of outputs; None: all
+
     Raises
     ------
     InputError

@@ -70,6 +70,13 @@ def spec_of_run(case: Case, name: str, build: Path, packages: Path | None) -> Ru
     """Return a run of a checked case with its packages, built into build/bodies if out of date.
 
     The run file of the folder stays as it is. Raises as `read_spec`.
+
+    Parameters
+    ----------
+    case : checked case
+    name : name of the run
+    build : folder of the results of the case
+    packages : folder of packages that are ready; None: they are built
     """
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
         out = Path(temporary)

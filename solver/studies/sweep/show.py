@@ -68,7 +68,14 @@ FAMILY = 6  # values of one of two parameters up to which curves are drawn in pl
 
 
 def draw_sweep(folder: Path, result: SweepResult, formats: Sequence[str]) -> list[Path]:
-    """Draw DIR/<signal>.png, .svg, .pdf of every signal. Raises InputError without matplotlib."""
+    """Draw DIR/<signal>.png, .svg, .pdf of every signal. Raises InputError without matplotlib.
+
+    Parameters
+    ----------
+    folder : folder of the files
+    result : results of the sweep
+    formats : endings of the files, without a dot
+    """
     if not formats:
         return []
     with house_style():
@@ -81,7 +88,14 @@ def draw_sweep(folder: Path, result: SweepResult, formats: Sequence[str]) -> lis
 
 
 def draw_signal(path: Path, result: SweepResult, name: str) -> Path:
-    """Draw one signal: curves over one parameter, a map over two, points over more."""
+    """Draw one signal: curves over one parameter, a map over two, points over more.
+
+    Parameters
+    ----------
+    path : file of the picture
+    result : results of the sweep
+    name : name of the signal
+    """
     axes_values = [np.unique(column) for column in result.values.T]
     varied = [i for i, values in enumerate(axes_values) if len(values) > 1] or [0]
     full = len(result.rows) == np.prod([len(axes_values[i]) for i in varied])

@@ -47,6 +47,12 @@ def compute_portion(
 
     Rows that an interruption left without an end are pending.
 
+    Parameters
+    ----------
+    order : sweep file, packages and digest of the sources
+    members : members of the portion
+    keys : names of the numbers of a row
+
     Raises
     ------
     InputError

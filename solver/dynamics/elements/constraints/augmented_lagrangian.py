@@ -30,6 +30,17 @@ def augmented_lagrangian(
     The iteration uses corrections by the residuals of both equations, which also removes the
     round-off of a large penalty. It ends when a correction is below `tolerance` of the
     accelerations.
+
+    Parameters
+    ----------
+    M : mass matrix (n, n)
+    f : forces (n,)
+    Phi_q : constraint Jacobian (n_c, n)
+    gamma : right-hand sides of the constraints (n_c,)
+    inertia_scale : typical inertia of each velocity (n,)
+    penalty : penalty over the mass that a row moves
+    tolerance : largest last correction, relative to the accelerations
+    max_iterations : number of iterations after which it ends
     """
     n, n_c = f.shape[0], gamma.shape[0]
     P = penalty * row_masses(Phi_q, inertia_scale)

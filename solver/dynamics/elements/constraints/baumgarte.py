@@ -8,5 +8,13 @@ def stabilised(gamma: Array, Phi: Array, Phi_d: Array, alpha: float, beta: float
 
     For alpha = beta a violation decays with critical damping and the time
     constant 1/alpha. Explicit steps require beta h below about 2.
+
+    Parameters
+    ----------
+    gamma : right-hand sides without feedback (n,)
+    Phi : constraint violations (n,)
+    Phi_d : their rates (n,)
+    alpha : feedback of the rates [1/s]
+    beta : feedback of the violations [1/s]
     """
     return gamma - 2.0 * alpha * Phi_d - beta * beta * Phi

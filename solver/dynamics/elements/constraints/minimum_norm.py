@@ -20,6 +20,15 @@ def minimum_norm(
 
     At most n_c - `redundant` singular values are used. The others are zero for the exact motion
     but not for a computed one, and division by them would amplify round-off.
+
+    Parameters
+    ----------
+    M : mass matrix (n, n)
+    f : forces (n,)
+    Phi_q : constraint Jacobian (n_c, n)
+    gamma : right-hand sides of the constraints (n_c,)
+    inertia_scale : typical inertia of each velocity (n,)
+    redundant : number of redundant rows
     """
     n, n_c = f.shape[0], gamma.shape[0]
     root = np.sqrt(row_masses(Phi_q, inertia_scale))

@@ -11,6 +11,13 @@ def saddle_point(M: Array, f: Array, Phi_q: Array, gamma: Array) -> tuple[Array,
     [M Phi_q'; Phi_q 0] [a; lambda] = [f; gamma]; a load Lambda w, not
     Lambda u' (docs/errata.md), is part of f.
 
+    Parameters
+    ----------
+    M : mass matrix (n, n)
+    f : forces (n,)
+    Phi_q : constraint Jacobian (n_c, n)
+    gamma : right-hand sides of the constraints (n_c,)
+
     Raises
     ------
     numpy.linalg.LinAlgError

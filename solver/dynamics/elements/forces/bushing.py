@@ -17,6 +17,13 @@ def bushing(one: Array, two: Array, parameters: Array, law: float) -> Wrench:
     Stiffness (6,) along x, y, z, about x, y, z, and damping (6,) [N/m, N m/rad; N s/m, N m s/rad].
     The rotation is taken as a vector theta up to half a turn; its moments T^-T k theta are those
     of the energy theta' k theta / 2, so that nothing is lost at large angles.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : stiffness (6,) and damping (6,) along and about x, y, z
+    law : not used
     """
     stiffness, damping = parameters[:6], parameters[6:12]
     d = minus3(place(two), place(one))
@@ -50,6 +57,13 @@ def bushing_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None
 
     thetadot = T^-1 (w_2 - w_1). A damper sees w_2 - w_1 itself: beside a spring it takes the
     spring's row, which is the same at small angles; alone it has a row of its own.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : stiffness (6,) and damping (6,) along and about x, y, z
+    rows : rows (MOST_ROWS, N_ELEMENT_ROW) for Newton's matrix, to fill
     """
     d = minus3(place(two), place(one))
     speed = minus3(minus3(velocity(two), velocity(one)), cross3(spin_of(one), d))

@@ -34,7 +34,11 @@ SLIDING = (COULOMB, STATIC, *BY_REACTION, STRIBECK, VISCOUS)
 def sliding(values: Mapping[str, Any], load: str, speed: str = "v") -> str:
     """Return the friction of steady sliding as an expression [N, N m].
 
-    load, speed : of the contact, as expressions
+    Parameters
+    ----------
+    values : numbers of the element by key
+    load : normal force of the contact, as an expression
+    speed : sliding velocity, as an expression
     """
     parts, falls = [], []
     by_load = f" * ({load})"

@@ -9,14 +9,30 @@ from .contract import Load, Wrench
 
 @jit
 def force(one: Array, two: Array, parameters: Array, size: float) -> Wrench:
-    """`size` [N] along parameters[:3]: global if marker one is of the ground, else following."""
+    """`size` [N] along parameters[:3]: global if marker one is of the ground, else following.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : direction (3,) of unit length in the axes of marker one
+    size : force [N]
+    """
     load = times3(size, from_axes(one, triple(parameters[:3])))
     return Wrench(load, (0.0, 0.0, 0.0), 0.0, dot3(load, velocity(two)))
 
 
 @jit
 def torque(one: Array, two: Array, parameters: Array, size: float) -> Wrench:
-    """`size` [N m] about parameters[:3], as in `force`."""
+    """`size` [N m] about parameters[:3], as in `force`.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : direction (3,) of unit length in the axes of marker one
+    size : moment [N m]
+    """
     load = times3(size, from_axes(one, triple(parameters[:3])))
     return Wrench((0.0, 0.0, 0.0), load, 0.0, dot3(load, spin(two)))
 

@@ -17,6 +17,13 @@ def rotary_spring(one: Array, two: Array, parameters: Array, actuator: float) ->
 
     phi is the angle from x of marker one to x of marker two about z, from -pi to pi [rad]: the
     spring has a jump half a turn away from its rest. `actuator` is f at the present time [N m].
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : stiffness [N m/rad], damping [N m s/rad], angle at rest [rad]
+    actuator : moment at the present time [N m]
     """
     stiffness, damping, angle = parameters[0], parameters[1], parameters[2]
     phi, n = _angle(one, two, angle)
@@ -42,7 +49,15 @@ def _angle(one: Array, two: Array, angle: float) -> tuple[float, Triple]:
 
 @jit
 def rotary_spring_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None:
-    """Row 0: the rate of the angle."""
+    """Row 0: the rate of the angle.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : stiffness [N m/rad], damping [N m s/rad], angle at rest [rad]
+    rows : rows (MOST_ROWS, N_ELEMENT_ROW) for Newton's matrix, to fill
+    """
     phi, n = _angle(one, two, parameters[2])
     for j in range(3):
         rows[0, j] = rows[0, 6 + j] = 0.0

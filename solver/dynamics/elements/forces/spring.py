@@ -19,6 +19,13 @@ def spring(one: Array, two: Array, parameters: Array, actuator: float) -> Wrench
     """The force -k (s - s0) - c sdot + f pushes the points apart; s is their distance [m].
 
     `actuator` is f at the present time [N]. Points that coincide have no direction: no force.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : stiffness [N/m], damping [N s/m], length at rest [m]
+    actuator : force at the present time [N]
     """
     stiffness, damping, length = parameters[0], parameters[1], parameters[2]
     d = minus3(place(two), place(one))
@@ -40,6 +47,13 @@ def spring_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None:
     Such a spring ties two points together and holds them in every direction. Another one has
     stiffness T / s across its line under a tension T, which is left out: joints that take the
     tension cancel it.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : stiffness [N/m], damping [N s/m], length at rest [m]
+    rows : rows (MOST_ROWS, N_ELEMENT_ROW) for Newton's matrix, to fill
     """
     stiffness, damping, length = parameters[0], parameters[1], parameters[2]
     d = minus3(place(two), place(one))

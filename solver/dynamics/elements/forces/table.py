@@ -37,7 +37,15 @@ MOST_ROWS = max(e.most_rows for e in ELEMENTS.values())
 
 @jit
 def no_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None:
-    """Leave an element out of Newton's matrix."""
+    """Leave an element out of Newton's matrix.
+
+    Parameters
+    ----------
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : numbers of the element, in the order of its keys
+    rows : rows (MOST_ROWS, N_ELEMENT_ROW) for Newton's matrix, to fill
+    """
 
 
 _ROWS = [*(e.rows for e in ELEMENTS.values() if e.rows is not None), no_rows]
@@ -46,14 +54,32 @@ _ROWS = [*(e.rows for e in ELEMENTS.values() if e.rows is not None), no_rows]
 @jit
 @dispatched("kind", [(e.wrench, ("one", "two", "parameters", "law")) for e in _KERNELS.values()])
 def element_wrench(kind: int, one: Array, two: Array, parameters: Array, law: float) -> Wrench:
-    """The wrench of one element; `law` is its actuator force, or the size of a load."""
+    """The wrench of one element; `law` is its actuator force, or the size of a load.
+
+    Parameters
+    ----------
+    kind : number of the kind (table.py)
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : numbers of the element, in the order of its keys
+    law : actuator force or size of a load at the present time [N, N m]
+    """
     raise NotImplementedError  # dispatched
 
 
 @jit
 @dispatched("kind", [(rows, ("one", "two", "parameters", "rows")) for rows in _ROWS])
 def element_rows(kind: int, one: Array, two: Array, parameters: Array, rows: Array) -> None:
-    """Fill the rows (MOST_ROWS, N_ELEMENT_ROW) of one element for Newton's matrix."""
+    """Fill the rows (MOST_ROWS, N_ELEMENT_ROW) of one element for Newton's matrix.
+
+    Parameters
+    ----------
+    kind : number of the kind (table.py)
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    parameters : numbers of the element, in the order of its keys
+    rows : rows (MOST_ROWS, N_ELEMENT_ROW) for Newton's matrix, to fill
+    """
 
 
 def unit_of_law(kind: str) -> str:

@@ -10,12 +10,28 @@ from .contract import CouplingKind
 
 @jit
 def coupled_angles(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Leave row k as it is."""
+    """Leave row k as it is.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
 
 
 @jit
 def coupled_lengths(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Leave row k as it is."""
+    """Leave row k as it is.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
 
 
 ANGLES = CouplingKind("coupled angles", coupled_angles, "r", ())

@@ -10,7 +10,15 @@ from .translation_drive import TRANSLATION_DRIVE
 
 @jit
 def cylindrical(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k..k+3: origin of marker two on the z axis of marker one; z axes parallel."""
+    """Rows k..k+3: origin of marker two on the z axis of marker one; z axes parallel.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     on_z_axis(rows, k, one, two)
     parallel_z(rows, k + 2, one, two)
 

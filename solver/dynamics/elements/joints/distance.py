@@ -21,6 +21,14 @@ def distance(rows: Array, k: int, one: Array, two: Array, length: float) -> None
     """Row k: (d.d - L^2) / 2 L = 0 with d from marker one to marker two [m].
 
     To first order the excess of the distance over L > 0; smooth, and without a square root.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    length : distance L > 0 [m]
     """
     d = minus3(place(two), place(one))
     d_d = minus3(velocity(two), velocity(one))

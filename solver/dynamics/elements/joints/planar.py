@@ -9,7 +9,15 @@ from .rows import along_axis, parallel_z
 
 @jit
 def planar(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k..k+2: origin of marker two in the x-y plane of marker one; z axes parallel."""
+    """Rows k..k+2: origin of marker two in the x-y plane of marker one; z axes parallel.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     along_axis(rows, k, one, two, 2, 0.0, 0.0, 0.0)
     parallel_z(rows, k + 1, one, two)
 

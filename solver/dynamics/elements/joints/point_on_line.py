@@ -9,7 +9,15 @@ from .translation_drive import TRANSLATION_DRIVE
 
 @jit
 def point_on_line(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k, k+1: origin of marker two on the z axis of marker one."""
+    """Rows k, k+1: origin of marker two on the z axis of marker one.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     on_z_axis(rows, k, one, two)
 
 

@@ -9,7 +9,15 @@ from .translation_drive import TRANSLATION_DRIVE
 
 @jit
 def prismatic(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k..k+4: as cylindrical, and no rotation about z."""
+    """Rows k..k+4: as cylindrical, and no rotation about z.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     on_z_axis(rows, k, one, two)
     parallel_z(rows, k + 2, one, two)
     fixed_axes(rows, k + 4, one, two, 0, 1)

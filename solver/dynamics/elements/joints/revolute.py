@@ -9,7 +9,15 @@ from .rows import parallel_z, same_point
 
 @jit
 def revolute(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k..k+4: same origin; z of marker two orthogonal to x and y of marker one."""
+    """Rows k..k+4: same origin; z of marker two orthogonal to x and y of marker one.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     same_point(rows, k, one, two)
     parallel_z(rows, k + 3, one, two)
 

@@ -18,6 +18,16 @@ def rotation_drive(
 
     The axis a of marker one, turned by f + 90 deg about z, stays orthogonal to
     x of marker two: smooth for any number of turns, no branch of an arc tangent.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    f : angle [rad]
+    f_d : its rate [rad/s]
+    f_dd : its second rate [rad/s2]
     """
     z, y, x = axis(one, 2), axis(one, 1), axis(one, 0)
     a = minus3(times3(np.cos(f), y), times3(np.sin(f), x))
@@ -27,7 +37,14 @@ def rotation_drive(
 
 
 def cosine(A_1: Array, A_2: Array, f: float) -> float:
-    """Return cos(angle - f): 1 at the wanted angle, -1 half a turn away, where the row is 0 too."""
+    """Return cos(angle - f): 1 at the wanted angle, -1 half a turn away, where the row is 0 too.
+
+    Parameters
+    ----------
+    A_1 : axes of marker one (3, 3)
+    A_2 : axes of marker two (3, 3)
+    f : angle of the drive [rad]
+    """
     wanted = A_1[:, 0] * np.cos(f) + A_1[:, 1] * np.sin(f)
     return float(wanted @ A_2[:, 0])
 

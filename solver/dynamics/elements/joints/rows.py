@@ -16,7 +16,15 @@ from ...model.motion import spin as spin_of
 
 @jit
 def same_point(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k..k+2: the origins of both markers coincide [m]."""
+    """Rows k..k+2: the origins of both markers coincide [m].
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     d = minus3(place(two), place(one))
     d_dd = minus3(acceleration(two), acceleration(one))
     for i in range(3):
@@ -36,6 +44,17 @@ def along_axis(
     """Row k: origin of marker two stands at f along axis i of marker one [m].
 
     `f_d` and `f_dd` are the rates of f by time [m/s, m/s2].
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    i : axis of marker one, 0 to 2
+    f : position along it [m]
+    f_d : its rate [m/s]
+    f_dd : its second rate [m/s2]
     """
     a, w = axis(one, i), spin_of(one)
     d = minus3(place(two), place(one))
@@ -72,6 +91,17 @@ def orthogonal_axes(
     `spin` is the angular velocity of a relative to marker one and `turning_rate`
     its global rate less alpha-terms of the coordinates [rad/s, rad/s2];
     both are zero for an axis fixed in marker one.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    a : first axis, global
+    b : second axis, global; fixed in marker two
+    spin : angular velocity of a relative to marker one, global [rad/s]
+    turning_rate : its rate without the coordinate accelerations [rad/s2]
     """
     w, w_two = sum3(spin_of(one), spin), spin_of(two)
     rates = sum3(minus3(spin_rate(one), spin_rate(two)), turning_rate)
@@ -91,20 +121,46 @@ def orthogonal_axes(
 
 @jit
 def fixed_axes(rows: Array, k: int, one: Array, two: Array, i: int, j: int) -> None:
-    """Row k: axis i of marker one is orthogonal to axis j of marker two."""
+    """Row k: axis i of marker one is orthogonal to axis j of marker two.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    i : axis of marker one, 0 to 2
+    j : axis of marker two, 0 to 2
+    """
     zero = (0.0, 0.0, 0.0)
     orthogonal_axes(rows, k, one, two, axis(one, i), axis(two, j), zero, zero)
 
 
 @jit
 def parallel_z(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k, k+1: the z axes of both markers stay parallel."""
+    """Rows k, k+1: the z axes of both markers stay parallel.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     fixed_axes(rows, k, one, two, 0, 2)
     fixed_axes(rows, k + 1, one, two, 1, 2)
 
 
 @jit
 def on_z_axis(rows: Array, k: int, one: Array, two: Array) -> None:
-    """Rows k, k+1: the origin of marker two stays on the z axis of marker one [m]."""
+    """Rows k, k+1: the origin of marker two stays on the z axis of marker one [m].
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    """
     along_axis(rows, k, one, two, 0, 0.0, 0.0, 0.0)
     along_axis(rows, k + 1, one, two, 1, 0.0, 0.0, 0.0)

@@ -21,6 +21,15 @@ def screw(rows: Array, k: int, one: Array, two: Array, lead: float, start: float
 
     z is the place of marker two along the axis [m]. The last row is that of a rotation drive whose
     f depends on the markers: its rates by their velocities go into C. No branch of an arc tangent.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    lead : way along the axis for one turn [m]
+    start : position along the axis at the start [m]
     """
     on_z_axis(rows, k, one, two)
     parallel_z(rows, k + 2, one, two)

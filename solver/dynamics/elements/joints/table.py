@@ -69,4 +69,16 @@ def joint_rows(
 
     `f`, `f_d`, `f_dd` are a drive's law and its rates at the present time, `parameters`
     (N_PARAMETER,) the numbers of the joint; kinds that have none ignore them.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    kind : number of the kind (table.py)
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
+    f : law of a drive at the present time [rad or m]
+    f_d : its rate [1/s]
+    f_dd : its second rate [1/s2]
+    parameters : numbers of the joint (N_PARAMETER,)
     """

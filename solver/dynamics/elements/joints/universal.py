@@ -11,6 +11,13 @@ def universal(rows: Array, k: int, one: Array, two: Array) -> None:
     """Rows k..k+3: same origin; z of marker one orthogonal to x of marker two.
 
     Marker one turns about its z, marker two about its x: the arms of the cross.
+
+    Parameters
+    ----------
+    rows : rows of the constraints, to fill (rows.py)
+    k : first row to fill
+    one : motion (24,) of marker one (dynamics/model/motion.py)
+    two : motion (24,) of marker two
     """
     same_point(rows, k, one, two)
     fixed_axes(rows, k + 3, one, two, 2, 0)

@@ -218,7 +218,14 @@ def given_section(station: BeamStation) -> dict[str, object]:
 
 
 def check_section(key: str, station: BeamStation, mechanism: Mechanism) -> list[str]:
-    """Return what does not fit between a body and its section; `key` names the station."""
+    """Return what does not fit between a body and its section; `key` names the station.
+
+    Parameters
+    ----------
+    key : key of the input file, for messages
+    station : station of the beam with its section
+    mechanism : tables of the case, checked for types and bounds
+    """
     assert station.section is not None
     table = mechanism.sections[station.section]
     given = {"material": station.material, "ply_angle_deg": station.ply_angle_deg}

@@ -37,6 +37,13 @@ def section_table(
 ) -> tuple[dict[str, object], Path]:
     """Return the description of a section, and its file; of one in the case, a name beside it.
 
+    Parameters
+    ----------
+    name : name of the section
+    section : its table in the case
+    mechanism : tables of the case, checked for types and bounds
+    folder : folder for relative names of files
+
     Raises
     ------
     InputError
@@ -68,6 +75,12 @@ def shell_table(body: ShellBody, folder: Path) -> tuple[dict[str, object], Path]
 
 def described(way: list[str], mechanism: Mechanism, folder: Path) -> BaseModel | None:
     """Return the model of the description that the table at `way` has, None without one.
+
+    Parameters
+    ----------
+    way : keys from the case to the table
+    mechanism : tables of the case, checked for types and bounds
+    folder : folder for relative names of files
 
     Raises
     ------
@@ -175,7 +188,14 @@ def _groups(key: str, body: ShellBody, mesh: Path) -> list[str]:
 def solid_body_spec(
     name: str, body: SolidBody, folder: Path
 ) -> tuple[SolidSpecification, list[Path]]:
-    """Return the same of a solid."""
+    """Return the same of a solid.
+
+    Parameters
+    ----------
+    name : name of the body
+    body : its table in the case
+    folder : folder for relative names of files
+    """
     key, file = f"bodies.{name}", folder / body.solid
     try:
         table = read_toml(file, "solid description")

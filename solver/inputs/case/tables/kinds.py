@@ -41,7 +41,14 @@ START = (
 
 
 def table_of(base: type[Kind], group: str, kind: Joint | Coupling | ForceElement) -> type[Kind]:
-    """Return the table `[group.NAME]` of one kind: the keys of `base` and its own ones."""
+    """Return the table `[group.NAME]` of one kind: the keys of `base` and its own ones.
+
+    Parameters
+    ----------
+    base : keys that all kinds of the group have
+    group : name of the group, as "joints"
+    kind : the kind
+    """
     remark = getattr(kind, "remark", "")
     text = f'`[{group}.NAME]` with kind = "{kind.kind}": {kind.meaning}.'
     name = f"{kind.kind.title().replace('_', '')}{group.removesuffix('s').title()}"

@@ -278,6 +278,12 @@ class WindLaw(_Law):
 def with_columns(data: Any, info: ValidationInfo, keys: tuple[str, str]) -> Any:
     """Return a table with both columns of its `file`, if it has one that is not read yet.
 
+    Parameters
+    ----------
+    data : table as it was read
+    info : context of the validation: folder of the file
+    keys : names of both columns
+
     Raises ValueError : keys given beside the file, or as `read_columns`.
     """
     if not isinstance(data, dict) or not isinstance(data.get("file"), str):

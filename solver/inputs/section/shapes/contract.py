@@ -87,7 +87,14 @@ class Shape:
 
 
 def size(key: str, meaning: str, **more: Any) -> Parameter:
-    """Return a length above 0."""
+    """Return a length above 0.
+
+    Parameters
+    ----------
+    key : name of the key
+    meaning : what it means
+    more : other properties of the parameter
+    """
     return Parameter(key, "m", meaning, above=0.0, **more)
 
 

@@ -94,6 +94,12 @@ def along(length: float, thickness: float, density: float = 1.0) -> dict[str, fl
     They grow with the distance from the corner, then they are equal. Thin laminated walls bend
     between their corners; longer elements would not resolve this.
 
+    Parameters
+    ----------
+    length : length of the line [m]
+    thickness : thickness of the wall [m]
+    density : factor of the number of elements
+
     Returns
     -------
     elements and growth of the first part, its length `graded` [m], elements `even` of the second
@@ -119,6 +125,12 @@ def both_ends(length: float, thickness: float, density: float = 1.0) -> list[flo
     """Ends of the elements of a strip from 0 to 1, graded to the thickness at both ends.
 
     The stresses of torsion and shear change there within one thickness.
+
+    Parameters
+    ----------
+    length : length of the strip [m]
+    thickness : thickness of the wall [m]
+    density : factor of the number of elements
     """
     line = along(0.5 * length, thickness, density)
     first, even = int(line["elements"]), int(line["even"])
@@ -189,7 +201,14 @@ def slenderness(values: Values) -> float:
 
 
 def spaced(values: Values, n: int, key: str) -> list[float]:
-    """Ends of n elements along "width" or "height" as fractions of it."""
+    """Ends of n elements along "width" or "height" as fractions of it.
+
+    Parameters
+    ----------
+    values : sizes of the shape
+    n : number of elements
+    key : "width" or "height"
+    """
     sides = {"width": values["width"], "height": values["height"]}
     length = sides.pop(key)
     (across,) = sides.values()
@@ -232,7 +251,14 @@ def count(key: str, value: Any) -> int | None:
 
 
 def solid_rows(ends: list[float], n: int, values: Values) -> list[float]:
-    """n rows, or more if every ply needs at least one."""
+    """n rows, or more if every ply needs at least one.
+
+    Parameters
+    ----------
+    ends : ends of the plies as fractions of the height
+    n : least number of rows
+    values : sizes of the shape
+    """
     if len(ends) == 1:
         return spaced(values, n, "height")
     lines = [0.0]
@@ -292,7 +318,15 @@ def wall_thickness(values: Values, key: str) -> float:
 
 
 def fits(thickness: dict[str, float], keys: tuple[str, ...], space: float, what: str) -> None:
-    """Raise InputError if there is no space between walls."""
+    """Raise InputError if there is no space between walls.
+
+    Parameters
+    ----------
+    thickness : thickness of the walls by key [m]
+    keys : keys of the walls side by side
+    space : space for them [m]
+    what : what the space is, for the message
+    """
     if not math.fsum(thickness[key] for key in keys) < space:
         others = " and ".join(f"{key} = {thickness[key]:g}" for key in keys[1:])
         raise InputError(
@@ -305,6 +339,12 @@ def half_lines(
     lengths: dict[str, float], thickness: dict[str, float], density: float
 ) -> dict[str, float]:
     """Elements of lines between a corner and a middle: elements_*, growth_*, graded_*, even_*.
+
+    Parameters
+    ----------
+    lengths : length of each line by name [m]
+    thickness : thickness of the walls by key [m]
+    density : factor of the number of elements
 
     Raises
     ------
