@@ -361,7 +361,7 @@ def import_body(file: str | Path, out: str | Path, *, source: str | None = None)
     Raises
     ------
     InputError
-        A mistake in a file, as `plymotion import` tells it.
+        A mistake in a file, as `plymotion import` reports it.
 
     Examples
     --------

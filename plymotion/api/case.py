@@ -282,7 +282,7 @@ def _singular(group: str) -> str:
 
 
 def _words(entry: Any) -> str:
-    """Return the kind of a table, or what else tells most of it."""
+    """Return the kind of a table, or what else describes it best."""
     if not isinstance(entry, dict):
         return ""
     for key in ("kind", "title", "variants", "run"):

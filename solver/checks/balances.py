@@ -228,7 +228,7 @@ def package_findings(run: FinishedRun) -> Iterator[Finding]:
 
 
 def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
-    """Return the strength of every body whose package can tell, at the times of `look.strength`."""
+    """Return the strength of bodies with strengths, at the times of `look.strength`."""
     found = {}
     for i, name in enumerate(run.built.body_names):
         package = run.packages.get(name)

@@ -72,7 +72,7 @@ def observe(
 
 @lean
 def note(model: Model, seen: Observation, t: float, y: Array) -> bool:
-    """Keep energy and pivot of the next step, which ends at t, y (n,); tell if it needs a look.
+    """Keep energy and pivot of the step that ends at t, y (n,); return whether it needs a look.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
     package without one, the strain energy of the highest mode counts, too, at the instant at which
     the family has most, unless there are static shapes of these loads.
 
-    None of a run with `[fidelity]`: its estimated errors tell what other modes would change.
+    None of a run with `[fidelity]`: its estimated errors show what other modes would change.
     """
     if run.mechanism.fidelity is not None:
         return

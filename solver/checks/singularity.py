@@ -208,7 +208,7 @@ class SingularityMonitor:
         return request, False
 
     def _adapt(self, pivot: float, t: float, y: Array) -> bool:
-        """Take the pivot of a regular step as known; tell whether rows were chosen again.
+        """Take the pivot of a regular step as known; return whether rows were chosen again.
 
         A pivot is of the order of sigma squared, by a factor that depends on which rows are
         nearly dependent: a small one asks for sigma once, and again only when it has shrunk.
@@ -245,7 +245,7 @@ class SingularityMonitor:
 
     @property
     def note(self) -> Callable[[float, Array], bool]:
-        """Observes the next step by itself; tells whether it is time to call the monitor."""
+        """Observes the next step by itself; returns whether it is time to call the monitor."""
         return partial(note, self.model, self._observation)
 
     def look_at_spins_above(self, safe: Mapping[int, float]) -> None:

@@ -135,7 +135,7 @@ class SpinMonitor:
         return found if found > 0.0 or not self._holds(body, t, y) else -found
 
     def _holds(self, body: int, t: float, y: Array) -> bool:
-        """Tell whether a body that has lost its stiffness by a state's spin keeps its shape."""
+        """Return whether a body that has lost its stiffness by a state's spin keeps its shape."""
         w, (K, lost) = self.spin(body, y), self.matrices(body, y)
         if self.holds(body, w, K - lost):
             return True
@@ -143,7 +143,7 @@ class SpinMonitor:
         return Kg is not None and self.holds(body, w, K - lost, Kg[0])
 
     def holds(self, body: int, w: Array, whole: Array, Kg: Array | None = None) -> bool:
-        """Tell whether a body without stiffness in some directions keeps its shape.
+        """Return whether a body without stiffness in some directions keeps its shape.
 
         In a frame that turns at w, M q" + G q' + whole q = 0 with G_ij = 2 sum m phi_i.(w x phi_j)
         in these directions. A round shaft is stable above its critical speed, a blade, whose
@@ -282,7 +282,7 @@ STATES = 8  # groups of states whose rates and loads are kept
 class Loading:
     """Rates dy/dt (k, n) and marker loads (k, n_load, 6) of states, kept for all bodies.
 
-    They are those of the whole mechanism: solved for each of its bodies anew, the cost of a look
+    They are those of the whole mechanism: solved again for each of its bodies, the cost of a look
     would be the square of the number of bodies.
     """
 
@@ -485,7 +485,7 @@ class BucklingMonitor:
             first = int(ends[np.argmax(back)]) + 1
 
     def _without(self, i: int, steps: Steps, ends: IntArray) -> NDArray[np.bool_]:
-        """Tell at which ends of steps (k,) body i has no stiffness left, (k,)."""
+        """Return at which ends of steps (k,) body i has no stiffness left, (k,)."""
         if not ends.size:
             return np.zeros(0, dtype=bool)
         return ~(self.margin(i, steps.t[ends], steps.y[ends]) > 0.0)

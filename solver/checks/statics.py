@@ -9,7 +9,7 @@ fulfil the reference condition:
     U_missing = 1/2 p' (C - F K^-1 F') p
 
 Loads p have no inertia of the vibrations, so that U_missing does not ring with them. A shape under
-a unit load e_i reduces the missing compliance G to G - G e_i e_i' G / G_ii: it tells which static
+a unit load e_i reduces the missing compliance G to G - G e_i e_i' G / G_ii: it shows which static
 shapes help, before they are there.
 """
 
@@ -71,7 +71,7 @@ def missing_findings(run: FinishedRun) -> Iterator[Finding]:
 def unjudged_hints(run: FinishedRun) -> list[str]:
     """Return a remark on the flexible bodies whose packages have no compliance, if there are any.
 
-    Those of modes alone, and of earlier versions: mass stations and modes do not tell what the
+    Those of modes alone, and of earlier versions: mass stations and modes do not show what the
     modes miss.
     """
     bare = [n for n, p in run.packages.items() if p.n_mode and p.compliance is None]

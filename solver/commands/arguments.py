@@ -211,14 +211,14 @@ def program() -> str:
 
 
 def whole_number(text: str, least: int = 1) -> int:
-    """Read a whole number from `least`; argparse tells the user of anything else."""
+    """Read a whole number from `least`; argparse reports anything else."""
     if not text.isdecimal() or int(text) < least:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from {least}")
     return int(text)
 
 
 def shard(text: str) -> tuple[int, int]:
-    """Read k/N; argparse tells the user of anything else."""
+    """Read k/N; argparse reports anything else."""
     from ..package.common.plain_data import shard as read  # here, so that --help needs no HDF5
 
     return read(text)

@@ -106,7 +106,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     from ..workers.packages import named_packages
 
     def say(text: str) -> None:
-        """Tell of a stage, so that a long one is not silent."""
+        """Report a stage, so that a long one is not silent."""
         if not options.quiet:
             print(f"{out}: {text}", file=sys.stderr, flush=True)
 

@@ -17,7 +17,7 @@ from .section.description import SHAPE_MESHES, FileMesh, MeshTable
 from .section.shapes.library import SHAPES, walls
 
 HEAD = ["| key | type | unit | bounds | default | meaning |", "|---|---|---|---|---|---|"]
-IDENTITY = ("kind", "shape")  # keys that tell what a table is
+IDENTITY = ("kind", "shape")  # keys that say what a table is
 NUMBERS = ("exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum")
 LEAST, MOST = ("minItems", "minLength", "minProperties"), ("maxItems", "maxLength", "maxProperties")
 WORDS = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false"}
@@ -143,7 +143,7 @@ BEGIN, END = "<!-- keys: begin -->\n", "<!-- keys: end -->"
 
 
 def with_keys(text: str, kind: str) -> str:
-    """Return the text of docs/KIND-description.md with its keys written anew."""
+    """Return the text of docs/KIND-description.md with its keys written again."""
     head, rest = text.split(BEGIN)
     return "\n".join([head + BEGIN, *page_keys(kind), END]) + rest.split(END)[1]
 

@@ -1,6 +1,6 @@
 """Instants at which laws of time break, where steps end, and the longest step.
 
-A step that begins and ends at rest tells nothing of a pulse between its stages: the error estimate
+A step that begins and ends at rest does not see a pulse between its stages: the error estimate
 is zero, and so is the reason to make the step shorter. No step goes over a break, so that each one
 sees what comes next (docs/adr/0053).
 """

@@ -162,7 +162,7 @@ class HiddenForces:
         return gain * min(factor, reach)
 
     def _rests(self, watched: Watched, at: float, h: float, cost: float) -> bool:
-        """Tell whether friction holds the state, which short steps throw over its rise and back.
+        """Return whether friction holds the state, which short steps throw over its rise and back.
 
         Then steps pass bends often, each soon after the last one, at little cost.
         """
@@ -173,7 +173,7 @@ class HiddenForces:
         return count > RESTS
 
     def _chatters(self, watched: Watched, at: float) -> bool:
-        """Count an attempt to step up to a jump at time `at`; tell whether it is one too many."""
+        """Count an attempt to step up to a jump at time `at`; return whether it is one too many."""
         p = watched.program
         last, count = self._last.get(p, (-np.inf, 0))
         self._last[p] = last, count + 1

@@ -221,7 +221,7 @@ class Radau(ClosingLoop):
             self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
 
     def _is_beyond(self, fastest: Turning) -> bool:
-        """Tell whether the body turns far faster than the start and the drives prescribe."""
+        """Return whether the body turns far faster than the start and the drives prescribe."""
         model = self._model
         prescribed = np.abs(driven_speeds(model, np.array([self.t]), self.y)).max(initial=0.0)
         speed = scales(model, self._y_start, self.t_end).speed

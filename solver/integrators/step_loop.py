@@ -191,7 +191,7 @@ class StepLoop(StrideMemory):
     model : a mechanism, treated (constraints/treatment.py)
     functions : of sampled states (dynamics/evaluation/events.py)
     sharp : those of `kinks` behind which forces have other rates
-    t0, y0, t_end, others : see Integrator; `jacobian` and `project` are of no use here
+    t0, y0, t_end, others : see Integrator; `jacobian` and `project` are not used here
     """
 
     strides = True

@@ -102,7 +102,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
 
 
 def _curved(codes: IntArray) -> NDArray[np.bool_]:
-    """Tell which parts of an expression are not linear in what it reads."""
+    """Return which parts of an expression are not linear in what it reads."""
     constant, linear, curved = 0, 1, 2
     stack: list[int] = []
     found = []
@@ -247,7 +247,7 @@ def _value(watched: Watched, at: float) -> float:
 
 @lean
 def _has_left(watched: Watched, at: float) -> bool:
-    """Tell whether a part is at a part of a step on another branch than at the begin."""
+    """Return whether a part is at a part of a step on another branch than at the begin."""
     _value(watched, at)
     found = False
     for k in range(watched.breaking.shape[0]):
@@ -290,7 +290,7 @@ def _set_box(watched: Watched, a: float, b: float) -> None:
 
 @inlined
 def _is_quiet(watched: Watched) -> bool:
-    """Tell whether the box lies in the one in which no part varies much."""
+    """Return whether the box lies in the one in which no part varies much."""
     inside = True
     for j in range(watched.box.shape[0]):
         inside = inside and watched.box[j, 0] >= watched.quiet[j, 0]
@@ -314,7 +314,7 @@ def _bound(watched: Watched) -> None:
 
 @lean
 def _varies(watched: Watched, passed: bool) -> bool:
-    """Tell whether a part may vary in the box by more than a share of its range so far.
+    """Return whether a part may vary in the box by more than a share of its range so far.
 
     `passed`: by a step, so that the range of a part that does not vary so much counts.
     """
@@ -395,7 +395,7 @@ def _set_limits(watched: Watched) -> None:
 
 @lean
 def _is_beyond(watched: Watched, a: float, b: float) -> bool:
-    """Tell whether a part may be beyond its limits in the part [a, b] of the step."""
+    """Return whether a part may be beyond its limits in the part [a, b] of the step."""
     bounds, limits, found = watched.bounds, watched.limits, False
     _set_box(watched, a, b)
     _bound(watched)

@@ -69,7 +69,7 @@ def state_of(file: Path) -> list[int]:
 
 def state_since(file: Path, begin: int) -> list[int]:
     """Return `state_of` a file that was read after `begin` [ns]; one that no file has if it may
-    have changed since, so that the record does not tell what was read."""
+    have changed since, so that the record does not say what was read."""
     try:
         return state_of(file) if os.stat(file).st_ctime_ns < begin else [-1]
     except OSError:
@@ -131,7 +131,7 @@ class DiskCache:
         return rest if hashlib.sha256(rest).hexdigest().encode() == checksum else None
 
     def write(self, key: str, content: bytes) -> bool:
-        """Keep something; tell whether that was possible."""
+        """Keep something; return whether that was possible."""
         where = self.made()
         if where is None:
             return False
@@ -174,7 +174,7 @@ class DiskCache:
 
 
 def _is_own(folder: Path) -> bool:
-    """Tell whether nobody else can have written into a folder; a missing one is nobody else's.
+    """Return whether no other user can have written into a folder; true of a missing one.
 
     A link must be the user's own, too: in a shared folder another user could have set it.
     """

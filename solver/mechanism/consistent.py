@@ -339,7 +339,7 @@ def undeformed(model: Model, y: Array) -> Array:
 
 
 def frames_close(model: Model, y: Array) -> bool:
-    """Tell whether the joints can be closed in state y (n,) without further deformation."""
+    """Return whether the joints can be closed in state y (n,) without further deformation."""
     if not model.n_constraint:
         return True
     return bool(_open(model, with_closed_joints(model, y)).max() <= 1e3 * _POSITION_TOLERANCE)
@@ -373,7 +373,7 @@ def _assembled(model: Model, y: Array, names: list[str], *, deforming: bool) -> 
 
 
 def _at_another_root(model: Model, y: Array, joint: int) -> bool:
-    """Tell whether the rows of a drive hold, but not its coordinate."""
+    """Return whether the rows of a drive hold, but not its coordinate."""
     drive = DRIVES.get(NAMES[model.joint_kind[joint]])
     if drive is None or drive.side is None:
         return False

@@ -373,10 +373,10 @@ def _others(node: Node | None, along: int) -> list[int]:
 
 
 def _reacts(size: Node | None) -> bool:
-    """Tell whether an expression reads a reaction."""
+    """Return whether an expression reads a reaction."""
     return any(kind == "reaction" for kind, _ in _read(size))
 
 
 def reads_motion(size: Node | None) -> bool:
-    """Tell whether a force along a coordinate depends on coordinates, states or reactions."""
+    """Return whether a force along a coordinate depends on coordinates, states or reactions."""
     return any(kind != "curve" for kind, _ in _read(size))

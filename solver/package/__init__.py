@@ -1,7 +1,7 @@
 """The modal package: one HDF5 file per flexible body (docs/format.md).
 
 Each name below is imported when it is asked for: section and shell files need a part of this
-folder only. __init__.pyi tells their types.
+folder only. __init__.pyi declares their types.
 """
 
 from ..errors import PackageError

@@ -1,7 +1,7 @@
 """The report of a case: figures, report.html and a table on the screen.
 
 Each name below is imported when it is asked for: figures of other commands use style.py only.
-__init__.pyi tells their types.
+__init__.pyi declares their types.
 """
 
 from ..math.catalogue import lazy_names

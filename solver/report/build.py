@@ -178,7 +178,7 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
         if before.get(name) != key or not _there(d.path)
     ]
     if stale:
-        with house_style():  # also tells that matplotlib is missing
+        with house_style():  # also reports that matplotlib is missing
             count = min(cores(), len(stale)) if len(stale) > FEW else 1
             if count > 1:
                 with processes(count, ignore) as pool:
@@ -202,7 +202,7 @@ def drawn_before(folder: Path) -> set[str]:
 
 
 def _there(file: Path) -> bool:
-    """Tell whether there is a file; a full disk or a lost machine may leave an empty one."""
+    """Return whether there is a file; a full disk or a lost machine may leave an empty one."""
     return file.is_file() and file.stat().st_size > 0
 
 

@@ -20,7 +20,7 @@ from .codes import UNDER_WAY
 
 FOLDER, REQUEST = "live", "request"
 LOOK_S = 0.5  # between two looks for a request; a look takes 2e-6 s
-FRESH_S = 10.0  # age of a request beyond which nobody waits for it any more
+FRESH_S = 10.0  # age after which a request is ignored
 SHARE = 2.0  # pause after a copy, over the time that it took: copies have a third of a core at most
 
 
@@ -71,7 +71,7 @@ class Copies:
             return False
 
     def _busy(self, now: float) -> bool:
-        """Tell whether the last copy is at work; once it is not, pause for SHARE of its time."""
+        """Return whether the last copy is at work; once it is not, pause for SHARE of its time."""
         if not self._child:
             return False
         if os.waitpid(self._child, os.WNOHANG) == (0, 0):

@@ -165,7 +165,7 @@ def verdict(summary: Summary) -> Verdict:
 
 
 def is_under_way(summary: Summary) -> bool:
-    """Tell whether a summary is that of the part so far of a run that goes on."""
+    """Return whether a summary is that of the part so far of a run that goes on."""
     return any(found.code == UNDER_WAY.name for found in findings(summary))
 
 

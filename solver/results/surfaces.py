@@ -88,7 +88,7 @@ def _joined(parts: list[Array], width: int) -> Array:
 
 
 def drawn_by_views(bodies: Sequence[BodyGeometry]) -> bool:
-    """Tell whether positions follow from the coordinates: all bodies have views."""
+    """Return whether positions follow from the coordinates: all bodies have views."""
     return bool(bodies) and all(body.view is not None for body in bodies)
 
 

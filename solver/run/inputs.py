@@ -81,7 +81,7 @@ def inputs_sha256(file: Path) -> str:
 def still(file: Path, digest: str) -> str:
     """Return the digest of inputs that were read since it was computed; "" if they have changed.
 
-    Then nobody knows what was read, and the result is up to date with nothing.
+    Then it is not known what was read, and the result is up to date with nothing.
     """
     return digest if inputs_sha256(file) == digest else ""
 

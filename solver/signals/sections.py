@@ -90,7 +90,7 @@ class Cut:
         return np.concatenate([np.einsum("kba,kb->ka", to_section, each) for each in (F, M)], 1)
 
     def _carries(self, marker: int) -> bool:
-        """Tell whether a marker is on the part beyond."""
+        """Return whether a marker is on the part beyond."""
         model = self.model
         return bool(
             model.marker_body[marker] == self.body and model.marker_x[marker, 0] > self._beyond

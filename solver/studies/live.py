@@ -63,7 +63,7 @@ ENDED = (
 
 
 def at_work(case_dir: Path) -> bool:
-    """Tell whether a command has locked a folder."""
+    """Return whether a command has locked a folder."""
     try:
         descriptor = os.open(case_dir, os.O_RDONLY)
     except OSError:

@@ -175,7 +175,7 @@ def completing(patience_s: float | None = None) -> Iterator[None]:
 
 
 def stop_requested() -> bool:
-    """Tell whether a signal has asked the command to end."""
+    """Return whether a signal has asked the command to end."""
     return bool(_received)
 
 
@@ -192,7 +192,7 @@ def exit_code(code: int) -> int:
 
 
 def of_a_signal(error: BaseException) -> bool:
-    """Tell whether an exception was made of a KeyboardInterrupt.
+    """Return whether an exception was made of a KeyboardInterrupt.
 
     Python 3.11 turns one that comes while a class is made into a RuntimeError, extensions in C one
     that comes while a module is imported into an ImportError, Pydantic into a SchemaError; without

@@ -35,7 +35,7 @@ def cores() -> int:
 
 
 def can_fork() -> bool:
-    """Tell whether this process can be copied where that is safe (Linux)."""
+    """Return whether this process can be copied where that is safe (Linux)."""
     return POSIX and sys.platform == "linux"
 
 
@@ -114,7 +114,7 @@ def pass_on(number: int, children: Iterable[int]) -> None:
 
 
 def has_ended(process: int) -> bool:
-    """Tell whether a process is no more; False if that cannot be found out.
+    """Return whether a process is no more; False if that cannot be found out.
 
     One that has ended may still wait for its parent (Linux). On Windows `os.kill` ends a process,
     whatever the signal.

@@ -72,7 +72,7 @@ def run_import(options: argparse.Namespace) -> int:
     if options.file.suffix == ".urdf":
         return import_urdf(options)
     out = options.out or Path(f"{options.file.stem}.vtkhdf")
-    return _told(*import_body(options.file, out, options.source, quiet=options.quiet))
+    return _shown(*import_body(options.file, out, options.source, quiet=options.quiet))
 
 
 def import_urdf(options: argparse.Namespace) -> int:
@@ -111,10 +111,10 @@ def run_export(options: argparse.Namespace) -> int:
     for name in ("run", "inputs", "coarse", "packages"):
         if getattr(options, name):
             raise InputError(f"--{name}: expected with --to fmu or fmu3 only")
-    return _told(*export_body(options.file, options.target, options.out))
+    return _shown(*export_body(options.file, options.target, options.out))
 
 
-def _told(code: int, text: str) -> int:
+def _shown(code: int, text: str) -> int:
     if text:
         print(text, file=sys.stderr if code else sys.stdout)
     return code

@@ -99,7 +99,7 @@ def rounding(model: Model, y: Array) -> float:
 
 @lean
 def project(model: Model, work: Work, t: float, y: Array, step: Array, before: Array) -> bool:
-    """Move y (n,) onto the constraints, in place; tell whether that succeeded.
+    """Move y (n,) onto the constraints, in place; return whether that succeeded.
 
     Positions: minimise dq' M dq / 2 subject to Phi(q + dq) = 0, by Newton's method;
     M dq + Phi_q' mu = 0, Phi_q dq = -Phi. Velocities: M dv + Phi_q' nu = 0,

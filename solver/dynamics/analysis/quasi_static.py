@@ -116,6 +116,6 @@ def _modes(model: Model, i: int) -> slice:
 
 
 def is_moving(model: Model, y: Array) -> bool:
-    """Tell whether a body moves in state y (n,): speed above 1e-9 [m/s, rad/s, 1/s]."""
+    """Return whether a body moves in state y (n,): speed above 1e-9 [m/s, rad/s, 1/s]."""
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
     return bool(np.max(np.abs(velocities), initial=0.0) > 1e-9)

@@ -7,7 +7,7 @@ C (n_c, n_vel) is the Jacobian with rows of length one in the metric of the iner
 
 If H is positive definite, |C_m' u| > |D' u| / 2 for every u, and no matrix C_m + s D, |s| <= 1/2,
 loses rank: the straight way from C_a to C_b passes no singular position. H has the profile of
-C C'; pivots of its L D L' tell definiteness. Their least, over the diagonal, is of the order of
+C C'; pivots of its L D L' show definiteness. Their least, over the diagonal, is of the order of
 the square of the smallest singular value where a and b are close.
 
 A step in which H is not positive definite is divided: C turns with the bodies, and is far from
@@ -337,7 +337,7 @@ class Rank(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What to tell a user."""
+        """Text for the user."""
         beside = f", the next {self.first:.2g}" if self.redundant else ""
         return (
             f"rank {self.value} of {self.rows} constraint rows: smallest singular value that "
@@ -595,7 +595,7 @@ def degrees_of_freedom(model: Model, y: Array, *, independent: bool = False) -> 
 
 
 def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
-    """Tell whether all constraints, drives too, are far from dependent in state y (n,).
+    """Return whether all constraints, drives too, are far from dependent in state y (n,).
 
     The time is linear in the number of bodies.
 

@@ -106,7 +106,7 @@ def inertia_of(directions: Sequence[Array], scale: Array, start: np.ndarray) -> 
 
 
 def is_positive(M: Array) -> bool:
-    """Tell whether a modal mass matrix is positive definite; one without modes is."""
+    """Return whether a modal mass matrix is positive definite; one without modes is."""
     scale = np.sqrt(np.diag(M).clip(min=1e-300))
     return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE)
 

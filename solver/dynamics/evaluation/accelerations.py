@@ -315,7 +315,7 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
 
 
 def by_blocks(model: Model) -> bool:
-    """Tell whether the bodies can be eliminated one by one, under the model's treatment.
+    """Return whether the bodies can be eliminated one by one, under the model's treatment.
 
     Not so where constraints follow from others and the treatment has no penalty.
     """

@@ -375,7 +375,7 @@ _DRIVES = frozenset(KINDS[name] for name in DRIVES)
 
 
 def is_tree(model: Model) -> bool:
-    """Tell whether joints close no loop, so that no constraint row ever depends on others.
+    """Return whether joints close no loop, so that no constraint row ever depends on others.
 
     Every joint leads to a body that no other one holds, and a drive takes a freedom that its joint
     leaves. Pivots are no measure then: that of the last joint of a chain falls with the third power
@@ -408,7 +408,7 @@ def is_tree(model: Model) -> bool:
 
 @lean
 def rows_depend(model: Model, order: Order, factors: Factors, J: Array, softness: Array) -> bool:
-    """Tell whether constraint rows depend on each other; `factors` and `softness` are overwritten.
+    """Return whether constraint rows depend on each other; overwrites `factors` and `softness`.
 
     Every body counts as one of unit mass with its own radius of gyration and its own modes, so
     that the pivots are those of the geometry.

@@ -421,7 +421,7 @@ def _size(kind: int, load: Triple, n: Triple) -> float:
 
 @lean
 def move_forces(model: Model, work: Work, t: float, passed: int) -> bool:
-    """Move forces that read reactions towards those at work.multipliers; tell if they differ.
+    """Move forces that read reactions to those at work.multipliers; return whether they differ.
 
     Their sizes, work.f and the power follow. `passed` is the number of calls before, for the same
     evaluation.
@@ -494,7 +494,7 @@ def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
 
 @inlined
 def reads_reactions(model: Model) -> bool:
-    """Tell whether forces or states read the reactions of joints."""
+    """Return whether forces or states read the reactions of joints."""
     return bool(model.quantities.reaction_kind.shape[0] > 0)
 
 
@@ -694,7 +694,7 @@ def sampled(
 
 @inlined
 def is_sampled(period: float, t: float) -> bool:
-    """Tell whether a state of a period [s], 0 for none, is sampled at the instant t [s]."""
+    """Return whether a state of a period [s], 0 for none, is sampled at the instant t [s]."""
     return period > 0.0 and abs(t / period - np.round(t / period)) < NEAR
 
 

@@ -254,7 +254,7 @@ RELAXATION, PASSES, SETTLED = 0.1, 400, 1e-9
 
 
 def move_inflow(model: Model, flow: Array, y: Array) -> bool:
-    """Move the sections' states in y towards steady inflow by the last evaluation; tell if at rest.
+    """Move the sections' states in y towards steady inflow; return whether they are at rest.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ class Quantities(NamedTuple):
 
     A coordinate is a scalar e of the relative motion of two markers, with a rate
     edot = g (v_1, w_1, v_2, w_2). An angle over many turns needs to know which one it is in: an
-    auxiliary state that integrates edot tells it, to within half a turn (evaluation/laws.py).
+    auxiliary state that integrates edot gives it, to within half a turn (evaluation/laws.py).
 
     Expressions read, in this order: value and rate of each coordinate, the auxiliary states, the
     sizes of reactions.

@@ -125,7 +125,7 @@ class Record(SimpleNamespace):
 
 
 def seal(mechanism: "Mechanism") -> dict[str, object]:
-    """Return what tells that a mechanism is checked: digest, and which tables have free keys."""
+    """Return the record that a mechanism is checked: digest, and which tables have free keys."""
     named = sorted(_named(mechanism, ""))
     return {"named": named, "sha256": _digest(mechanism.model_dump(), named)}
 

@@ -95,7 +95,7 @@ class OutputFolder:
         self._record(own)
 
     def _would_be_lost(self, name: str) -> bool:
-        """Tell whether a file has content that `write` would replace by another one."""
+        """Return whether a file has content that `write` would replace by another one."""
         file = self.path / name
         if not file.is_file():
             return file.is_symlink() or file.exists()

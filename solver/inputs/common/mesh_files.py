@@ -27,7 +27,7 @@ def scripts(*, allowed: bool) -> Iterator[None]:
 
 
 def are_refused() -> bool:
-    """Tell whether scripts are refused, so that the preprocessor refuses them, too."""
+    """Return whether scripts are refused, so that the preprocessor refuses them, too."""
     return not _allowed.get()
 
 

@@ -307,7 +307,7 @@ def _kinds_with(names: Sequence[str], model: type[BaseModel], table: tuple[Any, 
 
 
 def _is_whole(item: Any, items: Sequence[Any]) -> bool:
-    """Tell whether an error is of a list as another member of a union; its items have errors."""
+    """Return whether an error is of a list as another member of a union; its items have errors."""
     way = item["loc"][:-1]
     return isinstance(item.get("input"), list) and any(
         other["loc"][: len(way)] == way and len(other["loc"]) > len(way) + 1 for other in items

@@ -355,7 +355,7 @@ PASSES = 4
 
 @inlined
 def softened(frozen: Frozen) -> bool:
-    """Tell whether the matrices treat rows as dependent."""
+    """Return whether the matrices treat rows as dependent."""
     return bool(frozen.softness.shape[0] > 0 and frozen.softness[0] > 0.0)
 
 

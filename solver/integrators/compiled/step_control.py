@@ -109,14 +109,14 @@ def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
 
 @inlined
 def at_kink(options: Options, clock: Array) -> bool:
-    """Tell whether the step that `next_step` has returned begins where forces get other rates."""
+    """Return whether the step that `next_step` has returned begins where forces get other rates."""
     k = int(clock[KINK])
     return k > 0 and options.sharp[k - 1] and options.kinks[k - 1] == clock[TIME]
 
 
 @inlined
 def at_instant(options: Options, clock: Array) -> bool:
-    """Tell whether the step just counted ends at an instant of sampling."""
+    """Return whether the step just counted ends at an instant of sampling."""
     i = int(clock[INSTANT])
     return i < options.instants.shape[0] and options.instants[i] == clock[TIME]
 
@@ -213,7 +213,7 @@ def largest_component(a: Array, weight: Array) -> int:
 
 @inlined
 def finite(a: Array) -> bool:
-    """Tell whether no number is inf or nan."""
+    """Return whether no number is inf or nan."""
     s = 0.0
     for i in range(a.shape[0]):
         s += abs(a[i])

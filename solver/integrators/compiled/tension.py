@@ -159,7 +159,7 @@ def add_tension(
 
 @inlined
 def _exceeds(K: Array, M: Array, n: int, s_squared: float) -> bool:
-    """Tell whether an entry of the diagonal of K exceeds s^2 M."""
+    """Return whether an entry of the diagonal of K exceeds s^2 M."""
     found = False
     for a in range(3, n):
         found = found or abs(K[a, a]) > s_squared * M[a, a]

@@ -111,7 +111,7 @@ class Integrator(ABC):
     over_bends = False  # whether steps may go over bends of forces, as a tangent along them asks
     chattering: Mapping[int, float] = MappingProxyType({})  # expressions, and since when [s]
     unsearched = 0  # expressions whose breaks are too many to be found: breakpoints.py
-    bounded_to = 0  # steps after which a bound by the fastest vibration is found anew
+    bounded_to = 0  # steps after which a bound by the fastest vibration is computed again
     vibrates = True  # whether anything in the system stores energy and could vibrate
 
     def __init__(

@@ -106,7 +106,7 @@ class Noted:
         self.count = 0
 
     def add(self, t: float, y: Array) -> bool:
-        """Keep a step that ends at t, y; tell whether there is no room for another."""
+        """Keep a step that ends at t, y; return whether there is no room for another."""
         self.count += 1
         self._t[self.count], self._y[self.count] = t, y
         return self.count == MOST_NOTED

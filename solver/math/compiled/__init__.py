@@ -235,12 +235,12 @@ def _read(key: str) -> tuple[dict[str, Any], bytes] | None:
 
 
 def _write(key: str, description: dict[str, Any], code: bytes) -> bool:
-    """Keep object code; tell whether that was possible."""
+    """Keep object code; return whether that was possible."""
     return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
 
 
 def noted(*texts: str) -> bool:
-    """Tell whether `note` was called with the same texts, in this environment."""
+    """Return whether `note` was called with the same texts, in this environment."""
     return _read(digest(*texts, environment())) is not None
 
 

@@ -187,7 +187,7 @@ class PartType(types.Callable, types.Dummy):  # type: ignore[misc]
 
     @property
     def key(self) -> Any:
-        """What tells this type from others."""
+        """Key by which this type differs from others."""
         return self.part
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:

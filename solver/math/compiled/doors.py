@@ -196,7 +196,7 @@ def _describe(value: Any, words: list[int]) -> str:
 
 @cache
 def array_head_is_known() -> bool:
-    """Tell whether array objects begin as compiled code expects (ndarrayobject.h of NumPy)."""
+    """Return whether array objects begin as compiled code expects (ndarrayobject.h of NumPy)."""
     array = np.zeros((2, 3))[:, ::2]
     if tuple.__itemsize__ != 8 or not hasattr(ctypes, "PYFUNCTYPE"):
         return False
@@ -219,7 +219,7 @@ _LETTERS = {"f8": "d", "i8": "q", "b1": "q", "c16": "dd"}
 
 
 def described(arguments: tuple[Any, ...]) -> tuple[Any, list[Any]]:
-    """Return what tells the types of arguments, and their words; None if there is no word."""
+    """Return a key of the types of arguments, and their words; None if there is no word."""
     kinds: list[Any] = []
     words: list[Any] = []
     for value in arguments:
@@ -252,7 +252,7 @@ def described(arguments: tuple[Any, ...]) -> tuple[Any, list[Any]]:
 
 
 def text(kinds: tuple[Any, ...]) -> str | None:
-    """Return the types of arguments as text, of what `described` tells of them.
+    """Return the types of arguments as text, from the key that `described` returns.
 
     None if compiled code cannot be given them.
     """

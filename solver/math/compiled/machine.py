@@ -83,7 +83,7 @@ def undefined(code: bytes) -> list[str]:
 
 
 def available(symbol: str) -> bool:
-    """Tell whether a library of this process has a symbol."""
+    """Return whether a library of this process has a symbol."""
     _target_machine()  # with the libraries that it takes
     return bool(llvm.address_of_symbol(symbol))
 

@@ -106,7 +106,7 @@ def bound_parts(
     bounds: Array,
     breaks: IntArray,
 ) -> None:
-    """Bound the parts of an expression, its n operations in their order, and tell if they break.
+    """Bound the n operations of an expression in their order, and return whether they break.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def _piece(times: Array, begin: int, end: int, t: float) -> int:
 
 @inlined
 def _breaks(code: int, u: float, v: float) -> bool:
-    """Tell whether a function of one argument may break in [u, v]."""
+    """Return whether a function of one argument may break in [u, v]."""
     if code in (op.ABS, op.SIGN):
         return u <= 0.0 and v >= 0.0 and u < v
     if code == op.FLOOR:
@@ -296,7 +296,7 @@ def _sine(u: float, v: float) -> tuple[float, float]:
 
 @inlined
 def _truth(u: float, v: float) -> tuple[bool, bool]:
-    """Tell whether a number in [u, v] is surely, and possibly, not zero."""
+    """Return whether a number in [u, v] is surely, and possibly, not zero."""
     return u > 0.0 or v < 0.0, u != 0.0 or v != 0.0
 
 

@@ -87,7 +87,7 @@ def _design(
     for one in package.design:
         rate = one.values.get("modes/stiffness")
         if kept is None:
-            why = "its modes are combined anew"
+            why = "its modes are new combinations"
         elif rate is None or not np.delete(rate[kept], kept, axis=1).any():
             continue
         else:

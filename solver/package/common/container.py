@@ -123,7 +123,7 @@ def open_file(path: Path, error: type[Exception]) -> Iterator[h5py.File]:
 
 
 def has_fingerprint(file: Path, expected: str) -> bool:
-    """Tell whether a file has this fingerprint, and all bytes as they were written."""
+    """Return whether a file has this fingerprint, and all bytes as they were written."""
     try:
         with open_file(file, PackageError) as content:
             found = json.loads(get_text(content, "provenance", "{}")).get("fingerprint")

@@ -119,7 +119,7 @@ class DiskFile(io.FileIO):
 
 
 def has_right_seal(path: Path) -> bool:
-    """Tell whether a file is there, and whole to the last byte."""
+    """Return whether a file is there, and whole to the last byte."""
     try:
         with path.open("rb") as file:
             return _ends_with_seal(file) and sealed_bytes(file)
@@ -128,7 +128,7 @@ def has_right_seal(path: Path) -> bool:
 
 
 def has_seal(path: Path) -> bool:
-    """Tell whether a file ends with a seal, right or wrong: `sealed_bytes` compares it."""
+    """Return whether a file ends with a seal, right or wrong: `sealed_bytes` compares it."""
     with path.open("rb") as file:
         return _ends_with_seal(file)
 
@@ -140,7 +140,7 @@ def _ends_with_seal(file: BinaryIO) -> bool:
 
 
 def sealed_bytes(file: BinaryIO) -> bool:
-    """Tell whether all bytes of a file are as they were written; true for one without a seal."""
+    """Return whether all bytes of a file are as they were written; true for one without a seal."""
     size = file.seek(0, os.SEEK_END)
     if size < LENGTH:
         return True
@@ -158,7 +158,7 @@ def sealed_bytes(file: BinaryIO) -> bool:
 
 
 def _is_cut(file: BinaryIO, size: int) -> bool:
-    """Tell whether a file ends within its seal."""
+    """Return whether a file ends within its seal."""
     file.seek(0)
     head = file.read(64)
     # Where the superblock has the end of the HDF5 file: 8 bytes, by its version.
@@ -220,7 +220,7 @@ def note_written(path: Path) -> None:
 
 
 def is_ours(path: Path) -> bool:
-    """Tell whether a file that is there may be replaced or removed."""
+    """Return whether a file that is there may be replaced or removed."""
     if path.is_symlink() or not path.is_file():
         return False
     return (
@@ -239,7 +239,7 @@ def _names(folder: Path) -> set[str]:
 
 
 def _is_sealed(path: Path) -> bool:
-    """Tell whether a file is HDF5 of ours, also one that was cut off."""
+    """Return whether a file is HDF5 of ours, also one that was cut off."""
     with path.open("rb") as file:
         head = file.read(HEAD)
         file.seek(-min(path.stat().st_size, LENGTH), os.SEEK_END)

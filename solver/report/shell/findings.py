@@ -310,7 +310,7 @@ def not_estimated(shell: ShellFile) -> str | None:
 
 
 def energy_not_estimated(shell: ShellFile) -> str | None:
-    """Why the errors of the load cases are not estimated; None if they are, or nobody knows."""
+    """Why the errors of the load cases are not estimated; None if they are, or without a reason."""
     if shell.cases.error is not None or not shell.provenance.get("dofs"):
         return None
     if shell.provenance.get("verification") is None:

@@ -105,7 +105,7 @@ class _Instance:
             self._states.pop(state, None)
         elif what != RESTORE:
             raise ValueError(f"request {what}: expected {START} to {DERIVE}")
-        elif (kept := self._states[state]) is not None:  # else a start, which does all anew
+        elif (kept := self._states[state]) is not None:  # else a start, which does everything again
             stepper.restore(kept)
         return np.zeros(0)
 

@@ -117,7 +117,7 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
 
 
 def _turns_freely(state: State, spin: Spin) -> bool:
-    """Tell whether the mechanism would turn on in the same way from turned positions."""
+    """Return whether the mechanism would turn on in the same way from turned positions."""
     model, y = state.model, state.y.copy()
     for angle in _TURNS:
         if spin.rate != 0.0:
@@ -133,7 +133,7 @@ def _turns_freely(state: State, spin: Spin) -> bool:
 
 
 def _changes(state: State, space: StateSpace, modes: Modes, spin: Spin) -> bool:
-    """Tell whether the equations change while the mechanism turns."""
+    """Return whether the equations change while the mechanism turns."""
     for angle in _TURNS:
         later = after_turn(state.model, state.y, spin, state.t, angle)
         there = linearise(later.model, state.t, later.y, spin.W)

@@ -36,7 +36,7 @@ COST = ("solve_s", "steps", "rejected", "evaluations", "jacobians", "factorisati
 
 @dataclass(frozen=True)
 class Row:
-    """What a sweep keeps of one member; empty tables where it has nothing to tell."""
+    """What a sweep keeps of one member; empty tables where it has no results."""
 
     key: str
     status: str = PENDING  # pending, finished, stopped, failed
@@ -68,7 +68,7 @@ BLOCK = 10_000  # rows whose digests are computed together
 
 @dataclass(frozen=True)
 class SweepResult:
-    """A sweep in memory: k members, p parameters; NaN where a member has nothing to tell."""
+    """A sweep in memory: k members, p parameters; NaN where a member has no result."""
 
     case: str
     name: str

@@ -66,7 +66,7 @@ def slip(values: Mapping[str, Any]) -> str:
 
 
 def by_reaction(values: Mapping[str, Any]) -> bool:
-    """Tell whether friction depends on the reaction.
+    """Return whether friction depends on the reaction.
 
     Raises
     ------

@@ -202,7 +202,7 @@ class Study(Table):
                              gt=0, lt=1)  # fmt: skip
     gradient: Literal["exact", "differences"] | None = optional(
         "exact: derivatives by packages and the tangent of the run; differences: central "
-        "differences of designs that are built anew, with their step and noise in the report; "
+        "differences of designs that are built again, with their step and noise in the report; "
         "absent: exact if every quantity has it"
     )
     difference: float = entry("step of differences, of the range of a parameter", default=1e-3,
