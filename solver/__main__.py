@@ -75,7 +75,7 @@ def _nowhere() -> TextIO:
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
-    0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
+    0 done; 2 wrong input, or errors found by `info`; 3 a run, or members of a sweep,
     ended early and their results up to that time are kept, or the findings of a run call its
     results invalid; 70 a defect of the program; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results
     are kept; 141 the reader of the output has gone.

@@ -307,14 +307,8 @@ def add_export(parser: Any) -> None:
 
 @command("info", "bodies.packages:run_info")
 def add_info(parser: Any) -> None:
-    """Show the content of a modal package."""
-    parser.add_argument("package", type=Path, metavar="PACKAGE", help=PACKAGE)
-
-
-@command("validate", "bodies.packages:run_validate")
-def add_validate(parser: Any) -> None:
-    """Check modal packages against docs/format.md."""
-    parser.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help=PACKAGE)
+    """Check modal packages and section files against docs/format.md, and show packages."""
+    add(parser, "files", "FILE", PACKAGE, nargs="+")
 
 
 _DESCRIBED = {

@@ -53,7 +53,7 @@ def add_completion(parser: Any) -> None:
 COMMANDS = (
     *(cases.add_new, cases.add_check, cases.add_run, cases.add_report, cases.add_modes),
     *(bodies.add_section, bodies.add_shell, bodies.add_solid, add_materials, bodies.add_blade),
-    *(bodies.add_import, bodies.add_export, bodies.add_info, bodies.add_validate),
+    *(bodies.add_import, bodies.add_export, bodies.add_info),
     *(cases.add_optimise, cases.add_plan, cases.add_sensitivities),
     *(cases.add_packages_command, cases.add_sweep),
     *(add_compile, add_schema, add_completion),

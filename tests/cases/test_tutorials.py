@@ -74,7 +74,7 @@ def _follow(words: list[str]) -> None:
         # Cases of the repository are tested in their coarse version, as everywhere.
         case = arguments[1] if arguments[0] == "optimise" else arguments[0]
         coarse = ["--coarse"] if case.startswith("cases/") else []
-        quiet = [] if arguments[0] in ("new", "info", "validate", "export") else ["--quiet"]
+        quiet = [] if arguments[0] in ("new", "info", "export") else ["--quiet"]
         assert main([*arguments, *coarse, *quiet]) == 0, " ".join(words)
 
 

@@ -88,7 +88,7 @@ def test_contradictions_are_refused_or_warnings(files, capsys, name):
     change, words = DOUBTFUL[name]
     _change(package, change)
     capsys.readouterr()
-    assert main(["validate", str(package)]) == 2
+    assert main(["info", str(package)]) == 2
     validated = capsys.readouterr().out
     line = next(line for line in validated.splitlines() if words in line)
     message = line.partition(": error: ")[2]
@@ -110,7 +110,7 @@ def test_unusable_packages_are_refused_always(files, capsys, name):
     package, run, _ = files
     change, words = UNUSABLE[name]
     _change(package, change)
-    assert main(["validate", str(package)]) == 2
+    assert main(["info", str(package)]) == 2
     assert words in capsys.readouterr().out
     for more in ([], ["--allow-doubtful"]):
         assert main(["run", str(run), "--quiet", *more]) == 2

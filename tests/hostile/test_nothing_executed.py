@@ -79,7 +79,7 @@ def test_files_of_numbers_execute_nothing(folder):
     write_section(folder / "s.vtkhdf", rectangle())
     write_shell(folder / "h.vtkhdf", plate())
     commands = [
-        ["validate", str(folder / "p.vtkhdf")],
+        ["info", str(folder / "p.vtkhdf")],
         ["section", str(folder / "s.vtkhdf"), "--no-figures"],
         ["shell", str(folder / "h.vtkhdf"), "--no-figures"],
     ]

@@ -281,8 +281,8 @@ class Descriptor:
 def run(options):
     class Made:
         value = Descriptor()
-packages.run_validate = run
-sys.exit(program.main(["validate", "nothing.vtkhdf"]))
+packages.run_info = run
+sys.exit(program.main(["info", "nothing.vtkhdf"]))
 """
 
 
@@ -302,8 +302,8 @@ class Dropped:
 def run(options):
     Dropped()
     time.sleep(60.0)
-packages.run_validate = run
-sys.exit(program.main(["validate", "nothing.vtkhdf"]))
+packages.run_info = run
+sys.exit(program.main(["info", "nothing.vtkhdf"]))
 """
 
 

@@ -78,7 +78,7 @@ def test_completion_has_commands_and_options(shell: str) -> None:
     script = completion(parser(), shell)
     assert "--allow-python" in script
     assert "--at" in script
-    assert all(name in script for name in ("sweep", "modes", "validate"))
+    assert all(name in script for name in ("sweep", "modes", "info"))
 
 
 def test_bash_completes_commands_and_files(tmp_path: Path) -> None:

@@ -1,13 +1,14 @@
-"""The commands on modal packages: packages, info, validate, import, export."""
+"""The commands on modal packages: packages, info, import, export."""
 
 import argparse
 import math
 import sys
+from contextlib import suppress
 from pathlib import Path
 
-from ...errors import InputError, counted, few
+from ...errors import InputError, PackageError, counted, few
 from ...extras.exchange import export_body, import_body
-from ...package import validate
+from ...package import ModalPackage, validate
 from ...package.body.io import read_package
 from ...report.table import rounded
 from ...studies.cases import build_folder, chosen_run
@@ -35,8 +36,23 @@ def run_packages(options: argparse.Namespace) -> int:
 
 
 def run_info(options: argparse.Namespace) -> int:
-    """Show the content of a package."""
-    package = read_package(options.package)
+    """Check packages and section files, and show packages; return 2 if one has errors."""
+    failed = 0
+    for path in options.files:
+        findings = validate(path)
+        for item in findings:
+            print(f"{path}: {item.level}: {item.dataset}: {item.message}")
+        if any(item.level == "error" for item in findings):
+            failed = 2
+            continue
+        print(f"{path}: valid")
+        with suppress(PackageError):  # a section file, which `section` shows
+            _show(read_package(path))
+    return failed
+
+
+def _show(package: ModalPackage) -> None:
+    """Print the content of a package."""
     print(f"{package.body}: {package.nodes_B.shape[0]} nodes, {package.n_mode} modes")
     print(f"  reference condition {package.reference_condition}")
     print(f"  mass {package.invariants.mass:.6g} kg, inertia {package.invariants.mass_form}")
@@ -50,21 +66,6 @@ def run_info(options: argparse.Namespace) -> int:
     for one in package.design:
         targets = few(str(target.get("of")) for target in one.targets)
         print(f"  derivatives by {one.name} ({one.kind}): {len(one.values)} datasets; {targets}")
-    return 0
-
-
-def run_validate(options: argparse.Namespace) -> int:
-    """Check packages; return 2 if one has errors."""
-    failed = 0
-    for path in options.package:
-        findings = validate(path)
-        for item in findings:
-            print(f"{path}: {item.level}: {item.dataset}: {item.message}")
-        if any(item.level == "error" for item in findings):
-            failed = 2
-        else:
-            print(f"{path}: valid")
-    return failed
 
 
 def run_import(options: argparse.Namespace) -> int:
