@@ -305,7 +305,7 @@ def solid(
         raise InputError(f"size = {size:g}: expected a length above 0")
 
     def spec_of(entry: Entry) -> dict[str, object]:
-        return cast(dict[str, Any], solid_spec(entry.file, material, size))
+        return cast(dict[str, object], solid_spec(entry.file, material, size))
 
     return Solid(_analysed(Path(file), "solid", spec_of, out, force=force))
 

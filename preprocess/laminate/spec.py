@@ -49,7 +49,14 @@ class LaminateSpec(NamedTuple):
     def data(
         self, name: str, stiffness: LaminateStiffness, constants: Mapping[str, Mapping[str, Any]]
     ) -> LaminateData:
-        """The laminate in the form of a package; `constants` of all materials by name."""
+        """The laminate in the form of a package; `constants` of all materials by name.
+
+        Parameters
+        ----------
+        name : name of the laminate
+        stiffness : its stiffness
+        constants : constants and strengths of all materials by name
+        """
         return LaminateData(
             name=name,
             plies=self.plies,
@@ -64,6 +71,12 @@ def laminate_from_dict(
     table: Mapping[str, Any], materials: Mapping[str, Orthotropic], where: str
 ) -> LaminateSpec:
     """Read a laminate; `where` is file and key of the table, for messages.
+
+    Parameters
+    ----------
+    table : the laminate, as above
+    materials : elastic constants by name
+    where : file and key of the table, for messages
 
     Raises
     ------

@@ -68,7 +68,14 @@ def kind_of(share: Array) -> str:
 
 
 def signs(columns: Array, kinds: list[str], far_to_near: IntArray) -> Array:
-    """+1 or -1 for every column, by the rule at the top of this file."""
+    """+1 or -1 for every column, by the rule at the top of this file.
+
+    Parameters
+    ----------
+    columns : modes (n_dof, k), six components of each node
+    kinds : name of each mode
+    far_to_near : nodes from the farthest to the reference node
+    """
     found = np.ones(len(kinds))
     for i, kind in enumerate(kinds):
         motion = columns[COMPONENTS[kind] :: 6, i][far_to_near]

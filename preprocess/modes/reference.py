@@ -42,7 +42,14 @@ WITHOUT_EXCHANGES: dict[str, Any] = {
 
 
 def solve_indefinite(A: Any, B: Array, **options: Any) -> Array:
-    """Solve A X = B, A sparse symmetric and regular, one step of refinement included."""
+    """Solve A X = B, A sparse symmetric and regular, one step of refinement included.
+
+    Parameters
+    ----------
+    A : matrix (n, n)
+    B : right-hand sides (n, k)
+    options : options of SciPy's `splu`
+    """
     scale = sp.diags(1.0 / np.sqrt(np.abs(A.diagonal())))
     factors = spla.splu((scale @ A @ scale).tocsc(), **options)
     X = scale @ factors.solve(scale @ B)

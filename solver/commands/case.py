@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError, counted
 from ..inputs.case.record import case_file
@@ -142,7 +141,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
 
 
 def _build(
-    named: Mapping[Path, Sequence[dict[str, Any]]],
+    named: Mapping[Path, Sequence[dict[str, object]]],
     jobs: int,
     say: Say,
     *,

@@ -3,7 +3,6 @@
 import argparse
 import tomllib
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError
 from ..inputs.case.load import checked_case
@@ -18,7 +17,7 @@ from ..studies.sensitivities.work import (
 )
 
 
-def _objective(text: str) -> dict[str, Any]:
+def _objective(text: str) -> dict[str, object]:
     """Return the table of --objective, written as in a case file."""
     try:
         return tomllib.loads(f"objective = {text}")["objective"]

@@ -191,7 +191,7 @@ def dispatched(on: str, calls: Sequence[Call]) -> Callable[[Function], Function]
 
 
 def lazy_names(
-    modules: dict[str, str], space: dict[str, Any]
+    modules: dict[str, str], space: dict[str, object]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return `__getattr__` and `__dir__` of a package.
 

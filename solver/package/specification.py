@@ -199,7 +199,7 @@ class ShellTable(TypedDict):
     materials: dict[str, Any]
     laminates: dict[str, Any]
     regions: dict[str, Any]
-    elements: dict[str, Any]
+    elements: dict[str, object]
     stiffeners: NotRequired[dict[str, Any]]
 
 

@@ -138,7 +138,7 @@ def _mesh(
     return base.astype(np.float32), targets.astype(np.float32), weights.astype(np.float32)
 
 
-def _material(number: int, name: str) -> dict[str, Any]:
+def _material(number: int, name: str) -> dict[str, object]:
     text = COLOURS[number % len(COLOURS)].lstrip("#")
     shade = [(int(text[i : i + 2], 16) / 255.0) ** 2.2 for i in (0, 2, 4)]  # linear light
     surface = {"baseColorFactor": [*shade, 1.0], "metallicFactor": 0.1, "roughnessFactor": 0.6}

@@ -183,7 +183,7 @@ def _jump(story: Story, body: str, entry: dict[str, Any]) -> str:
     )
 
 
-def worst(story: Story) -> list[dict[str, Any]]:
+def worst(story: Story) -> list[dict[str, object]]:
     """Return body, node, time and text of the weakest ply of each body, the weakest first."""
     found = sorted(
         (

@@ -31,7 +31,7 @@ class Blob:
     """
 
     def __init__(self) -> None:
-        self.index: list[dict[str, Any]] = []
+        self.index: list[dict[str, object]] = []
         self._known: dict[bytes, int] = {}
         self._size = 0  # bytes before compression
         self._squeeze = zlib.compressobj(LEVEL, zlib.DEFLATED, 31)  # gzip without a time

@@ -6,7 +6,6 @@ of the animation.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 
@@ -314,7 +313,7 @@ def _body(
     origin: Array,
     links: list[Link],
     size: float,
-) -> dict[str, Any]:
+) -> dict[str, object]:
     m, first = len(view.shapes_B), view.first_position
     q = np.asarray(result.q[:, first + 7 : first + 7 + m])
     motion = np.array(result.q[rows, first : first + 7])

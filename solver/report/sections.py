@@ -245,7 +245,7 @@ def _provenance(stories: list[Story]) -> str:
     return f"<h3>Provenance</h3>{table('Where the results come from', head, rows)}"
 
 
-def _flat(inputs: Any, prefix: str = "") -> dict[str, Any]:
+def _flat(inputs: Any, prefix: str = "") -> dict[str, object]:
     """Return a nested table by dotted keys; keys without a value are left out."""
     if not isinstance(inputs, dict):
         return {} if inputs is None else {prefix: inputs}

@@ -76,7 +76,7 @@ class BodyView:
         """Surface of the body."""
         return self.draw()
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Return what another process gets: the surface, not how to make it."""
         return vars(self) | {"draw": partial(_made, self.surface)}
 

@@ -4,7 +4,6 @@ import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError
 from ..package.common.files import refuse_foreign, temporary_sibling
@@ -49,7 +48,7 @@ def entries_of(files: Iterable[Path]) -> list[Entry]:
 
 # Have results files made: check descriptions, hand out their specifications, wait.
 
-SpecOf = Callable[[Entry], dict[str, Any]]  # checks a description; raises InputError
+SpecOf = Callable[[Entry], dict[str, object]]  # checks a description; raises InputError
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import argparse
 import re
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def run_solid(options: argparse.Namespace) -> int:
         options,
         ["--force"] if options.force else [],
         spec_of=lambda entry: cast(
-            dict[str, Any], solid_spec(entry.file, options.material, options.size)
+            dict[str, object], solid_spec(entry.file, options.material, options.size)
         ),
         show=each(lambda one: solid_table(one.file), text_of, options),
     )

@@ -46,7 +46,7 @@ class Materials:
     def _number(self, entry: Table, path: str) -> float:
         return float(self.tables.numbers(entry, path, 1)[0])
 
-    def _material(self, entry: Table, path: str) -> dict[str, Any]:
+    def _material(self, entry: Table, path: str) -> dict[str, object]:
         rho = self._number(entry, f"{path}.rho")
         if not entry.get("orth"):
             return self._isotropic(entry, path) | {"rho": rho}
@@ -63,7 +63,7 @@ class Materials:
             found["strength"] = strength
         return found
 
-    def _isotropic(self, entry: Table, path: str) -> dict[str, Any]:
+    def _isotropic(self, entry: Table, path: str) -> dict[str, object]:
         E, nu = (self._number(entry, f"{path}.{key}") for key in ("E", "nu"))
         if LARGEST_NU < nu <= INCOMPRESSIBLE:
             self.doubts.append(

@@ -206,7 +206,7 @@ Leaves = dict[tuple[str | int, ...], Any]  # values of nested tables and lists b
 
 
 def design_of(
-    table: dict[str, Any], file: Path, folder: Path, asked: Parameters
+    table: dict[str, object], file: Path, folder: Path, asked: Parameters
 ) -> dict[str, list[dict[str, object]]]:
     """Return the targets of parameters in the specification: key and change per unit.
 
@@ -272,7 +272,7 @@ def _rates(leaves: Callable[[float], Leaves]) -> tuple[Leaves | None, Leaves]:
     return None, here
 
 
-def _number(table: dict[str, Any], key: str, file: Path) -> float:
+def _number(table: dict[str, object], key: str, file: Path) -> float:
     changed(table, {key: 0.0}, file)  # raises for a key that does not exist
     place: Any = table
     for part in _parts(key):

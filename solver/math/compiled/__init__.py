@@ -234,7 +234,7 @@ def _read(key: str) -> tuple[dict[str, Any], bytes] | None:
     return json.loads(head), code
 
 
-def _write(key: str, description: dict[str, Any], code: bytes) -> bool:
+def _write(key: str, description: dict[str, object], code: bytes) -> bool:
     """Keep object code; return whether that was possible."""
     return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
 
@@ -250,7 +250,7 @@ def note(name: str, *texts: str) -> None:
 
 
 _KEPT_CACHES = 4
-_dispatchers: dict[str, Any] = {}
+_dispatchers: dict[str, object] = {}
 
 
 def dispatcher(part: Part, folder: Path | None) -> Any:

@@ -346,7 +346,7 @@ def whole(context: Any, builder: Any, kind: Any, values: Any) -> Any:
 _RAISED = "plymotion_raised"  # called where code may raise: no part does
 
 
-def compiled_unit(part: Part, text: str, symbol: str) -> tuple[str, bytes, dict[str, Any]]:
+def compiled_unit(part: Part, text: str, symbol: str) -> tuple[str, bytes, dict[str, object]]:
     """Return the result's type, the object code and the needs of a part for arguments of `text`.
 
     Parameters

@@ -170,7 +170,7 @@ class LaminateData:
         ),
     ]
     materials: Annotated[
-        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+        dict[str, dict[str, object]], Data(text="constants and strengths by name, as JSON text")
     ]
 
 
@@ -199,7 +199,7 @@ class FaceStresses:
     A_BM: Annotated[Array, Data("f, 3, 3", "-", "M to B", "rotation, axes of the material to B")]
     stress_M: Annotated[Array, Data("f, 6, m", "Pa", "M", "11 22 33 23 13 12, per unit mode")]
     materials: Annotated[
-        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+        dict[str, dict[str, object]], Data(text="constants and strengths by name, as JSON text")
     ]
     cases: Annotated[tuple[str, ...], Data("g", text="names of load cases", optional=True)] = ()
     case_stress_M: Annotated[

@@ -40,7 +40,7 @@ class Derivative:
 
     name: str
     kind: str
-    targets: tuple[dict[str, Any], ...]
+    targets: tuple[dict[str, object], ...]
     values: dict[str, Array]
 
 

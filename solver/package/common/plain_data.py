@@ -61,7 +61,7 @@ def _inputs(data: Any) -> Any:
     return float(f"{data:.{DIGITS}g}") if isinstance(data, float) else data
 
 
-def toml_text(table: dict[str, Any], path: str = "") -> str:
+def toml_text(table: dict[str, object], path: str = "") -> str:
     """Return plain values, lists and tables as TOML text."""
     lines = [f"{_key(k)} = {toml_value(v)}" for k, v in table.items() if not isinstance(v, dict)]
     for key, value in table.items():

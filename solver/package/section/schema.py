@@ -67,7 +67,7 @@ class SectionRecovery:
     ]
     plies: Annotated[tuple[Ply, ...], Rows("plies", "k")]
     materials: Annotated[
-        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
+        dict[str, dict[str, object]], Data(text="constants and strengths by name, as JSON text")
     ]
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -345,7 +345,7 @@ def _laminate(laminate: ShellLaminate) -> dict[str, object]:
     }
 
 
-def _case(shell: ShellFile, case: CaseFindings) -> dict[str, Any]:
+def _case(shell: ShellFile, case: CaseFindings) -> dict[str, object]:
     row = shell.cases.names.index(case.name)
     probes: dict[str, dict[str, float]] = {}
     values = shell.probes.values[row].tolist()

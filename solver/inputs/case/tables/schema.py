@@ -308,10 +308,10 @@ class CaseFile(Table):
     format: Literal[1] = entry("version of this format")
     units: Unit = entry(MEANING, default="m")
     title: str = entry("one line")
-    variants: dict[Name, dict[str, Any]] = entry(
+    variants: dict[Name, dict[str, object]] = entry(
         "partial cases: tables that are merged into the case", default={}
     )
-    coarse: dict[str, Any] = entry(
+    coarse: dict[str, object] = entry(
         "a variant for quick checks (`make CASE COARSE=1`), sweeps and design included", default={}
     )
     runs: dict[Name, Run] = entry("what is computed", min_length=1)
