@@ -159,9 +159,11 @@ def _angles(mechanism: "Mechanism") -> Iterator[tuple[str, float]]:
 
 
 def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:
+    wholes = {name: getattr(body, "part_of", None) for name, body in run.mechanism.bodies.items()}
     for name, package in run.packages.items():
         spec = package.provenance.get("spec")
-        for doubt in chain(_described(spec), _sized(package, spec)):
+        parts = sum(whole == wholes[name] for whole in wholes.values()) if wholes[name] else 1
+        for doubt in chain(_described(spec), _sized(package, spec, parts)):
             yield name, doubt
     for name, body in run.mechanism.bodies.items():
         if body.kind == "rigid":
@@ -194,8 +196,8 @@ def _described(spec: Any) -> Iterator[Doubt]:
                 yield from _described(value)
 
 
-def _sized(package: ModalPackage, spec: Any) -> Iterator[Doubt]:
-    """Doubts about the size of a beam or shell; of other packages, about the mass alone."""
+def _sized(package: ModalPackage, spec: Any, parts: int) -> Iterator[Doubt]:
+    """Doubts about the size of a shell or of a beam of equal parts; else about the mass alone."""
     mass = package.invariants.mass
     shell = spec.get("shell") if isinstance(spec, dict) else None
     if isinstance(shell, dict):
@@ -204,7 +206,7 @@ def _sized(package: ModalPackage, spec: Any) -> Iterator[Doubt]:
     # given matrices may belong to no shape
     shapes = [section for section in package.sections if section.recovery is not None]
     if shapes:
-        length = float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
+        length = parts * float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
         spans = [np.ptp(section.recovery.points, axis=0) for section in shapes if section.recovery]
         width = max(float(np.linalg.norm(span)) for span in spans)
         yield from section_doubts(width, max(float(section.M[0, 0]) for section in shapes))

@@ -40,11 +40,15 @@ def test_rigid_bodies_have_the_mass_and_inertia_of_their_packages(spec):
 
 
 def test_fewer_modes_are_those_of_the_package(spec):
-    two = [{"kind": "bending-xy", "count": 2}]
-    four = [{"kind": "bending-xy", "count": 4}]
+    one, two = ({"kind": "bending-xy", "count": count} for count in (1, 2))
+    ends = [{"kind": "attachment", "at": "root", "directions": ["rz"]}]
+    ends += [{"kind": "attachment", "at": "tip", "directions": ["x", "rz"]}]
     whole, _ = signals(spec)
-    same, _ = signals(spec.changed({"bodies.arm.reduced": four, "bodies.hand.reduced": four}))
+    all_modes = [two, *ends]
+    same, _ = signals(
+        spec.changed({"bodies.arm.reduced": all_modes, "bodies.hand.reduced": all_modes})
+    )
     np.testing.assert_allclose(same, whole, atol=1e-9)
-    few, summary = signals(spec.changed({"bodies.arm.reduced": two}))
-    assert summary["checks"]["modes_used"] == {"arm": 2, "hand": 4}
+    few, summary = signals(spec.changed({"bodies.arm.reduced": [one, *ends]}))
+    assert summary["checks"]["modes_used"] == {"arm": 4, "hand": 5}
     assert 1e-9 < np.abs(few - whole).max() < 1e-3

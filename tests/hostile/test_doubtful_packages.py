@@ -13,7 +13,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.common.container import content_sha256, get_text, set_text
 
-ARM = "tests/packages/double-pendulum/arm.isotropic.vtkhdf"
+ARM = "tests/packages/double-pendulum-limits/arm.isotropic-paper.vtkhdf"
 CASE = HEAD + '[bodies.arm]\nkind = "package"\npackage = "arm.vtkhdf"\n' + SOLVER
 SWEEP = '[sweeps.s]\nrun = "base"\nvary = { "gravity.1" = [0.0, -1.0] }\n'
 

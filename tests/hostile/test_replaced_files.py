@@ -50,7 +50,7 @@ def case(tmp_path, monkeypatch):
 @pytest.fixture
 def package(repository, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    source = repository / "tests/packages/double-pendulum/arm.isotropic.vtkhdf"
+    source = repository / "tests/packages/double-pendulum-limits/arm.isotropic-paper.vtkhdf"
     return Path(shutil.copy(source, tmp_path / "arm.vtkhdf"))
 
 

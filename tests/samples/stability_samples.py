@@ -18,7 +18,7 @@ from plymotion.solver.mechanism.built import Start
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package import read_package
 
-HAND = Path(__file__).parents[1] / "packages/double-pendulum/hand.isotropic.vtkhdf"
+HAND = Path(__file__).parents[1] / "packages/double-pendulum-limits/hand.isotropic-paper.vtkhdf"
 
 
 def hand(

@@ -46,7 +46,7 @@ def test_two_of_one_name_are_refused():
 
 
 @pytest.mark.parametrize("name", ["scipy-bdf", "ida"])
-def test_an_integrator_of_another_code_is_explained(name):
+def test_an_integrator_of_another_code_is_refused(name):
     keys = {"t_end": 1.0, "output_step": 0.1, "integrator": name}
-    with pytest.raises(ValueError, match=f"{name} is an integrator of another code.*gear, radau"):
+    with pytest.raises(ValueError, match=f"'gear', 'radau'.*input_value='{name}'"):
         Solver.model_validate(keys)

@@ -69,6 +69,9 @@ MISTAKES = [
         "inertia = [5.0, 5.0, 5.0]",
         "inertia.0 = 5.0: expected a list, an entry of: 3x3 inertia about the mass centre",
     ),
+    ("arm", "drive = {", "motor = {", "shoulder.motor: unknown key; did you mean 'drive'?"),
+    ("arm", "gravity =", "g =", "g: unknown key; did you mean 'gravity'?"),
+    ("arm", 'at = "arm.tip"', 'body = "arm"', "payload.body: unknown key; did you mean 'at'?"),
     ("arm", "[bodies.arm]", '[[bodies]]\nname = "arm"', "expected a table"),
     (
         "robot-arm",
@@ -107,6 +110,14 @@ joint = "shoulder"
 proportional = 10
 setpoint = "1.0"
 """
+BRISTLE = """
+[forces.motor]
+kind = "bristle_friction"
+joint = "shoulder"
+coulomb = 1
+bristle_damping = 1
+stiffness = 1e5
+"""
 # In new tables: the table, what is wrong in it, and the message.
 NEW = [
     (STUDY, "minimise", "objective", "did you mean 'minimise'?"),
@@ -140,6 +151,12 @@ NEW = [
     (STUDY, '"rms"', '"rms", from = 60', "studies.s.minimise.from = 60: expected at most solver.t"),
     (PID, "proportional", "kp", "did you mean 'proportional'?"),
     (PID, "setpoint", "target", "did you mean 'setpoint'?"),
+    (
+        BRISTLE,
+        "bristle_damping",
+        "damping",
+        "motor.damping: unknown key; did you mean 'bristle_damping'?",
+    ),
 ]
 MISTAKES += [
     ("arm", "[runs.base]", f"{table.replace(old, new, 1)}[runs.base]", message)

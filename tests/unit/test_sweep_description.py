@@ -157,17 +157,18 @@ def test_a_body_is_specified_once_and_shared_with_runs(angles, tmp_path):
     assert len(table["members"]) == 50
     assert len(table["packages"]) == 11  # ten hands and an arm
     files = [entry["file"] for entry in table["packages"]]
-    # 0 deg is that of the run layup-1
+    # 0 deg is that of the run layup-1, 30 deg of the hand that of layup-2
     assert {f for f in files if f.startswith("bodies/")} == {
         "bodies/arm.layup-1.vtkhdf",
         "bodies/hand.layup-1.vtkhdf",
+        "bodies/hand.layup-2.vtkhdf",
     }
-    assert len(list((out / "sweeps/bodies").glob("hand.*.json"))) == 9
+    assert len(list((out / "sweeps/bodies").glob("hand.*.json"))) == 8
     needed = needed_specs({file: named_packages(file) for file in [out / "sweeps/a.json"]})
     assert all(spec.is_file() for specs in needed.values() for spec in specs)
     assert {folder: len(specs) for folder, specs in needed.items()} == {
-        out / "bodies": 2,
-        out / "sweeps/bodies": 9,
+        out / "bodies": 3,
+        out / "sweeps/bodies": 8,
     }
     # a run waits for no body of a sweep
     runs = [out / "runs" / f"{run}.json" for run in load_case(angles).runs]

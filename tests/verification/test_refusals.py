@@ -13,8 +13,8 @@ from plymotion.solver.run.preparation import prepare
 
 @pytest.fixture(scope="module")
 def runs(repository, tmp_path_factory):
-    """Run files of three cases, by name of the case."""
-    names = ("double-pendulum", "exchange", "n-four-bar")
+    """Run files of cases, by name of the case."""
+    names = ("double-pendulum", "double-pendulum-limits", "exchange", "n-four-bar")
     return {n: case_runs(repository, n, tmp_path_factory.mktemp(n)) for n in names}
 
 
@@ -74,7 +74,7 @@ def test_a_heavy_point_mass_is_no_reason(runs, ratio):
         "solver.on_invalid": "warn",
         "masses.M2.mass": 0.73 * ratio,
     }
-    spec = read_run(runs["double-pendulum"] / "isotropic.json")
+    spec = read_run(runs["double-pendulum-limits"] / "layup-2-linear.json")
     _, summary = execute(spec.changed(changes), progress=False)
     assert summary["cost"]["rejected"] < 0.1 * summary["cost"]["steps"]
     assert summary["cost"]["steps"] < 300

@@ -204,7 +204,8 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
         path, kind = follow(model, table)
         key = printable(".".join(map(str, path)))
         *others, own = _kinds_with(names, model, table)
-        if len(names) > 1 and others:  # the kind is wrong, not the keys
+        alike = [name for name in names if any(name in known for known in _keys(kind))]
+        if len(names) > 1 and others and not alike:  # the kind is wrong, not the keys
             found = {head: v for head, v in found.items() if not head.startswith(f"{key}.")}
             text = f"{', '.join(map(printable, names))} are keys of {few(others, ' or ')}"
             found[f'{key}.kind = "{own}"'] = [text]
@@ -240,9 +241,9 @@ density rho: rho air_density
 length width n_length n_width: parameters
 normal reference_axis: axis
 fix: fixed
-edge curve: at
+edge curve body node: at
 e young: E E1
-g: G12
+g: G12 gravity
 nu nu21 poisson: nu nu12
 circle: ellipse
 pipe: tube
@@ -261,7 +262,10 @@ damper: spring
 torsional_spring: rotary_spring
 pid: controller
 plane ground floor: contact
-force: expression
+force sine sin function: expression
+motor actuator: drive
+steps points: count x2
+rk45: rk5
 friction mu: coefficient
 contact normal_force: force
 loads: forces

@@ -480,5 +480,6 @@ class _Interpolant:
         h = self.times[0] - self.times[1]
         points = [(t_i - self.times[0]) / h for t_i in self.times]
         x = (np.asarray(t, dtype=float) - self.times[0]) / h
-        weights = np.array([interpolation(float(x_i), points) for x_i in x.ravel()])
-        return (weights @ self.values).reshape(x.shape + self.values.shape[1:])
+        # One time after the other: rounding does not depend on which times are asked for together.
+        rows = [np.dot(interpolation(float(x_i), points), self.values) for x_i in x.ravel()]
+        return np.reshape(rows, x.shape + self.values.shape[1:])

@@ -5,7 +5,7 @@ The names of integrators and the keys that only one of them has come from their 
 
 from typing import TYPE_CHECKING, Literal
 
-from pydantic import create_model, field_validator
+from pydantic import create_model
 
 from ....dynamics.elements.constraints.treatment import Treatment
 from ....integrators.table import INTEGRATORS
@@ -15,9 +15,6 @@ from .laws import field_of
 # Light crosses an atomic nucleus in 1e-23 s; squares of shorter times soon leave the floating point
 # range, 1e-308.
 SHORTEST = 1e-100  # [s]
-
-# Integrators of other codes, which cases could name until 0.1.0; benchmarks/ has them.
-FORMER = ("scipy-bdf", "scipy-radau", "scipy-lsoda", "scipy-dop853", "ida")
 
 if TYPE_CHECKING:
     IntegratorName = str
@@ -96,16 +93,6 @@ class _Integration(Table):
         "s",
         gt=0,
     )
-
-    @field_validator("integrator", mode="before")
-    @classmethod
-    def _no_former_integrator(cls, name: object) -> object:
-        if isinstance(name, str) and name in FORMER:
-            raise ValueError(
-                f"{name} is an integrator of another code, with which benchmarks compare; "
-                f"expected one of {', '.join(INTEGRATORS)} (docs/integrators.md)"
-            )
-        return name
 
 
 if TYPE_CHECKING:
