@@ -34,7 +34,7 @@ LONE = 0.1
 # The error is the difference where the second run does not have it, as that of stiffening; what
 # no vibration of the run contains adds to it. Of rigid bodies with five times the tolerance it is
 # about a quarter.
-SAFETY, SAFETY_RIGID = 2.5, 0.75
+SAFETY, SAFETY_RIGID = 2.0, 0.75
 
 # Integrates a run and returns its result and summary.
 Execute = Callable[[RunSpec], tuple[RunResult, Summary]]
