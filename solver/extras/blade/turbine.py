@@ -26,7 +26,7 @@ from .windio import Blade, turbine_table
 ROTOR_CASE, TOWER = "rotor.toml", "tower.csv"
 MODES_ALONE = 10  # vibrations of a blade in a case of its own
 TIP_SPEED = 80.0  # [m/s] of its run
-MODES = 4  # lowest vibrations of a free blade, beside the static shapes
+MODES = 4  # lowest vibrations of a clamped blade, beside the static shapes
 TEMPLATES = Path(__file__).with_name("turbine_case.txt")
 BLADED, BLADED_TEXT = "bladed.py", Path(__file__).with_name("bladed.txt")
 SAMPLE = 0.05  # [s] between calls of a controller with the interface of Bladed
@@ -176,7 +176,7 @@ def write_turbine(
         hub=_list(centre), tilt=machine.tilt, **{**own, "hub_inertia": _rows(own["hub_inertia"])},
     )  # fmt: skip
     blades, roots = [], ""
-    # Vibrations of a free blade hardly twist it: without these shapes the tips lack 0.04 rad.
+    # The lowest vibrations hardly twist a blade: without these shapes the tips lack 0.04 rad.
     twisted = [strips[len(strips) // 2 - 1].name, strips[3 * len(strips) // 4 - 1].name]
     loaded = [("tip", ["z", "rx"]), *((name, ["rx"]) for name in twisted)]
     shapes = [{"kind": "attachment", "at": at, "directions": list(d)} for at, d in loaded]
