@@ -29,6 +29,7 @@ def compile_ahead(say: Callable[[str], None]) -> None:
     begin = time.perf_counter()
     tasks: list[tuple[Any, ...]] = [(shell, *words) for words in lists_of_shells()]
     tasks += [(section, cell) for cell in NODES] + [(solid, cell) for cell in SOLIDS]
+    tasks += [(surface, cell) for cell in NODES]
     with processes(cores(), fresh=True) as pool:
         for done in [pool.submit(*task) for task in tasks]:
             done.result()
@@ -78,6 +79,14 @@ def shell(k: int, kind: str, name: str) -> None:
     from .shell.elements.pairs import kernel_of
 
     kernel_of(k, (kind, name))
+
+
+def surface(cell: str) -> None:
+    """Compile the unknowns at the corners of the cells of shells."""
+    from .fenicsx.assembly import Surface
+
+    corners = NODES[cell][(NODES[cell] != 1).all(axis=1)] / 2.0  # others are middles
+    Surface(np.pad(corners, ((0, 0), (0, 1))), np.arange(len(corners))[None])
 
 
 def solid(cell: str) -> None:
