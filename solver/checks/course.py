@@ -10,6 +10,7 @@ from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.model.model import state_size
 from ..errors import few
 from ..integrators.generic.advice import Stall
+from ..integrators.table import INTEGRATORS, treatment_of
 from ..math.arrays import Array
 from ..math.catalogue import Code, Expression, Expressions
 from ..mechanism.built import BuiltMechanism
@@ -163,6 +164,7 @@ def named_motion(built: BuiltMechanism, component: int) -> tuple[str, str]:
     return name, f"mode {k - frame + 1} of {name}{kind}"
 
 
+INSTEAD = 'constraints = "ggl" with rtol >= 1e-8, or radau or rk8'
 WORTH_A_WORD = 100  # attempts: a shorter run costs nothing
 # Longest step that helps, in average steps. With 1.0 the average itself becomes shorter: four-bars
 # cost 1.07 to 1.18 times as much then, with 1.1 to 1.5 0.98 to 1.09 (test_refusals.py).
@@ -170,14 +172,15 @@ LONGEST = 1.25
 
 
 def accuracy_findings(run: FinishedRun) -> Iterator[Finding]:
-    """Yield a finding for steps of order 2, whose sum of errors goes with rtol to the 2/3."""
+    """Yield a finding where steps of order 2 keep a share of rtol, or are down to rounding."""
     solver = run.mechanism.solver
-    if run.order == 2 and solver.rtol < ORDER_TWO.limit:
+    treatment = treatment_of(solver).name
+    if solver.rtol < INTEGRATORS[solver.integrator].smallest_rtol(treatment):
         text = (
-            f"{solver.integrator} has order 2: the error of a run falls as rtol**(2/3) "
-            f"and may be 10 to 1000 times rtol = {solver.rtol:g}. radau and rk8 cost less"
+            f'{solver.integrator} with constraints = "{treatment}" does not keep rtol = '
+            f"{solver.rtol:g}: the error of a run may be 10 to 1000 times as large. Take "
         )
-        yield ORDER_TWO.finding(text, value=solver.rtol)
+        yield ORDER_TWO.finding(text + INSTEAD, value=solver.rtol)
 
 
 def refusal_findings(run: FinishedRun) -> Iterator[Finding]:

@@ -75,7 +75,9 @@ def tolerances(model: Model, y0: Array, solver: ToleranceKeys) -> Array:
         ends = a + 7 + shapes.size, j + 6 + shapes.size
         atol[a + 7 : ends[0]], atol[j + 6 : ends[1]] = size.length / shapes, size.speed / shapes
     atol[-1] *= WORK_SHARE
-    atol *= INTEGRATORS[solver.integrator].local_share * solver.rtol
+    atol *= INTEGRATORS[solver.integrator].local_tolerance(
+        solver.rtol, treatment_of(solver).name
+    )
     if solver.atol_position is not None:
         atol[: model.n_pos] = solver.atol_position
     if solver.atol_velocity is not None:
@@ -147,7 +149,7 @@ def make_integrator(
             f"impacts, or of controllers with a sample_time; expected {' or '.join(able)}"
         )
     options: dict[str, object] = {
-        "rtol": kind.local_share * solver.rtol,
+        "rtol": kind.local_tolerance(solver.rtol, treatment.name),
         "atol": tolerances(model, y0, solver) if atol is None else atol,
         "block_starts": blocks(model),
     }

@@ -258,7 +258,7 @@ class _Order5(Explicit):
     """
 
     name = "rk5"
-    local_share = 0.1
+    local_share = 0.03
     meaning = "explicit Runge-Kutta of order 5"
     place = 4
     order = 5

@@ -97,6 +97,20 @@ class GeneralizedAlpha(StepLoop):
         self.hints += of_choice(formulation, spectral_radius)
 
     @classmethod
+    def local_tolerance(cls, rtol: float, treatment: str) -> float:
+        """Return the tolerance of a step: of rtol**(3/2), as there are rtol**(-1/2) steps.
+
+        With a constant share of `rtol` the error of a run is of rtol**(2/3): so with index3, whose
+        multipliers at constraints that are redundant allow no such steps.
+        """
+        return cls.local_share * min(rtol, max(rtol, cls.smallest_rtol(treatment)) ** 1.5)
+
+    @classmethod
+    def smallest_rtol(cls, treatment: str) -> float:
+        """Return that of rounding in Newton's corrections, or 1 with index3."""
+        return 1.0 if treatment == "index3" else 1e-8
+
+    @classmethod
     def for_treatment(cls, name: str) -> dict[str, object]:
         """Formulation."""
         return {"formulation": name}

@@ -103,3 +103,14 @@ def test_bad_input(tmp_path, old, new, words):
     with pytest.raises(InputError) as caught:
         written(tmp_path / "case", force=FORCE.replace(old, new))
     assert words in str(caught.value)
+
+
+def test_files_that_no_record_shows_are_refused(tmp_path):
+    """A second run said "up to date" after an edit of the imported file."""
+    folder = tmp_path / "case"
+    folder.mkdir()
+    (folder / "gains.py").write_text("P = 40.0\n")
+    for words in ("import gains", "from gains import P"):
+        with pytest.raises(InputError, match="imports gains of a file beside it"):
+            written(folder, CODE.replace("import numpy as np", f"import numpy as np\n{words}"))
+    written(folder, CODE.replace("import numpy as np", "import math, numpy as np"))

@@ -85,6 +85,8 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     """A note for each; a joint that mimics another one has its friction, damping and stop."""
     text = ARM.replace('lower="-1.5" upper="2.0"', 'lower="-1.5" upper="-0.5"')
     text = text.replace('<joint name="shoulder"/>', '<joint name="shouldr"/>')
+    geared = '<transmission name="t"><joint name="a&#10;b"/><mechanicalReduction>2'
+    text = text.replace("</robot>", f"{geared}</mechanicalReduction></transmission></robot>")
     geared = "<transmission><joint name='slide'/><mechanicalReduction>"
     text = text.replace("</robot>", f"{geared}k</mechanicalReduction></transmission></robot>")
     text = text.replace("</robot>", f"{geared}0</mechanicalReduction></transmission></robot>")
@@ -97,6 +99,7 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "note: shoulder: stands at 0, outside its limits -1.5 to -0.5: its stop pushes" in told
     assert "note: slide: no stops: its <limit> is 0 to 0" in told
     assert "transmission of shouldr: left out: no such joint; did you mean 'shoulder'?" in told
+    assert "note: transmission of a\\nb: left out: no such joint" in told  # was a line of the case
     for value in "k0":
         wrong = f'slide: left out: <mechanicalReduction> "{value}"; expected a number other than 0'
         assert f"note: line 69: transmission of {wrong}" in told

@@ -6,7 +6,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-from ...errors import InputError, PackageError, counted, few
+from ...errors import InputError, PackageError, counted, few, printable
 from ...extras.exchange import export_body, import_body
 from ...package import ModalPackage, validate
 from ...package.body.io import read_package
@@ -92,7 +92,7 @@ def import_urdf(options: argparse.Namespace) -> int:
         allow=options.allow,
     )
     for note in made.notes:
-        print(f"note: {note}", file=sys.stderr)
+        print(f"note: {printable(note)}", file=sys.stderr)
     counts = [
         counted(len(made.tables[group]), one, group)
         for group, one in (("bodies", "body"), ("joints", "joint"), ("couplings", "coupling"))

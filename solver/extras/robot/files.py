@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from ...errors import InputError, refuse
+from ...errors import InputError, printable, refuse
 from ...package.common.files import temporary_sibling, write_text
 from ...package.common.plain_data import toml_value
 from .case import Moved, RobotCase, robot_case
@@ -68,9 +68,8 @@ def import_robot(
         path.parent.mkdir(parents=True, exist_ok=True)
         with temporary_sibling(path, own=False) as temporary:
             temporary.write_bytes(content)
-    title = str(made.tables["title"])
-    head = HEAD.format(title=title.replace("\n", " "), file=file.name)
-    notes = "".join(f"# {note}\n" for note in made.notes)
+    head = HEAD.format(title=printable(str(made.tables["title"])), file=printable(file.name))
+    notes = "".join(f"# {printable(note)}\n" for note in made.notes)
     write_text(target, head + notes + toml_text(made.tables), own=False)
     return made
 

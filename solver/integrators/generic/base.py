@@ -90,6 +90,17 @@ class Integrator(ABC):
     strides = False  # has `stride(times, rows, filled)`: many steps in one call
     # Of the accuracy that is asked of a run, what the error of a step may be (docs/accuracy.md).
     local_share: ClassVar[float] = 1.0
+
+    @classmethod
+    def local_tolerance(cls, rtol: float, treatment: str) -> float:
+        """Return the tolerance of a step of a run with `rtol` and a treatment of constraints."""
+        return cls.local_share * rtol
+
+    @classmethod
+    def smallest_rtol(cls, treatment: str) -> float:
+        """Return the rtol below which the error of a run falls more slowly than it."""
+        return 0.0
+
     takes: ClassVar[str] = "derivative"  # or "model": its first argument
 
     # Whether it integrates auxiliary states of controllers, friction, angles over many turns.

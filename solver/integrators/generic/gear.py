@@ -259,7 +259,7 @@ class Gear(Integrator):
     """
 
     name = "gear"
-    local_share = 0.03
+    local_share = 0.001
     meaning = "variable-order BDF (the paper)"
     place = 1
     keys = (

@@ -6,6 +6,7 @@ and are long are kept as text (math/rows.py), in memory too.
 `field_of` makes fields of the keys that kinds of joints, forces and integrators declare.
 """
 
+import ast
 from array import array
 from collections.abc import Callable
 from pathlib import Path
@@ -84,6 +85,19 @@ def read_columns(file: Path) -> tuple["list[float] | Packed", "list[float] | Pac
     return packed(np.frombuffer(columns[0])), packed(np.frombuffer(columns[1]))
 
 
+def _own_modules(source: str, folder: Path) -> list[str]:
+    """Return the modules that a text imports from files of its or of the current folder."""
+    try:
+        nodes = list(ast.walk(ast.parse(source)))
+    except (SyntaxError, ValueError, RecursionError):  # said when it is run
+        return []
+    names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    names |= {node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module}
+    places = [at / name.split(".")[0] for name in names for at in (folder, Path.cwd())]
+    found = {x.name for x in places if x.with_suffix(".py").is_file() or [*x.glob("__init__.py")]}
+    return sorted(found)
+
+
 class PythonCode(Table):
     """`code` of a controller written in Python.
 
@@ -108,7 +122,13 @@ class PythonCode(Table):
         if not isinstance(data.get("file"), str):
             return data
         file = Path(context.get(FOLDER, ".")) / data["file"]
-        return {**data, "source": read_text(file)}
+        source = read_text(file)
+        if own := _own_modules(source, file.parent):
+            raise ValueError(
+                f"{file} imports {', '.join(own)} of a file beside it, whose changes would go "
+                "unnoticed; expected imports of installed modules only, and its functions here"
+            )
+        return {**data, "source": source}
 
 
 class TimeTable(Table):
