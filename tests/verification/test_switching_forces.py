@@ -99,11 +99,11 @@ def test_smoothed_friction_as_wide_as_a_step(tmp_path, integrator, rtol):
     assert not summary["warnings"]
 
 
-@pytest.mark.parametrize("integrator", ["rk5", "radau"])
-def test_friction_at_rest_costs_no_stops(tmp_path, integrator):
+@pytest.mark.parametrize(("integrator", "rtol"), [("rk5", 3e-5), ("radau", RTOL)])
+def test_friction_at_rest_costs_no_stops(tmp_path, integrator, rtol):
     """Explicit steps throw the mass over the rise of the friction that holds it, and back."""
     law = force("f", "friction", joint="rail", coulomb=2.0, rest_velocity=1e-9)
-    solver = f'integrator = "{integrator}"\n'
+    solver = f'integrator = "{integrator}"\nrtol = {rtol}\n'
     _, found, summary = run(tmp_path, carriage(law, speed=1.0), 0.6, 0.1, solver)
     assert found["x"][-1] == pytest.approx(0.25, abs=10 * RTOL)
     assert found["v"][-1] == pytest.approx(0.0, abs=10 * RTOL)
@@ -212,10 +212,9 @@ def test_walls_that_push_only(tmp_path, u, w, ratio, integrator):
     n = 4
     t_end = 0.3 + sum(contact + 0.6 / e**j for j in range(1, n)) + contact + 0.2 / e**n
     _, v, summary = solved(tmp_path, law, u, t_end, integrator)
-    share = {"generalized-alpha": 150, "gear": 20}.get(integrator, 10)  # of low order
-    assert abs(v) == pytest.approx(e**n * u, rel=share * RTOL)
+    assert abs(v) == pytest.approx(e**n * u, rel=10 * RTOL)
     assert not summary["warnings"]
-    assert summary["cost"]["steps"] < (700 if share > 10 else 300)
+    assert summary["cost"]["steps"] < {"generalized-alpha": 3000, "gear": 900}.get(integrator, 300)
 
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, "generalized-alpha"])
@@ -232,10 +231,9 @@ def test_a_stop_and_a_sphere_of_constant_damping(tmp_path, n, k, e, integrator):
     floor += '[signals.v]\nkind = "velocity"\nat = "ball.c"\ncomponent = "z"\n'
     solver = f'integrator = "{integrator}"\n'
     solver += 'constraints = "ggl"' if integrator == "generalized-alpha" else ""
-    share = 15 if integrator == "generalized-alpha" else 3
     for text in (carriage(stop, speed=u), floor):
         _, found, summary = run(tmp_path, text, 2.0, 0.5, solver)
-        assert abs(found["v"][-1]) == pytest.approx(e * u, rel=share * RTOL)
+        assert abs(found["v"][-1]) == pytest.approx(e * u, rel=3 * RTOL)
         assert not summary["warnings"]
 
 
