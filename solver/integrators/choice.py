@@ -25,12 +25,8 @@ from .table import EXAMPLES, INTEGRATORS, ChoiceKeys, treatment_of
 WORK_SHARE = 10.0
 
 
-class ToleranceKeys(Protocol):
-    """The keys of `[solver]` that set the tolerances of a step."""
-
-    @property
-    def integrator(self) -> str:
-        """A name of `INTEGRATORS`."""
+class SolverKeys(ChoiceKeys, Protocol):
+    """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
 
     @property
     def t_end(self) -> float:
@@ -48,8 +44,12 @@ class ToleranceKeys(Protocol):
     def atol_velocity(self) -> float | None:
         """Absolute tolerance of velocities and modal rates; None: rtol times their scales."""
 
+    @property
+    def max_step(self) -> float | None:
+        """Largest step [s]."""
 
-def tolerances(model: Model, y0: Array, solver: ToleranceKeys) -> Array:
+
+def tolerances(model: Model, y0: Array, solver: SolverKeys) -> Array:
     """Return absolute tolerances (n,) of positions, velocities and the work of a run from y0 (n,).
 
     With L, V and E of dynamics/analysis/recovery.py, and d_j the displacement by mode j: rtol L of
@@ -91,14 +91,6 @@ def blocks(model: Model) -> list[int]:
     j = model.n_pos + np.asarray(model.vel_start)
     more = range(model.n_pos + model.n_vel, state_size(model))
     return [*map(int, model.pos_start), *map(int, j), *more]
-
-
-class SolverKeys(ToleranceKeys, ChoiceKeys, Protocol):
-    """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
-
-    @property
-    def max_step(self) -> float | None:
-        """Largest step [s]."""
 
 
 def make_integrator(
