@@ -16,7 +16,7 @@ from ..table import number
 RESULT, PAGE = "design.json", "design.html"
 ACTIVE = 1e-3  # distance from a limit, relative, below which it is active
 STACK, PLY, MOST = 150, 22, 40  # width, height of a ply [px]; plies that are drawn
-ROOM = 90  # beside a ply, for its angle
+ROOM = 150  # beside a ply, for its angle and thickness
 WIDE, HIGH = 480, 160  # of the history [px]
 
 
@@ -50,10 +50,10 @@ def study_section(found: dict[str, Any]) -> str:
         unit = f" [{measure['unit']}]" if measure["unit"] else ""
         words = f"{found['sense']} {measure['words']}" if k == 0 else measure["words"]
         before = found["start"]["shown"]
-        limits = [("&gt;=", measure["least"]), ("&lt;=", measure["most"])]
+        limits = [("&gt;=", measure["least"], 1.0), ("&lt;=", measure["most"], -1.0)]
         texts = [
-            f"{sign} {value:g}" + " (active)" * _active(shown[k], value)
-            for sign, value in limits
+            f"{words_of} {value:g}{_state(sign * (shown[k] - value), value)}"
+            for words_of, value, sign in limits
             if value is not None
         ]
         rows.append(
@@ -89,8 +89,10 @@ def study_section(found: dict[str, Any]) -> str:
     )
 
 
-def _active(value: float, limit: float) -> bool:
-    return abs(value - limit) <= ACTIVE * (abs(limit) or 1.0)
+def _state(inside: float, limit: float) -> str:
+    """Return what is said of a limit, from which a value is inside by so much."""
+    near = ACTIVE * (abs(limit) or 1.0)
+    return " (not met)" if inside < -near else " (active)" if inside <= near else ""
 
 
 def _text(x: float, y: float, words: str, anchor: str = "start", colour: str = INK) -> str:
@@ -114,19 +116,21 @@ def _stacks(layups: Sequence[dict[str, Any]]) -> str:
     for layup in layups:
         plies = len(layup["after"]["angles_deg"][:MOST])
         parts = [_text(10, 16, layup["name"])]
+        thicker = layup["before"]["thicknesses"] != layup["after"]["thicknesses"]
         for column, which in enumerate(("before", "after")):
             x = 10 + column * (STACK + ROOM)
             parts.append(_text(x, 34, which, colour=GREY))
             for k, angle in enumerate(layup[which]["angles_deg"][:MOST]):
-                parts.append(_ply(x, 40 + k * PLY, float(angle)))
+                thickness = f", {1e3 * layup[which]['thicknesses'][k]:.3g} mm" if thicker else ""
+                parts.append(_ply(x, 40 + k * PLY, float(angle), thickness))
         found.append(
             _picture(2 * (STACK + ROOM) + 10, 50 + plies * PLY, f"Lay-up of {layup['name']}", parts)
         )
     return f"<h3>Lay-ups</h3>{''.join(found)}" if found else ""
 
 
-def _ply(x: float, y: float, angle: float) -> str:
-    """Return a bar with lines along the fibres, seen from above, and the angle beside it."""
+def _ply(x: float, y: float, angle: float, thickness: str) -> str:
+    """Return a bar with lines along the fibres, seen from above, angle and thickness beside it."""
     c, s, middle, lines = cos(radians(angle)), sin(radians(angle)), y + 0.5 * (PLY - 3), []
     half = 0.5 * (PLY - 3)
     for k in range(1, 10):
@@ -139,7 +143,7 @@ def _ply(x: float, y: float, angle: float) -> str:
     hue = (2.0 * angle) % 360.0
     return (
         f"<rect x='{x}' y='{y}' width='{STACK}' height='{PLY - 3}' fill='hsl({hue:.0f},60%,82%)'/>"
-        f"{''.join(lines)}{_text(x + STACK + 6, y + 14, f'{angle:.4g} deg')}"
+        f"{''.join(lines)}{_text(x + STACK + 6, y + 14, f'{angle:.4g} deg{thickness}')}"
     )
 
 
