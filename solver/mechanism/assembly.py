@@ -303,7 +303,8 @@ def assemble_model(
     measured = measured or Measured()
     forces = [*forces, *(rotor.forces if rotor else ())]
     own, own_mass = pieces(bodies)
-    moving = [*point_masses, *enumerate(own_mass, len(markers))]
+    first_piece = len(markers)
+    moving = [*point_masses, *enumerate(own_mass, first_piece)]
     markers = [*markers, *own]
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
     for marker in markers:
@@ -424,6 +425,7 @@ def assemble_model(
         carried_start=starts(np.array([len(c) for c in carried], dtype=np.int64)),
         carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
         carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
+        carried_whole=np.array([k < first_piece for c in carried for k, _ in c], dtype=np.int8),
         n_aux=int(quantities.rate.size),
         quantities=quantities,
         rotor=in_wind,

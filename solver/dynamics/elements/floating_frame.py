@@ -181,10 +181,12 @@ def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
 
 @inlined
 def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Add the terms of point masses to the moments of body i that `add_moments` neglects.
+    """Add terms of point masses and pieces that `add_moments` neglects to the moments of body i.
 
     The position of a point is x + u + e, u = phi q, e = 1/2 q' H q. The previous sums contain its
-    mass without u e', e u' and e e'.
+    mass without u e', e u' and e e'. Pieces of a body add the antisymmetric parts alone, the moment
+    of momentum of the modes: in the symmetric ones, of the inertia, displacements of third order
+    count as much, which are neglected (docs/adr/0080).
 
     Parameters
     ----------
@@ -198,6 +200,8 @@ def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
     D, R, B, P = work.D, work.R, work.B, work.P
     for p in range(model.carried_start[i], model.carried_start[i + 1]):
         k, mass = model.carried_marker[p], model.carried_mass[p]
+        complete = mass if model.carried_whole[p] else 0.0
+        one, other = 0.5 * (mass + complete), 0.5 * (mass - complete)
         J_m, s = work.J_m[k], model.marker_start[k]
         e, e_d, e_dd = bend_marker(
             model.marker_H, model.marker_second[k], model.marker_H_used[k], 0, q, q_d, J_m
@@ -211,15 +215,21 @@ def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
         for a in range(3):
             work.twist[a] += mass * turn[a]
             for b in range(3):
-                B[a, b] += mass * (u[a] * e[b] + e[a] * (u[b] + e[b]))
-                P[a, b] += mass * (u[a] * e_d[b] + e[a] * (u_d[b] + e_d[b]))
+                B[a, b] += complete * (u[a] * e[b] + e[a] * (u[b] + e[b]))
+                moved = u[a] * e_d[b] + e[a] * (u_d[b] + e_d[b])
+                P[a, b] += one * moved
+                P[b, a] -= other * moved
         for n in range(m):
             slope = column(J_m, 6 + n)
             whole = sum3(_shape(model, s, m, n), slope)
             for a in range(3):
                 for b in range(3):
-                    D[3 * a + b, n] += mass * (u[a] * slope[b] + e[a] * whole[b])
-                    R[3 * a + b, n] += mass * (u_d[a] * slope[b] + e_d[a] * whole[b])
+                    d = u[a] * slope[b] + e[a] * whole[b]
+                    r = u_d[a] * slope[b] + e_d[a] * whole[b]
+                    D[3 * a + b, n] += one * d
+                    D[3 * b + a, n] -= other * d
+                    R[3 * a + b, n] += one * r
+                    R[3 * b + a, n] -= other * r
 
 
 @inlined

@@ -193,9 +193,11 @@ class Model(NamedTuple):
     marker_second: IntArray  # (nk,) start of its tables in marker_H; -1: a linear marker
     marker_H: Array  # flat (6 m, m) per marker: translation (3, m), rotation (3, m)
     marker_H_used: NDArray[np.int8]  # (nk, 6) which tables (m, m) of them are not zero
-    carried_start: IntArray  # (nb + 1,) point masses with second-order motion, body by body
+    # (nb + 1,) point masses and pieces of bodies with second-order motion, body by body
+    carried_start: IntArray
     carried_marker: IntArray
     carried_mass: Array  # [kg]
+    carried_whole: NDArray[np.int8]  # 1 of a point mass, 0 of a piece
     n_aux: int  # auxiliary states
     quantities: Quantities  # what expressions read, and the expressions
     rotor: Rotor
