@@ -23,7 +23,7 @@ from samples.mechanism_samples import Sample, pendulum
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, constraint_rates
 from plymotion.solver.integrators.generic.base import Integrator
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import FOR_EQUATIONS, new_integrator
 from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.built import Start
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable
@@ -123,7 +123,8 @@ def _bdf_rows() -> Iterator[Row]:
     for order in BDF_ORDERS:
         for w_h in np.geomspace(0.1, 20.0, 24):
             past = -w_h * np.arange(order - 1, 0, -1.0)
-            made = FOR_EQUATIONS["gear"](
+            made = new_integrator(
+                "gear",
                 _oscillator,
                 0.0,
                 np.array([1.0, 0.0]),
@@ -162,13 +163,15 @@ def _one_step_rows() -> Iterator[Row]:
     start = np.array([1.0, 0.0])
     for name, (kind, _) in EXPLICIT.items():
         for w_h in points[points < 30]:
-            made = FOR_EQUATIONS[name](_oscillator, 0.0, start, 60 * w_h, fixed_step=w_h, rtol=1e-9)
+            made = new_integrator(
+                name, _oscillator, 0.0, start, 60 * w_h, fixed_step=w_h, rtol=1e-9
+            )
             theory = explicit_theory(kind, 1j * w_h)
             yield Row("one-step", name, 0, w_h, _per_step(_seen(made, _amplitude)), theory)
     if "radau" in FOR_EQUATIONS:
         for w_h in points:
-            made = FOR_EQUATIONS["radau"](
-                _oscillator, 0.0, start, 60 * w_h, fixed_step=w_h, rtol=1e-9
+            made = new_integrator(
+                "radau", _oscillator, 0.0, start, 60 * w_h, fixed_step=w_h, rtol=1e-9
             )
             measured = _per_step(_seen(made, _amplitude))
             yield Row("one-step", "radau", 0, w_h, measured, radau_theory(w_h))

@@ -1,4 +1,4 @@
-"""The integrators of this folder and of generic/ by name."""
+"""The integrators of this folder and of generic/ by name, and how to make one without a case."""
 
 from abc import ABCMeta
 from collections.abc import Iterable
@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ..dynamics.elements.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
-from ..errors import InputError
+from ..errors import InputError, did_you_mean
+from ..math.arrays import Array
 from ..math.catalogue import by_name, catalogue
 from . import __name__ as _package
 from . import __path__ as _path
-from .generic.base import Integrator
+from .generic.base import Derivative, Integrator
 
 FIRST_ARGUMENTS = ("derivative", "model")
 
@@ -71,6 +72,38 @@ FOR_EQUATIONS = named({kind for kind in _known if kind.takes == "derivative"})
 INTEGRATORS = named(
     (FOR_EQUATIONS | named({kind for kind in _known if kind.takes == "model"})).values()
 )
+
+
+def new_integrator(
+    name: str, f: Derivative, t0: float, y0: Array, t_end: float, **options: Any
+) -> Integrator:
+    """Make an integrator of y' = f(t, y) by name, ready to step.
+
+    Parameters
+    ----------
+    name : name of the method
+    f : right-hand side of y' = f(t, y)
+    t0 : start [s]
+    y0 : state at the start (n,)
+    t_end : end [s]
+    options : options of the method
+
+    Raises
+    ------
+    ValueError : unknown name or option, with the nearest known one
+    """
+    if name not in FOR_EQUATIONS:
+        raise ValueError(f"integrator: {_unknown(name, list(FOR_EQUATIONS))}")
+    kind = FOR_EQUATIONS[name]
+    known = _options(kind)
+    for option in options:
+        if option not in known:
+            raise ValueError(f"integrator {name}, option: {_unknown(option, known)}")
+    return kind(f, t0, y0, t_end, **options)
+
+
+def _unknown(word: str, known: list[str]) -> str:
+    return f"expected one of {', '.join(known)}, got {word!r}{did_you_mean(word, known)}"
 
 
 EXAMPLES = 3  # integrators that a message names

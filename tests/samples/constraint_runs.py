@@ -1,6 +1,7 @@
 """Runs of the sample mechanisms under every treatment of constraints, for tests and benchmarks."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from ida_integrator import SundialsIda
@@ -23,7 +24,7 @@ from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.generic.drive import Solution, Steps, integrate
 from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.mechanism.assembly import treated
 from plymotion.solver.mechanism.consistent import consistent_state, redundancy
@@ -61,7 +62,7 @@ def prepared(sample: Sample, treatment: Treatment) -> tuple[Model, np.ndarray]:
 
 def new_generic(name: str, *arguments, **options) -> Integrator:
     """An integrator of y' = f(t, y): one of ours, or of those that benchmarks compare with."""
-    make = SCIPY.get(name) or FOR_EQUATIONS[name]
+    make = SCIPY.get(name) or partial(new_integrator, name)
     return make(*arguments, **options)
 
 

@@ -8,7 +8,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import assemble, energie
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.step_loop import right_hand_side
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.math.rotations import rotation_matrix, skew, vector_to_matrix
 from plymotion.solver.mechanism.assembly import assemble_model
@@ -140,7 +140,8 @@ def total_energy(model: Model, y: np.ndarray) -> float:
 
 def simulate(model: Model, y: np.ndarray, times, f=None, rtol: float = 1e-11, name: str = "rk8"):
     """States (k, n) at `times`; f(t, y) replaces the model's own derivative."""
-    integrator = FOR_EQUATIONS[name](
+    integrator = new_integrator(
+        name,
         f or right_hand_side(model),
         float(times[0]),
         y,

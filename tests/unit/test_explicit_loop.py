@@ -10,7 +10,7 @@ from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.integrators.explicit import ExplicitLoop
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.step_loop import projection, right_hand_side
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import new_integrator
 from plymotion.solver.math.laws import polynomial
 
 
@@ -23,7 +23,7 @@ def _pair(name, treatment, sample, t_end, **options):
         options = options | {"project": projection(model)}
     starts = [0, model.n_pos, model.n_pos + model.n_vel]
     f = right_hand_side(model)
-    return loop, FOR_EQUATIONS[name](f, 0.0, y0, t_end, block_starts=starts, **options)
+    return loop, new_integrator(name, f, 0.0, y0, t_end, block_starts=starts, **options)
 
 
 @pytest.mark.parametrize("name", ["rk8", "rk5"])

@@ -10,7 +10,7 @@ from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import by_blocks, derivative
 from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import new_integrator
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 
@@ -137,7 +137,7 @@ def test_a_failure_in_a_singular_position_is_explained():
             raise np.linalg.LinAlgError("singular matrix")
         return derivative(model, t, y)
 
-    broken = FOR_EQUATIONS["rk8"](until_nearly_flat, 0.0, y0, 1.0, rtol=1e-6, atol=1e-8)
+    broken = new_integrator("rk8", until_nearly_flat, 0.0, y0, 1.0, rtol=1e-6, atol=1e-8)
     solution = integrate(broken, [0.0, 1.0])
     assert solution.status == "failed"
     words = monitor.explain(float(solution.t[-1]), solution.y[-1])

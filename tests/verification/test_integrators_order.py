@@ -6,7 +6,7 @@ import pytest
 from plymotion.solver.integrators.explicit import RungeKutta5, RungeKutta8
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.generic.gear import Gear
-from plymotion.solver.integrators.table import FOR_EQUATIONS
+from plymotion.solver.integrators.table import new_integrator
 
 
 def exact(t):
@@ -91,8 +91,8 @@ def test_error_is_proportional_to_the_tolerance(name):
     measured = []
     tolerances = [1e-4, 1e-6, 1e-8, 1e-10]
     for tolerance in tolerances:
-        integrator = FOR_EQUATIONS[name](
-            circle, 0.0, exact(0.0), 10.0, rtol=tolerance, atol=tolerance
+        integrator = new_integrator(
+            name, circle, 0.0, exact(0.0), 10.0, rtol=tolerance, atol=tolerance
         )
         measured.append(np.abs(integrate(integrator, t).y - exact(t)).max())
     slope = np.polyfit(np.log10(tolerances), np.log10(measured), 1)[0]
