@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from samples.shell_meshes import gmsh_file
 from samples.shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess.__main__ import main
@@ -257,12 +258,7 @@ def test_a_laminate_that_is_singular_to_rounding_is_named(
 
 @pytest.mark.parametrize("value", [1e31, -1.7e308])
 def test_coordinates_whose_products_are_no_numbers(tmp_path: Path, value: float) -> None:
-    arrays = {
-        "points": np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [value, 1.0, 0.0]]),
-        "cells": np.array([[0, 1, 2]]),
-        "region": np.array([0]),
-        "regions": np.array(["skin"]),
-    }
-    np.savez(tmp_path / "far.npz", **arrays)
+    corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [value, 1.0, 0.0]]
+    file = gmsh_file(tmp_path / "far.msh", corners, [[0, 1, 2]], "skin")
     with pytest.raises(ShellError, match=r"node 3 at .*: expected three finite coordinates of at"):
-        ShellProblem(plate(1, 0.1, mesh={"file": str(tmp_path / "far.npz")}))
+        ShellProblem(plate(1, 0.1, mesh={"file": file}))

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from samples.beam_samples import MEAN_AXIS, reduced
+from samples.beam_samples import CLAMPED, reduced
 from samples.blade_samples import along, blade_table, write_blade
 from samples.case_samples import computed_file
 from samples.rotor_samples import ANGLES, polar
@@ -257,14 +257,14 @@ def test_the_tower_is_a_tube(rigid_case):
 def test_blades_twist_under_moments_along_them(rigid_case):
     """Uniform blade, a moment at each strip that grows outwards: strain energy over the exact one.
 
-    Vibrations and the shapes of the root alone miss much of it.
+    Vibrations alone miss much of it.
     """
     body = tomllib.loads((rigid_case[0] / "rotor.toml").read_text())["bodies"]["blade-1"]
     K = np.diag([1e9, 1e8, 1e8, 2e7, 3e7, 1e8])
     shares = []
-    for modes in (body["modes"], body["modes"][:2]):
+    for modes in (body["modes"], body["modes"][:1]):
         beam = reduced(
-            MEAN_AXIS, modes, elements=24, length=20.0, K=K, interfaces=body["interfaces"]
+            CLAMPED, modes, elements=24, length=20.0, K=K, interfaces=body["interfaces"]
         )
         strips = [beam.interface(name) for name in body["interfaces"] if name[0] == "a"]
         x = np.array([s.position_B[0] for s in strips])

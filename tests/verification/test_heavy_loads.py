@@ -131,10 +131,10 @@ def test_a_loop_with_redundant_rows_starts(ratio, light):
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_a_heavy_mass_on_a_flexible_arm_vibrates(ratio, repository, tmp_path):
     """A cantilever without gravity, its heavy end given a velocity: v / w sin w t."""
-    shipped, packages = repository / "tests/packages/double-pendulum", tmp_path / "packages"
+    shipped, packages = repository / "tests/packages/double-pendulum-limits", tmp_path / "packages"
     packages.mkdir()
-    shutil.copy(shipped / "arm.isotropic.vtkhdf", packages / "arm.base.vtkhdf")
-    case = (repository / "cases/double-pendulum/case.toml").read_text()
+    shutil.copy(shipped / "arm.isotropic-paper.vtkhdf", packages / "arm.base.vtkhdf")
+    case = (repository / "cases/double-pendulum-limits/case.toml").read_text()
     parts = [
         case[case.index(a) : case.index(b)]
         for a, b in (
@@ -146,7 +146,7 @@ def test_a_heavy_mass_on_a_flexible_arm_vibrates(ratio, repository, tmp_path):
     mass, length, speed = 1.3 * ratio, 0.545, 1.0 / np.sqrt(ratio)
     load = rigid("load", mass, 1e-9 * mass, {"c": [0, 0, 0]}, position=[length, 0, 0])
     text = (
-        "".join(parts)
+        "".join(parts).replace("elements", 'mass_form = "lumped"\nelements')
         + load
         + f"velocity = [0.0, {speed}, 0.0]\n"
         + "[ground.wall]\nposition = [0.0, 0.0, 0.0]\n"

@@ -28,7 +28,7 @@ Object = TypeVar("Object")
 Sizes = Mapping[str, int]
 
 WORDS = ("unit", "frame", "description")  # attributes of datasets
-WORTH_PACKING = 8192  # bytes; HDF5 adds an index to a compressed dataset
+WORTH_PACKING = 6000  # bytes; HDF5 adds an index of about 2300 to a compressed dataset
 
 
 @dataclass(frozen=True)
