@@ -274,7 +274,7 @@ types: $(TESTS) | $(LAID_OUT) ## Types: mypy
 
 .PHONY: imports
 imports: $(TESTS) | $(LAID_OUT) ## Allowed directions between modules: import-linter
-	cd $(LAID_OUT) && $(CURDIR)/$(VENV)/bin/lint-imports $(CURDIR)/pyproject.toml \
+	cd $(LAID_OUT) && $(CURDIR)/$(VENV)/bin/lint-imports --config $(CURDIR)/pyproject.toml \
 	    --cache-dir $(CURDIR)/.import_linter_cache
 
 .PHONY: test-quick
