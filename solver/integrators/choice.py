@@ -75,9 +75,7 @@ def tolerances(model: Model, y0: Array, solver: SolverKeys) -> Array:
         ends = a + 7 + shapes.size, j + 6 + shapes.size
         atol[a + 7 : ends[0]], atol[j + 6 : ends[1]] = size.length / shapes, size.speed / shapes
     atol[-1] *= WORK_SHARE
-    atol *= INTEGRATORS[solver.integrator].local_tolerance(
-        solver.rtol, treatment_of(solver).name
-    )
+    atol *= INTEGRATORS[solver.integrator].local_tolerance(solver.rtol, treatment_of(solver).name)
     if solver.atol_position is not None:
         atol[: model.n_pos] = solver.atol_position
     if solver.atol_velocity is not None:

@@ -263,9 +263,7 @@ def test_blades_twist_under_moments_along_them(rigid_case):
     K = np.diag([1e9, 1e8, 1e8, 2e7, 3e7, 1e8])
     shares = []
     for modes in (body["modes"], body["modes"][:1]):
-        beam = reduced(
-            CLAMPED, modes, elements=24, length=20.0, K=K, interfaces=body["interfaces"]
-        )
+        beam = reduced(CLAMPED, modes, elements=24, length=20.0, K=K, interfaces=body["interfaces"])
         strips = [beam.interface(name) for name in body["interfaces"] if name[0] == "a"]
         x = np.array([s.position_B[0] for s in strips])
         load = sum(p * (s.psi_B[0] - beam.interface("root").psi_B[0])
