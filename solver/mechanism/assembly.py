@@ -122,13 +122,10 @@ def pieces(bodies: list[Body]) -> tuple[list[MarkerTable], list[float]]:
     markers: list[MarkerTable] = []
     masses: list[float] = []
     for i, body in enumerate(bodies):
-        second = body.second_order
-        if second is None or second.point_mass is None:
+        if body.second_order is None or (own := body.second_order.pieces) is None:
             continue
-        assert second.point_phi_B is not None  # all three or none
-        assert second.point_h_B is not None
-        masses += second.point_mass.tolist()
-        for phi, h in zip(second.point_phi_B, second.point_h_B, strict=True):
+        masses += own.mass.tolist()
+        for phi, h in zip(own.phi_B, own.h_B, strict=True):
             still = np.zeros_like(phi), np.zeros_like(h)
             markers.append(MarkerTable(i, np.zeros(3), np.eye(3), phi, still[0], h, still[1]))
     return markers, masses

@@ -94,8 +94,8 @@ def quasi_static_state(
 ) -> Array:
     """Return the state (n,) in which the shapes of all bodies balance the loads at t = 0.
 
-    Anderson's method: loads that follow the shapes, as those of the wind, need a quarter to half of
-    the steps of plain substitution, and converge where it swings.
+    Anderson's method: loads that follow the shapes, as those of the wind, need about half of the
+    steps of plain substitution, and converge where it swings.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _next(shapes: Array, steps: Array) -> Array:
 
 
 def _gives_way(shapes: Array, steps: Array) -> bool:
-    """Tell whether loads grow faster with the shapes (k, n) than the elastic forces do.
+    """Return whether loads grow faster with the shapes (k, n) than the elastic forces do.
 
     With the changes as steps = (J - 1) shapes + constant, J that of the loads over the stiffness:
     an eigenvalue of J above one.

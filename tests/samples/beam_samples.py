@@ -134,7 +134,5 @@ def straight_line(x_B: Array | Sequence[float], K: Array, mass: Array, A_BE: Arr
 
 def without_pieces(package: ModalPackage) -> ModalPackage:
     """The package as an earlier version wrote it."""
-    second = package.second_order
-    assert second is not None
-    sums = replace(second, point_mass=None, point_phi_B=None, point_h_B=None)
-    return replace(package, second_order=sums)
+    assert package.second_order is not None
+    return replace(package, second_order=replace(package.second_order, pieces=None))

@@ -12,7 +12,7 @@ load f, sum f_k h_ij,k = -X_i' K_geo(f) X_j with the stresses of f (docs/stiffen
 import numpy as np
 
 from ...math.arrays import Array
-from .schema import Invariants, ModalPackage, SecondOrder
+from .schema import Invariants, ModalPackage, Pieces, SecondOrder
 
 
 def from_stations(
@@ -131,7 +131,7 @@ def second_order_sizes(package: ModalPackage) -> dict[str, float]:
         "Z1_B": mass * reach * h,
         "G3": mass * displacement * h,
         "G4": mass * h * h,
-        "point_h_B": h,
+        "h_B": h,
         "H_B": h,
         "H_psi_B": turn,
     }
@@ -164,21 +164,17 @@ def second_order_from_stations(
         Z1_B=np.einsum("ka,kbij->abij", x_B, weighted, optimize=True),
         G3=(phi_B.reshape(-1, n).T @ weighted.reshape(-1, n * n)).reshape(n, n, n),
         G4=(0.5 * (G4 + G4.T)).reshape(n, n, n, n),
-        **({} if along is None else _pieces(m, phi_B, h_B, along)),
+        pieces=None if along is None else _pieces(m, phi_B, h_B, along),
     )
 
 
-def _pieces(m: Array, phi_B: Array, h_B: Array, along: Array) -> dict[str, Array]:
+def _pieces(m: Array, phi_B: Array, h_B: Array, along: Array) -> Pieces:
     """Return mass and mean motion of the pieces of a beam."""
     piece = np.minimum(PIECES * along / along.max(), PIECES - 1.0).astype(int)
     share = m * (piece == np.arange(PIECES)[:, None])
     mass = share.sum(axis=1)
     share = share[mass > 0.0] / mass[mass > 0.0, None]
-    return {
-        "point_mass": mass[mass > 0.0],
-        "point_phi_B": np.tensordot(share, phi_B, 1),
-        "point_h_B": np.tensordot(share, h_B, 1),
-    }
+    return Pieces(mass[mass > 0.0], np.tensordot(share, phi_B, 1), np.tensordot(share, h_B, 1))
 
 
 def modal_mass_at(package: ModalPackage, q: Array) -> Array:

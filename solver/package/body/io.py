@@ -4,7 +4,6 @@ The checks here are those of numbers that the solver needs, of a package with co
 plausibility.py has those between its datasets.
 """
 
-from dataclasses import fields
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -49,7 +48,7 @@ from .schema import (
 )
 
 INTERFACE_KINDS = ("node", "average")
-POINTS = ("point_mass", "point_phi_B", "point_h_B")
+SUMS = ("Z0_B", "Z1_B", "G3", "G4")  # of second order
 
 
 def content_findings(package: ModalPackage) -> list[Remark]:
@@ -164,16 +163,11 @@ def _second_order(package: ModalPackage, error: Reporter) -> None:
                 where = f"interfaces/{interface.name}/H_B"
                 error(where, "needs the group second_order, which the body does not have")
         return
-    sums = [field.name for field in fields(second) if field.name not in POINTS]
-    tables = {f"second_order/{name}": getattr(second, name) for name in sums}
-    points = {name: getattr(second, name) for name in POINTS}
-    absent = [name for name, value in points.items() if value is None]
-    if 0 < len(absent) < len(points):
-        error(f"second_order/{absent[0]}", "missing: a body has all datasets of points or none")
-    elif not absent:
-        if not (points["point_mass"] > 0.0).all():
-            error("second_order/point_mass", "expected positive masses")
-        tables["second_order/point_h_B"] = points["point_h_B"]
+    tables = {f"second_order/{name}": getattr(second, name) for name in SUMS}
+    if second.pieces is not None:
+        if not (second.pieces.mass > 0.0).all():
+            error("second_order/pieces/mass", "expected positive masses")
+        tables["second_order/pieces/h_B"] = second.pieces.h_B
     for interface in package.interfaces:
         for name in ("H_B", "H_psi_B"):
             path = f"interfaces/{interface.name}/{name}"

@@ -55,6 +55,19 @@ class Invariants:
 
 
 @dataclass(frozen=True)
+class Pieces:
+    """Pieces of a body, for the products of phi q and q' h q in moments about the frame."""
+
+    mass: Annotated[Array, Data("p", "kg", "-", "mass of a piece of the body")]
+    phi_B: Annotated[
+        Array, Data("p, 3, m", "m", "B", "mean translation of the piece per unit mode")
+    ]
+    h_B: Annotated[
+        Array, Data("p, 3, m, m", "m", "B", "mean second-order translation of the piece")
+    ]
+
+
+@dataclass(frozen=True)
 class SecondOrder:
     """Sums over the mass stations of `Invariants` with their second-order translation h_k.
 
@@ -65,14 +78,7 @@ class SecondOrder:
     Z1_B: Annotated[Array, Data("3, 3, m, m", "kg m2", "B", "sum m x_a h_b,ij")]
     G3: Annotated[Array, Data("m, m, m", "kg m2", "-", "sum m phi_i . h_jk")]
     G4: Annotated[Array, Data("m, m, m, m", "kg m2", "-", "sum m h_ij . h_kl")]
-    # A few points with the mass, for the products of phi q and q' h q in moments about the frame.
-    point_mass: Annotated[Array | None, Data("p", "kg", "-", "mass of a piece of the body")] = None
-    point_phi_B: Annotated[
-        Array | None, Data("p, 3, m", "m", "B", "mean translation of the piece per unit mode")
-    ] = None
-    point_h_B: Annotated[
-        Array | None, Data("p, 3, m, m", "m", "B", "mean second-order translation of the piece")
-    ] = None
+    pieces: Annotated[Pieces | None, Part("pieces", packed=True)] = None
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...math.arrays import Array
 from ...package import ModalPackage
+from ...package.body.io import SUMS
 from ...results import RunResult, Summary
 from ...run.inputs import RunSpec
 from ...run.outcome import collect
@@ -209,9 +210,9 @@ def _heavier(package: ModalPackage, factor: float) -> ModalPackage:
     scaled = {name: factor * getattr(inv, name) for name in arrays}
     second = package.second_order
     if second is not None:
-        tables = {name: factor * getattr(second, name) for name in ("Z0_B", "Z1_B", "G3", "G4")}
-        pieces = None if second.point_mass is None else factor * second.point_mass
-        second = replace(second, **tables, point_mass=pieces)
+        tables = {name: factor * getattr(second, name) for name in SUMS}
+        pieces = second.pieces and replace(second.pieces, mass=factor * second.pieces.mass)
+        second = replace(second, **tables, pieces=pieces)
     return replace(
         package,
         mass=factor * package.mass,
