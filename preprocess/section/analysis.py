@@ -112,13 +112,11 @@ def analyse(
     if asked:
         team = fenicsx.ALONE  # each process solves the whole section
     divided: list[NDArray[np.bool_]] = []
-    if problem is not None:
-        pass
-    elif discretisation is None:
-        problem = section_problem(spec["mesh"], where, degree_of(spec), team)
-    else:
+    if problem is None and discretisation is not None:
         accuracy = None
         problem, divided = _as_before(spec, where, discretisation, team)
+    elif problem is None:
+        problem = section_problem(spec["mesh"], where, degree_of(spec), team)
     edges = 0.0
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
