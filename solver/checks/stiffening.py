@@ -11,15 +11,25 @@ import numpy as np
 
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.elements.floating_frame import stiffening_matrices
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model, modal_matrix
 from ..math.arrays import Array
 from ..mechanism.build import build
-from ..results.codes import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION, Finding
+from ..results.codes import (
+    BUCKLING,
+    INDEFINITE,
+    MATTERS,
+    NO_STIFFENING_DATA,
+    ROTATION,
+    TILTING,
+    Finding,
+)
 from .finished import FinishedRun
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness
 
+WHIRLS = 0.25  # of the stiffness in the frame: a spin at half a frequency takes it
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 
@@ -151,3 +161,46 @@ def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Ite
             f"{MATTERS.limit:g}): solver.geometric_stiffening = true includes it"
         )
         yield MATTERS.finding(text, body=name, t=when, value=largest)
+        return
+    spin, j = SpinMonitor(model, run.built.body_names, stop=False), int(model.vel_start[i]) + 3
+    w = run.solution.y[:, model.n_pos + j :][:, :3]
+    k = int(np.argmax((w * w).sum(axis=1)))
+    part = tilting(spin, tables, i, run.solution.y[k])
+    if part > TILTING.limit:
+        when = float(run.solution.t[k])
+        yield TILTING.finding(f"{name}: {tilting_text(part)}", body=name, t=when, value=part)
+
+
+def tilting(spin: SpinMonitor, tables: Model, i: int, y: Array) -> float:
+    """Return the stiffness against whirling that linear body i lacks in state y (n,), relative.
+
+    Its sections keep an inertia about the axis as they tilt, rotary inertia times spin^2 over
+    stiffness. Of the directions in which the spin takes a quarter of the stiffness of the frame and
+    more, so 0 far below the first critical speed. A blade gets its stiffness by the spin there
+    (`stiffening-matters`).
+
+    Parameters
+    ----------
+    spin : monitor of the mechanism
+    tables : model of the mechanism whose body i is of second order
+    i : number of the body
+    y : state (n,), as in dynamics/model/model.py
+    """
+    K, lost = spin.matrices(i, y)
+    values, vectors = np.linalg.eigh(K)
+    scale = vectors / np.sqrt(values)
+    taken, V = np.linalg.eigh(scale.T @ lost @ scale)
+    V = scale @ V[:, taken > WHIRLS]
+    none = np.zeros((1, 3))
+    Kg = stiffening_matrices(tables, i, spin.spin(i, y)[None], none, none, np.zeros((1, len(K))))[0]
+    return float(np.diag(V.T @ Kg @ V).max(initial=0.0))
+
+
+def tilting_text(part: float) -> str:
+    """Return what `tilting` means for a shaft."""
+    return (
+        f"sections of a linear body keep an inertia about the axis as they tilt, {part:.2g} of the "
+        f"stiffness at this spin (expected below {TILTING.limit:g}): whirls are off by "
+        f"up to {0.5 * part:.1g}, and the response near a critical speed is wrong by several "
+        "times that. solver.geometric_stiffening = true gives them their inertia"
+    )

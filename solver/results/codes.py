@@ -145,6 +145,7 @@ ROTATION = _run("elastic-rotation-large", limit=0.1)
 FEW_MODES = _run("modes-too-few", limit=0.1)
 CUT_EARLY = _run("modes-cut-early", limit=0.02)
 MATTERS = _run("stiffening-matters", limit=0.05)
+TILTING = _run("sections-tilt", limit=2e-3)
 BUCKLING = _run("buckling-by-motion", "error", 0.0, why="the motion buckles a body")
 BUCKLING_LOAD = _run("buckling-load", "error", why="loads buckle a linear body")
 INDEFINITE = _run(

@@ -356,7 +356,7 @@ def write_beamdyn(
     damping: Sequence[float] = (0.0,) * 6,
     blade_axes: Axes = BLADE_AXES_TRAILING_EDGE,
 ) -> Path:
-    """Write a blade file of BeamDyn (OpenFAST); returns the file.
+    """Write a blade file of BeamDyn in the format of OpenFAST 5; returns the file.
 
     Parameters
     ----------
@@ -373,15 +373,18 @@ def write_beamdyn(
     x = _stations(places, stiffness, mass)
     eta = (x - x[0]) / (x[-1] - x[0])
     lines = [
-        " ------- BEAMDYN V1.00.* INDIVIDUAL BLADE INPUT FILE --------------------------",
+        " ------- BEAMDYN INDIVIDUAL BLADE INPUT FILE --------------------------",
         f" {printable(title)}",
         " ---------------------- BLADE PARAMETERS --------------------------------------",
         f"{len(x):6d}   station_total    - Number of blade input stations (-)",
-        f"{int(any(damping)):6d}   damp_type        - Damping type: 0: no damping; 1: damped",
+        f"{int(any(damping)):6d}   damp_type        - 0: no damping; 1: by stiffness; 2: modal",
         " ---------------------- DAMPING COEFFICIENT------------------------------------",
         "   mu1        mu2        mu3        mu4        mu5        mu6",
         "   (-)        (-)        (-)        (-)        (-)        (-)",
         " " + " ".join(f"{value:.6E}" for value in damping),
+        " ---------------------- MODAL DAMPING -----------------------------------------",
+        "     0   n_modes          - Number of modal damping coefficients (-)",
+        "   0.0   zeta             - Modal damping coefficients",
         " ---------------------- DISTRIBUTED PROPERTIES---------------------------------",
     ]
     for place, K, M in zip(eta, stiffness, mass, strict=True):

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ...checks.stability import SpinMonitor
+from ...checks.stiffening import tilting, tilting_text
 from ...dynamics.analysis.recovery import body_frames, extent
 from ...dynamics.evaluation.series import along_solution
 from ...dynamics.model.coordinates import Spin, spin_velocities, turned
@@ -17,6 +19,7 @@ from ...mechanism.built import Start
 from ...mechanism.equilibrium import after_turn, round_off
 from ...package.common.plain_data import csv_text
 from ...report.style import GREY, WARNING, Canvas, colour, house_style
+from ...results.codes import TILTING
 from ...signals import sensors
 from ..linearisation.campbell import Campbell, Point, crossings, follow, vectors_of
 from ..linearisation.modes import (
@@ -191,6 +194,12 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
             f"{_BENT:g} rad relative to the body frame. The elastic law is that of the undeformed "
             "body, and frequencies may be a per cent off; a beam divided by `segments` has less"
         )
+    if states.tables is not None and state.spin is not None and state.spin.rate != 0.0:
+        spin, packages = SpinMonitor(state.model, states.built.body_names), states.built.packages
+        for i, name in enumerate(states.built.body_names):
+            if name in packages and packages[name].second_order is not None:
+                part = tilting(spin, states.tables, i, state.y)
+                notes += [f"{name}: {tilting_text(part)}"] if part > TILTING.limit else []
     if space.error > _ACCURATE:
         notes.append(
             f"the accelerations are not smooth about this state (differences agree to "

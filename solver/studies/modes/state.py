@@ -2,6 +2,7 @@
 
 import tempfile
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -111,6 +112,15 @@ class States:
             self.built: BuiltMechanism = build(spec.mechanism, spec.packages)
         except InputError as error:
             raise InputError(f"{spec.case}, run {spec.run}: {error}") from error
+
+    @cached_property
+    def tables(self) -> Model | None:
+        """The model with all bodies of second order; None: they are, or have no such data."""
+        packages, mechanism = self.spec.packages, self.spec.mechanism
+        known = any(package.second_order is not None for package in packages.values())
+        if mechanism.solver.geometric_stiffening or not known:
+            return None
+        return build(mechanism, packages, stiffening=True).model
 
     def at(self, at: At, axis: Array | None) -> State:
         """Return the state of `--at`; `axis` (3,) is that of the command line.
