@@ -57,8 +57,7 @@ def prepared(folder: Path, name: str, parameters: dict[str, float], induction: s
     text = (folder / "turbine/rotor.toml").read_text()
     for key, value in parameters.items():
         text = re.sub(rf"(?m)^{key} = \S+", f"{key} = {value!r}", text, count=1)
-    table = 'polar_table = "polars.csv"\n'
-    text = text.replace(table, f'{table}induction = "{induction}"\n')
+    text = re.sub(r"(?m)^induction = \S+", f'induction = "{induction}"', text, count=1)
     if law:
         text = re.sub(r'(?m)(joint = "shaft"\nexpression = ).*', rf'\1"{law}"', text)
     case = folder / "turbine/point.toml"
@@ -115,7 +114,7 @@ def main() -> None:
     parser.add_argument("turbine", type=Path, help="windIO file of IEA-15-240-RWT")
     parser.add_argument("--out", type=Path, default=Path("build/benchmarks/wind.json"))
     parser.add_argument("--stations", default="21")
-    parser.add_argument("--induction", default="buhl", help="of the runs with the controller")
+    parser.add_argument("--induction", default="madsen", help="of the runs with the controller")
     options = parser.parse_args()
     folder = options.out.with_suffix("")
     words = ["--stations", options.stations, "--no-estimate", "--rotor", "--quiet"]

@@ -18,6 +18,7 @@ from samples.rotor_samples import ANGLES, polar
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands.bodies.blade import take_bent_blades
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.blade.aerodynamics import ANGLES as GRID
 from plymotion.solver.extras.blade.aerodynamics import strips
@@ -28,6 +29,7 @@ from plymotion.solver.extras.blade.turbine import write_turbine
 from plymotion.solver.extras.blade.windio import read_blade
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.package.common.files import write_text
 from plymotion.solver.package.common.plain_data import toml_text
 from plymotion.solver.run.execution import execute, read_run
 
@@ -185,6 +187,23 @@ def test_the_speed_follows_its_loop(rigid_case, tmp_path):
     expected = solve_ivp(rates, (0.0, 16.0), np.zeros(5), t_eval=result.t, rtol=1e-8).y[0]
     change = found["speed"] - point.speed
     assert np.abs(change - expected).max() < 0.1 * np.abs(expected).max()
+
+
+def test_the_law_of_the_generator_has_the_torque_of_the_blades_under_load(
+    rigid_case, tmp_path, monkeypatch
+):
+    """Rigid blades: that of the operating points, between the least and the rated speed."""
+    folder, case, rotor, points, _ = rigid_case
+    case = deepcopy(case)
+    case["parameters"]["best"] = 1.0
+    write_text(folder / "again.toml", toml_text(case))
+    monkeypatch.chdir(tmp_path)
+    take_bent_blades(folder / "again.toml")
+    p = tomllib.loads((folder / "again.toml").read_text())["parameters"]
+    point = next(one for one in points if one.wind == p["wind"])
+    assert 1.05 * p["slowest"] < point.speed < 0.94 * p["rated_speed"]
+    assert p["best"] == pytest.approx(point.torque / point.speed**2, rel=1e-5)
+    assert case["rotor"]["induction"] == rotor.mechanism.rotor.induction == "madsen"
 
 
 BLADED = """

@@ -203,7 +203,7 @@ class RigidRotor:
             table["joints"][name] = {"kind": "fixed", "between": ends}
         table["rotor"] = {
             "hub": "hub.centre", "axis": [1.0, 0.0, 0.0], "blades": self.blades, "table": AERO,
-            "polar_table": POLARS, "wind": {"speed": {"constant": 10.0}},
+            "polar_table": POLARS, "induction": "madsen", "wind": {"speed": {"constant": 10.0}},
         }  # fmt: skip
         return mechanism_of(table, folder)[0]
 

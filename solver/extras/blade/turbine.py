@@ -156,7 +156,8 @@ def write_turbine(
     pitched = [p for p in pitched if p.pitch > p.fine + FLAT] or pitched
     gained = sorted((math.radians(p.pitch), -inertia / rotor.by_pitch(p)) for p in pitched)
     w = 0.25 * t.rated
-    steady = min(points, key=lambda p: abs(p.wind - 10.0))
+    # Between the least and the rated speed, where the law of the generator is best * v^2.
+    steady = min(points, key=lambda p: abs(p.speed - 0.85 * t.rated))
     step = next((p for p in points if p.pitch > p.fine + 0.1), points[-1])
     files = [folder / ROTOR_CASE]
     if machine.tower:
