@@ -6,7 +6,8 @@
 at 12 wind speeds, with three blades of the full 6x6, tower and controller; numbers are means over
 the last whole revolutions of 30 s. The least pitch is that of the reference. Then the same at the
 speed and pitch of HAWC2, and of OpenFAST with BeamDyn, which the controller has no part in: power,
-thrust and deflection of the tip. Then a step of the wind by 2 m/s.
+thrust and deflection of the tip. Then a step of the wind by 2 m/s. Frequencies of the turning blade
+are compared with those of HAWCStab2.
 """
 
 import argparse
@@ -102,6 +103,22 @@ def held(folder: Path, wind: float, induction: str, known: dict[str, float]) -> 
     return point
 
 
+def turning(folder: Path, known: dict[str, list[float]]) -> list[dict[str, float]]:
+    """Return frequencies of a blade on its turning hub [Hz], compared with those of the turbine."""
+    first, second = known["speed"]
+    at = ["--at", f"spin={first}:{second}:{second - first}", "--count", "2", "--quiet"]
+    command("modes", str(folder / "turbine/case.toml"), *at, "--out", str(folder / "modes"))
+    branches = json.loads((folder / "modes/campbell.json").read_text())["branches"]
+    found = []
+    for k, speed in enumerate(known["speed"]):
+        point = {"speed": speed}
+        for key, branch in zip(("flap_hz", "edge_hz"), branches, strict=True):
+            point[key] = branch["angular_frequency"][k] / (2.0 * math.pi)
+            point[f"{key}_error"] = point[key] / known[key][k] - 1.0
+        found.append(shown(point))
+    return found
+
+
 def shown(point: dict[str, float]) -> dict[str, float]:
     """Print a row and return it."""
     print("  ".join(f"{key} {value:.4g}" for key, value in point.items()), flush=True)
@@ -139,7 +156,7 @@ def main() -> None:
             point[f"{key}_error"] = point[key] / reference[key][k] - 1.0
         point["pitch_error_deg"] = math.degrees(point["pitch"]) - reference["pitch_deg"][k]
         points.append(shown(point))
-    programs = {}
+    programs = {"turning": turning(folder, reference["turning"])}
     for name in ("hawc2", "beamdyn"):
         table = reference[name]
         print(name)
