@@ -20,7 +20,7 @@ import numpy as np
 import yaml
 
 import plymotion as pm
-from plymotion.solver.package.body.io import read_package
+from plymotion.solver.package.body.package_file import read_package
 from plymotion.solver.report.section.codes import BLADE_AXES_LEADING_EDGE, convert, transform
 
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]

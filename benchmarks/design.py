@@ -25,7 +25,7 @@ from plymotion.solver.studies.design.exact import Traced, by_adjoint
 from plymotion.solver.studies.design.measures import Made, measure_of
 from plymotion.solver.studies.design.study import optimise
 from plymotion.solver.studies.design.trials import Order, Trials
-from plymotion.solver.studies.sensitivities.execution import Trace, with_sensitivities
+from plymotion.solver.studies.sensitivities.differentiated_run import Trace, with_sensitivities
 from plymotion.solver.studies.sensitivities.parameters import combined, design_parameter
 from plymotion.solver.workers.executors import Here
 from tests.samples.design_samples import BEST, CARBON, angles, oscillator, tube

@@ -24,7 +24,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.inputs import RunSpec
-from plymotion.solver.studies.sweep.plan import read_plan
+from plymotion.solver.studies.sweep.sweep_members import read_plan
 
 CASE = "double-pendulum"
 SWEEP = "masses"

@@ -26,8 +26,8 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.body.selection import vibrations
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of, read_planned
 from plymotion.solver.studies.fidelity.comparison import difference, scales
-from plymotion.solver.studies.fidelity.execution import checked, plan_of, read_planned
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan, with_values
 from plymotion.solver.studies.fidelity.trial import Trial, attempted
 

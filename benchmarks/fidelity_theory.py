@@ -18,8 +18,8 @@ import numpy as np
 from fidelity import OUTPUTS, Table, asking, error, toml
 from fidelity_scenes import HELD, SCENES
 
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of, read_planned
 from plymotion.solver.studies.fidelity.comparison import difference, scales
-from plymotion.solver.studies.fidelity.execution import checked, plan_of, read_planned
 
 THIRD = (
     "one-link", "one-link-soft", "resonance", "off-resonance", "spin-up", "spin-up-short",

@@ -48,7 +48,7 @@ def as_rank(folder: Path, words: list[str]) -> int:
     from plymotion.preprocess.section.space.numbering import Pattern, Restriction
     from plymotion.preprocess.section.space.space import SectionSpace
     from plymotion.preprocess.shell.model.freedom import Freedom
-    from plymotion.preprocess.shell.model.problem import Assembly
+    from plymotion.preprocess.shell.model.shell_problem import Assembly
 
     parts = stack.dolfinx, stack.PETSc  # loaded at their first use otherwise: not assembly
     assert all(parts)
@@ -100,8 +100,8 @@ def measured(n: int, words: list[str]) -> dict[str, float]:
 
 def difference(kind: str, one: Path, other: Path) -> float:
     """Of K, scaled by its diagonal, or of the displacements, from those of one rank."""
-    from plymotion.solver.package.section.io import read_section
-    from plymotion.solver.package.shell.io import read_shell
+    from plymotion.solver.package.section.section_file import read_section
+    from plymotion.solver.package.shell.shell_file import read_shell
 
     if kind == "section":
         a, b = read_section(one).K, read_section(other).K

@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 
 from plymotion.solver.studies.sweep.file import believed_rows, result_of, write_sweep
-from plymotion.solver.studies.sweep.plan import read_plan
+from plymotion.solver.studies.sweep.sweep_members import read_plan
 from plymotion.solver.workers.executors import Task, distribute
 
 DIFFERENT = ("cost/solve_s", "members/sha256")  # between two computations

@@ -22,9 +22,9 @@ import numpy as np
 from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.section_problem import SectionProblem
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.space.mesh import SectionMesh, section_mesh
+from plymotion.preprocess.section.space.section_mesh import SectionMesh, section_mesh
 from plymotion.preprocess.section.timoshenko import scaled
 
 SECTIONS = {

@@ -21,8 +21,8 @@ from samples.section_cases import reference, section
 from shell_text import replace_between
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 
 REPEATS = 5
 

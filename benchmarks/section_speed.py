@@ -29,9 +29,9 @@ from samples.section_cases import section
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.factorisation import MINIMUM_DEGREE
 from plymotion.preprocess.fenicsx.stack import PETSc
-from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.section_problem import SectionProblem
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.space.mesh import SectionMesh, section_mesh
+from plymotion.preprocess.section.space.section_mesh import SectionMesh, section_mesh
 from plymotion.preprocess.section.timoshenko import mass_matrix
 from plymotion.preprocess.section.warping import pinned_dofs
 

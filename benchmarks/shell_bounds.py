@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 
 SHELLS = Path("meshes/shells").absolute()
 PLY = {

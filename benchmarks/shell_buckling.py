@@ -24,7 +24,7 @@ import shell_calculix
 from samples.shell_cantilevers import cantilever
 from samples.shell_layups import PLATES
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 
 COUNT = 3
 MESHES = ((12, 4), (24, 8), (48, 16))

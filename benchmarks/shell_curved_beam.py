@@ -16,7 +16,7 @@ import numpy as np
 from samples.shell_model import SCRIPTS, isotropic
 from shell_calculix import ABSENT, Array, Model, Wall, grid, run, simpson
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 
 EXACT = np.array([0.08734, 0.5022])  # in plane, out of plane
 INNER, OUTER, THICKNESS = 4.12, 4.32, 0.1

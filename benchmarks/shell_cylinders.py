@@ -23,8 +23,8 @@ import numpy as np
 from peers import cylinder_peer
 from samples.cylinder_samples import LAMINA, cylinder, write_cylinder
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 R = L = 1.0
 H = 0.01

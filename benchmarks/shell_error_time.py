@@ -25,7 +25,7 @@ from samples.shell_benchmarks import expected
 from samples.shell_cantilevers import box
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.shell.mesh import shell_mesh
+from plymotion.preprocess.shell.shell_mesh import shell_mesh
 
 OPTIONS: dict[str, dict[str, Any]] = {  # of `Model.spec`
     "dkmq + hybrid": {"cells": {"element": "quadrilateral"}},

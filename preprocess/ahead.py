@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..solver.package.body.schema import MASS_FORMS
+from ..solver.package.body.package_schema import MASS_FORMS
 from ..solver.package.shell import elements
 from ..solver.system.platform import cores, processes
 from .fenicsx import NODES, PlainMesh
@@ -43,7 +43,7 @@ def section(cell: str) -> None:
     degree 3.
     """
     from .section.helical import TwistedStrains
-    from .section.space.cells import FULL, KINDS, CellMesh
+    from .section.space.section_cells import FULL, KINDS, CellMesh
     from .section.space.space import SectionSpace
 
     kind = np.array([KINDS.index(cell)])
@@ -93,7 +93,7 @@ def solid(cell: str) -> None:
     """Compile stiffness and mass of a solid."""
     from .fenicsx.assembly import SolidSpace
     from .solid.forms import MASS_DEGREE, Elasticity, mass, stiffness_rule
-    from .solid.mesh import reference_nodes
+    from .solid.solid_mesh import reference_nodes
 
     points = reference_nodes(cell)
     rows = np.arange(len(points))[None, :]

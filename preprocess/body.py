@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ..solver.package.body.schema import ModalPackage, SectionData
+from ..solver.package.body.package_schema import ModalPackage, SectionData
 from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
-from ..solver.package.section.schema import SectionFile, SectionRecovery
+from ..solver.package.section.section_schema import SectionFile, SectionRecovery
 from ..solver.package.section.stress import thinned
-from .beam.body import (
+from .beam.beam_body import (
     BeamModel,
     beam_input,
     beam_model,
@@ -21,13 +21,13 @@ from .beam.body import (
     mode_warnings,
     stiffness_error,
 )
+from .beam.beam_specification import BeamSpec, read_spec
 from .beam.sections import StationSection, analysed_section, given_section, is_given
-from .beam.spec import BeamSpec, read_spec
 from .design import body_parameters, change_of_inputs, derivatives
 from .fenicsx import eigenpairs
 from .parameters import Parameter
 from .provenance import body_provenance
-from .section.analysis import analyse
+from .section.section_analysis import analyse
 
 # Stresses of a package are recovered at the points of this rule: four in a quadrilateral.
 RECOVERY_DEGREE = 3
@@ -47,11 +47,13 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     Errors of the analysis (material, mesh) pass through.
     """
     if isinstance(spec, dict) and spec.get("kind") == "shell":
-        from .shell.body.body import build_shell_body  # imported here because beams do not need it
+        from .shell.body.shell_body import (
+            build_shell_body,  # imported here because beams do not need it
+        )
 
         return build_shell_body(spec)
     if isinstance(spec, dict) and spec.get("kind") == "solid":
-        from .solid.body import build_solid_body
+        from .solid.solid_body import build_solid_body
 
         return build_solid_body(spec)
     return _build_beam(spec)

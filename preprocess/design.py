@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..solver.math.arrays import Array
-from ..solver.package.body.schema import ModalPackage
+from ..solver.package.body.package_schema import ModalPackage
 from ..solver.package.common.dataset import all_values
 from ..solver.package.common.design import Derivative, difference, differenced
 from ..solver.package.common.plain_data import SpecError, expected

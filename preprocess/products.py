@@ -123,7 +123,7 @@ class SectionFiles(AnalysedFiles):
 
     def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
         """Specification, options and format."""
-        from ..solver.package.section.schema import SECTION_FORMAT_VERSION
+        from ..solver.package.section.section_schema import SECTION_FORMAT_VERSION
 
         given = {"estimate": not self.options.no_estimate, "accuracy": self.options.accuracy}
         if self.options.verify:
@@ -132,7 +132,7 @@ class SectionFiles(AnalysedFiles):
 
     def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
         """Analyse the section."""
-        from .section.analysis import analyse  # loads FEniCSx
+        from .section.section_analysis import analyse  # loads FEniCSx
 
         return analyse(
             {key: value for key, value in spec.items() if key != "design"},
@@ -147,7 +147,7 @@ class SectionFiles(AnalysedFiles):
 
     def write(self, target: Path, result: Any) -> None:
         """Write the section file."""
-        from ..solver.package.section.io import write_section
+        from ..solver.package.section.section_file import write_section
 
         write_section(target, result)
 
@@ -157,20 +157,20 @@ class ShellFiles(AnalysedFiles):
 
     def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
         """Specification, options and format."""
-        from ..solver.package.shell.schema import SHELL_FORMAT_VERSION
+        from ..solver.package.shell.shell_schema import SHELL_FORMAT_VERSION
 
         given = {"options": {"verify": True}} if self.options.verify else {}
         return {"spec": spec, "format": list(SHELL_FORMAT_VERSION), **given}
 
     def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
         """Analyse the shell."""
-        from .shell.analyses.analysis import analyse  # loads FEniCSx
+        from .shell.analyses.shell_analysis import analyse  # loads FEniCSx
 
         return analyse(spec, "shell", verify=self.options.verify, progress=self.progress, **team)
 
     def write(self, target: Path, result: Any) -> None:
         """Write the shell file."""
-        from ..solver.package.shell.io import write_shell
+        from ..solver.package.shell.shell_file import write_shell
 
         write_shell(target, result)
 

@@ -10,7 +10,7 @@ from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from plymotion.api.builders import keys_of, kinds, signature_of, text_of
-from plymotion.solver.inputs.common.table import Table, without_annotations
+from plymotion.solver.inputs.common.input_table import Table, without_annotations
 
 
 def stub() -> str:

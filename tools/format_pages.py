@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from plymotion.solver.package.body.io import MODAL_PACKAGE
+from plymotion.solver.package.body.package_file import MODAL_PACKAGE
 from plymotion.solver.package.common.dataset import layout, named
 from plymotion.solver.package.common.object_file import ObjectFormat
-from plymotion.solver.package.section.io import SECTION_FILE
-from plymotion.solver.package.shell.io import SHELL_FILE
+from plymotion.solver.package.section.section_file import SECTION_FILE
+from plymotion.solver.package.shell.shell_file import SHELL_FILE
 
 PAGES: dict[str, ObjectFormat[Any]] = {
     "format.md": MODAL_PACKAGE,

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from plymotion.preprocess.section.space import mesh as sections
-from plymotion.preprocess.shell import mesh as shells
+from plymotion.preprocess.section.space import section_mesh as sections
+from plymotion.preprocess.shell import shell_mesh as shells
 
 DRAW = np.uint64(2 * int(os.environ.get("LAST_DIGIT", "0")) + 1)
 MIXERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)

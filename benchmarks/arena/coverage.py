@@ -91,8 +91,8 @@ def planned(draw: Draw, folder: Path) -> tuple[float, ...]:
     """A driven pendulum of one or two beams with [fidelity]: bar and error of what is delivered."""
     from samples.fidelity_samples import pendulum, planned_run, true_signals
 
+    from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
     from plymotion.solver.studies.fidelity.comparison import difference, scales
-    from plymotion.solver.studies.fidelity.execution import checked, plan_of
 
     scene = pendulum(
         links=int(draw.integers(1, 3)),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scenes import BUILD, ROOT
 
-from plymotion.solver.package.section.io import read_section
+from plymotion.solver.package.section.section_file import read_section
 
 
 def cells(name: str, file: Path) -> str:

@@ -15,7 +15,7 @@ from ..solver.inputs.solid_specification import solid_spec
 from ..solver.math.arrays import Array
 from ..solver.package import ModalPackage, Remark, read_package
 from ..solver.package import validate as findings_of
-from ..solver.package.shell.schema import ShellFile
+from ..solver.package.shell.shell_schema import ShellFile
 from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
 from ..solver.studies.cases import folder_lock

@@ -23,7 +23,7 @@ from ..solver.inputs.case.tables.kinds import (
 )
 from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import Body, GroundPoint, PointMass
-from ..solver.inputs.common.table import bare_lines, members, unit, without_annotations
+from ..solver.inputs.common.input_table import bare_lines, members, unit, without_annotations
 from .keys import Keys, kind_of, plain
 
 WIDTH = 84  # of docstrings

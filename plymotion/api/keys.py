@@ -13,7 +13,7 @@ from pydantic_core import PydanticUndefined
 from ..solver.errors import InputError, nearest
 from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import CaseFile, Mechanism
-from ..solver.inputs.common.table import Name, bare_lines, members, without_annotations
+from ..solver.inputs.common.input_table import Name, bare_lines, members, without_annotations
 from ..solver.inputs.section.description import shape
 
 Tables = dict[str, Any]

@@ -11,7 +11,7 @@ import numpy as np
 from ..solver.errors import InputError, few, nearest
 from ..solver.math.arrays import Array
 from ..solver.studies.cases import folder_lock
-from ..solver.studies.design.show import outcome_lines
+from ..solver.studies.design.design_text import outcome_lines
 from ..solver.studies.design.study import RESULT
 from ..solver.studies.design.study import optimise as computed
 from ..solver.studies.design.trials import Order

@@ -15,7 +15,7 @@ from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.fidelity.answer import answer_text
-from ..solver.studies.fidelity.execution import (
+from ..solver.studies.fidelity.checked_run import (
     answered,
     checked_member,
     member_spec,

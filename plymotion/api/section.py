@@ -11,8 +11,13 @@ from ..solver.inputs.section.specification import BUILD
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import data_sha256
-from ..solver.package.section.io import read_section
-from ..solver.package.section.schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData
+from ..solver.package.section.section_file import read_section
+from ..solver.package.section.section_schema import (
+    CORNERS,
+    RESULTANTS,
+    SectionFile,
+    SectionMeshData,
+)
 from ..solver.report.section.codes import SectionResults, read_results
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors

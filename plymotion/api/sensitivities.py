@@ -10,7 +10,7 @@ from ..solver.results import RunResult, Summary
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.gradient import compute_gradient, gradient_table
 from ..solver.studies.exit_codes import shown
-from ..solver.studies.sensitivities.work import (
+from ..solver.studies.sensitivities.case_sensitivities import (
     compute_sensitivities,
     scaled,
     sensitivity_table,

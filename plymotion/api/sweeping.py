@@ -22,8 +22,8 @@ from ..solver.studies.sweep.file import (
     result_of,
     sweep_csv,
 )
-from ..solver.studies.sweep.plan import read_plan
-from ..solver.studies.sweep.work import Work, settled
+from ..solver.studies.sweep.portions import Work, settled
+from ..solver.studies.sweep.sweep_members import read_plan
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
 from .keys import plain

@@ -49,10 +49,10 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
-from ...solver.package.body.schema import BodyRecovery
+from ...solver.package.body.package_schema import BodyRecovery
+from .beam_stations import PointMasses, station_places
 from .element import Z, gauss
 from .line import BeamLine
-from .stations import PointMasses, station_places
 
 
 def shape_resultants(

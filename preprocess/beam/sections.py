@@ -8,9 +8,9 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.math.laws import lengths_along
-from ...solver.package.body.schema import SectionData
+from ...solver.package.body.package_schema import SectionData
 from ...solver.package.common.plain_data import SpecError
-from ...solver.package.section.schema import SectionFile, SectionRecovery
+from ...solver.package.section.section_schema import SectionFile, SectionRecovery
 from ...solver.package.section.stress import trapeze_strains
 from .line import BeamLine, LineSection
 

@@ -15,10 +15,10 @@ import scipy.sparse as sp
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
-from ...solver.package.body.schema import CellResultants, LaminateData
+from ...solver.package.body.package_schema import CellResultants, LaminateData
 from ...solver.package.common.materials import MaterialError, material_from_dict
 from ...solver.package.section.stress import rounded
-from ..laminate.spec import laminate_from_dict
+from ..laminate.laminate_specification import laminate_from_dict
 from ..laminate.stiffness import LaminateError, laminate_stiffness
 
 CELLS_OF_SIZE = {1: 1, 2: 3, 3: 5, 4: 9, 8: 12}
@@ -82,7 +82,7 @@ class Layups:
     Attributes
     ----------
     materials : tables of constants by name (package/common/materials.py)
-    laminates : tables of plies by name (preprocess/laminate/spec.py)
+    laminates : tables of plies by name (preprocess/laminate/laminate_specification.py)
     cell : (e,) rows of the cells
     laminate : (e,) number of the laminate of each
     A_BE : (e, 3, 3) axes of the laminate: e3 the normal, e1 the direction of zero angle

@@ -18,11 +18,11 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package import Invariants, from_stations
-from ...solver.package.body.schema import SecondOrder
+from ...solver.package.body.package_schema import SecondOrder
 from ..modes.reduced import square, turned
 from ..modes.reference import Condition
 from .free_body import FreeBody
-from .links import Constrained, Link
+from .imported_interfaces import Constrained, Link
 
 SAME = 1e-9  # blocks of M relative to its largest entry
 

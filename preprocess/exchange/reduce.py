@@ -25,8 +25,8 @@ from ..modes.reference import Algebra, Condition, HeldDofs, MeanAxis, ModeError
 from .direct import Direct, Solver
 from .free_body import DIRECTIONS, FreeBody, free_body, labelled_cells, recovered
 from .import_table import SI, Reduction, UnitsTable, damping_ratio, provenance, sizes
+from .imported_interfaces import Constrained, Link, constrained, links
 from .inertia import Inertia, bent_body, inertia, second_order_sums
-from .links import Constrained, Link, constrained, links
 from .refusals import check_free_body
 
 Tell = Callable[[str], None]  # called with the name of each step

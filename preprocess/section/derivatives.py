@@ -28,11 +28,11 @@ from .helical import (
     Waves,
     change_of_resultants,
 )
-from .parameters import TINY, Rates
 from .recovery import Result, middles, nodal_displacements, unit_displacements
+from .section_parameters import TINY, Rates
+from .section_specification import SectionError
 from .space.layers import Layup
 from .space.space import SectionSpace
-from .spec import SectionError
 from .timoshenko import CLASSICAL, SHEAR, mass_centre, mass_matrix, shear_centre, tension_centre
 from .warping import WarpingSolver, motions_of_beam, pinned_dofs
 

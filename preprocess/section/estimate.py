@@ -17,7 +17,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import rotated
 from ..fenicsx import EDGES
 from .recovery import Result, unit_strains
-from .space.cells import CORNERS, KINDS, CellMesh
+from .space.section_cells import CORNERS, KINDS, CellMesh
 
 # The error of K falls with the degree of the field, at least with degree^-RATE. This is the rate
 # for singular stresses at the edge of a ply or a re-entrant corner; smooth parts converge faster,

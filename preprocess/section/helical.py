@@ -20,11 +20,11 @@ from ufl import SpatialCoordinate
 from ...solver.math.arrays import REGULAR, Array, IntArray, is_positive_definite
 from ...solver.math.rotations import skew
 from .. import fenicsx
-from .space.cells import within
+from .section_specification import IllConditioned, SectionError
 from .space.numbering import Restriction
+from .space.section_cells import within
 from .space.space import AT_A_TIME, SectionSpace
 from .space.strains import coefficients, twisted_strain_in_section, volume
-from .spec import IllConditioned, SectionError
 from .warping import motions_of_beam, pinned_dofs
 
 

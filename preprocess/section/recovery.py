@@ -19,13 +19,13 @@ from scipy.linalg import LinAlgError, solve_continuous_are
 
 from ...solver.math.arrays import Array
 from ...solver.package.common.materials import bond
-from ...solver.package.section.schema import SectionMeshData, SectionRecovery
+from ...solver.package.section.section_schema import SectionMeshData, SectionRecovery
 from .helical import CentralSolutions, TwistedStrains
-from .space.cells import FULL, CellMesh, IntArray
+from .section_specification import SectionError
 from .space.layers import Layup
-from .space.mesh import SectionMesh
+from .space.section_cells import FULL, CellMesh, IntArray
+from .space.section_mesh import SectionMesh
 from .space.space import SectionSpace
-from .spec import SectionError
 from .timoshenko import CLASSICAL, SHEAR, SectionStiffness, beam_strain_fields
 from .warping import WarpingSolver, motions_of_beam
 

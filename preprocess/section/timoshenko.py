@@ -17,8 +17,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, is_positive_definite
+from .section_specification import IllConditioned, SectionError
 from .space.space import SectionSpace
-from .spec import IllConditioned, SectionError
 from .warping import WarpingSolver, motions_of_beam
 
 CLASSICAL = np.array([0, 3, 4, 5])  # extension, twist, bend2, bend3

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from ...solver.math.arrays import REGULAR, Array
 from .. import fenicsx
+from .section_specification import SectionError
 from .space.space import SectionSpace
-from .spec import SectionError
 
 # A load must do no work on rigid motions. Round-off gives relative work of 1e-12 and, in very thin
 # open sections, more. Above the second value the equations themselves are wrong.

@@ -18,8 +18,8 @@ import numpy as np
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.cells import corner_areas
-from .cells import ShellError
-from .mesh import ShellMesh
+from .shell_cells import ShellError
+from .shell_mesh import ShellMesh
 
 KEYS = ("axis", "axis_curve", "axis_about")
 STEEP = 0.99  # cosine between normal and x above which y is used instead

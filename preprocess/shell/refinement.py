@@ -14,7 +14,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.cells import NONE, corner_counts
 from ..fenicsx import PlainMesh
 from ..mesh_input import load_script
-from .cells import BoolArray, Edges
+from .shell_cells import BoolArray, Edges
 
 # Least sine of the angles of a quadrilateral that is better than any triangles; 1 is a rectangle.
 # Below it, quadrilaterals are better than triangles with sharper angles (docs/shells-accuracy.md).

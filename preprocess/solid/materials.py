@@ -9,8 +9,8 @@ import numpy as np
 from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import material_from_dict, rotated
-from .mesh import SolidError, SolidMesh
 from .places import unit
+from .solid_mesh import SolidError, SolidMesh
 
 ALL = "all"
 AT_ONCE = 200_000  # points whose nearest piece is sought at a time

@@ -13,13 +13,13 @@ from ...solver.math.arrays import Array, IntArray
 from .. import fenicsx
 from ..exchange.direct import Solver
 from ..exchange.free_body import Cells, FreeBody
-from ..exchange.links import Constrained
+from ..exchange.imported_interfaces import Constrained
 from ..fenicsx import PlainMesh
 from ..fenicsx.assembly import SolidSpace
 from .forms import MASS_DEGREE, Elasticity, mass, pressure, stiffness_rule
 from .materials import CellMaterials, cell_materials
-from .mesh import CORNERS, VTK, SolidMesh, linear_weights, solid_mesh
 from .places import interface_faces
+from .solid_mesh import CORNERS, VTK, SolidMesh, linear_weights, solid_mesh
 
 
 class Mumps:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
-from .mesh import SolidError, SolidMesh
+from .solid_mesh import SolidError, SolidMesh
 
 NEAR = 1e-3  # distance from the plane or cylinder relative to the size of the face
 

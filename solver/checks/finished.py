@@ -18,7 +18,7 @@ from ..math.rows import spans
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..results.codes import Finding
-from ..results.schema import ENERGIES, ROUNDING
+from ..results.run_result import ENERGIES, ROUNDING
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism

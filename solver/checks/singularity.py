@@ -20,7 +20,7 @@ from ..errors import few
 from ..integrators.generic.drive import MOST_NOTED, Steps, StopRequest
 from ..math.arrays import Array
 from ..results.codes import BRANCH, ENERGY_JUMP, SINGULAR, SINGULAR_PASSED, Finding
-from ..results.schema import ROUNDING
+from ..results.run_result import ROUNDING
 from .constraint_rank import NEAR, ConstraintRank, Rank, new_observation, note, observe
 
 

@@ -282,7 +282,7 @@ def report_case(
         Not the folder of a case; no finished run; figures without matplotlib.
     """
     from ..report.animation import write_glb, write_vtk
-    from ..report.build import make_report
+    from ..report.report_page import make_report
     from ..report.story import case_table
     from ..report.table import summary_table
     from ..results import read_result, read_summary

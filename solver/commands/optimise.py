@@ -10,8 +10,8 @@ from ..inputs.common.text_file import read_toml
 from ..report.design.page import PAGE
 from ..report.table import json_text
 from ..studies.cases import build_folder, folder_lock
+from ..studies.design.design_text import outcome_lines
 from ..studies.design.problem import FEASIBLE
-from ..studies.design.show import outcome_lines
 from ..studies.design.study import optimise
 from ..studies.design.trials import Order
 from ..studies.exit_codes import INCOMPLETE

@@ -16,7 +16,7 @@ from ..run.inputs import plan_file
 from ..studies.cases import build_folder, chosen_run
 from ..studies.exit_codes import INCOMPLETE
 from ..studies.fidelity.answer import answer_text, entry
-from ..studies.fidelity.execution import answered
+from ..studies.fidelity.checked_run import answered
 from ..studies.fidelity.ladder import Ladder, Rung, ladder
 from ..workers.packages import prepared
 

@@ -10,7 +10,7 @@ from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
 from ..studies.cases import build_folder, chosen_run
 from ..studies.design.gradient import compute_gradient, gradient_table
-from ..studies.sensitivities.work import (
+from ..studies.sensitivities.case_sensitivities import (
     compute_sensitivities,
     sensitivity_table,
     write_sensitivities,

@@ -68,7 +68,7 @@ def run_schema(options: argparse.Namespace) -> int:
 
 def run_materials(options: argparse.Namespace) -> int:
     """List the library of materials, or print one as TOML. Raises InputError for another name."""
-    from ..inputs.common.library import LIBRARY
+    from ..inputs.common.published_materials import LIBRARY
 
     if options.name is None:
         for name, entry in LIBRARY.items():

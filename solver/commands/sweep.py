@@ -20,9 +20,9 @@ from ..studies.sweep.file import (
     result_of,
     sweep_csv,
 )
-from ..studies.sweep.plan import read_plan
-from ..studies.sweep.show import draw_sweep, outcome_lines
-from ..studies.sweep.work import Work, settled
+from ..studies.sweep.portions import Work, settled
+from ..studies.sweep.sweep_members import read_plan
+from ..studies.sweep.sweep_outcome import draw_sweep, outcome_lines
 from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
 from .arguments import wanted_formats

@@ -11,12 +11,12 @@ from pydantic import model_validator
 from plymotion import __version__
 
 from ..errors import InputError, nearest
-from ..inputs.common.table import Name, Table, entry, optional, validated
+from ..inputs.common.input_table import Name, Table, entry, optional, validated
 from ..inputs.common.text_file import read_toml
 from ..math.arrays import Array, IntArray
 from ..math.disk_cache import file_sha256
 from ..package.body.measured import Measurement, experimental_package
-from ..package.body.schema import ModalPackage
+from ..package.body.package_schema import ModalPackage
 
 # Every key of a file of measured modes (docs/modes.md).
 

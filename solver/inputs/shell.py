@@ -13,8 +13,8 @@ from ..errors import nearest, refuse
 from ..package.shell import elements
 from ..package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_words
 from ..package.specification import ShellLinkKind
+from .common.input_table import Around, Axis, Name, Pair, Table, Vector, entry, optional, validated
 from .common.materials import Content, Laminate, Material, Ply
-from .common.table import Around, Axis, Name, Pair, Table, Vector, entry, optional, validated
 from .common.units import MEANING, Unit, file_units, own_scale
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, collected, few, nearest, refuse, under, unknown
+from .common.input_table import plain_table
 from .common.materials import check_materials, plain, unknown_materials
 from .common.mesh_files import SUFFIXES as SCRIPTS
 from .common.mesh_files import content_sha256, is_gmsh_mesh, library, mesh_source, physical_groups
-from .common.table import plain_table
 from .common.text_file import read_toml
 from .section.foreign import gmsh_mesh
 from .shell import Mesh, Region, ShellDescription, checked

@@ -8,8 +8,18 @@ from typing import Literal, Self
 from pydantic import model_validator
 
 from ..package.specification import LinkKind
+from .common.input_table import (
+    Around,
+    Axis,
+    FilePath,
+    Name,
+    Oriented,
+    Table,
+    Vector,
+    entry,
+    optional,
+)
 from .common.materials import Material
-from .common.table import Around, Axis, FilePath, Name, Oriented, Table, Vector, entry, optional
 from .common.units import MEANING, Unit
 
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from ..errors import InputError, collected, did_you_mean, refuse, unknown
 from ..package.specification import CAD, CAD_WITH_UNIT, SolidSpecification, SolidTable
-from .common.library import LIBRARY
+from .common.input_table import plain_table, validated
 from .common.materials import check_materials, plain
 from .common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source
-from .common.table import plain_table, validated
+from .common.published_materials import LIBRARY
 from .common.text_file import read_toml
 from .common.units import LENGTHS, UNITS, file_units
 from .section.foreign import gmsh_mesh

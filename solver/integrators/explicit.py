@@ -1,7 +1,7 @@
 """Explicit Runge-Kutta methods of Dormand and Prince, orders 8(5,3) and 5(4).
 
 Of any equations y' = f(t, y), and of mechanisms with a step loop that is compiled whole. The step,
-its control, the stiffness test and the dense output of both are those of compiled/explicit.py;
+its control, the stiffness test and the dense output of both are those of compiled/explicit_loop.py;
 generic/dormand_prince.py has the coefficients.
 """
 
@@ -15,7 +15,7 @@ from ..math.arrays import Array
 from ..math.compiled import rebound
 from ..math.laws import Nested, Powers
 from .compiled import step_control as codes
-from .compiled.explicit import (
+from .compiled.explicit_loop import (
     STIFF_STEP,
     STIFF_TIME,
     accept_step,

@@ -15,7 +15,7 @@ from ..math.laws import Powers
 from .compiled import step_control as codes
 from .compiled.cutoff import filter_error, new_cutoff, start_filter
 from .compiled.pencil import freeze, new_frozen
-from .compiled.radau import advance
+from .compiled.radau_loop import advance
 from .compiled.radau_stages import (
     MU,
     PENALTY,
@@ -126,9 +126,10 @@ FAINT = 1e-8  # part of it below which a law that chatters keeps the steps short
 
 
 class Radau(ClosingLoop):
-    """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
-    the motion are damped, not followed; every step is brought back onto the constraints unless
-    `closed` is false.
+    """Radau IIA of order 5 for mechanisms (compiled/radau_loop.py).
+
+    It is L-stable, so that modes stiffer than the motion are damped, not followed. Every step is
+    brought back onto the constraints unless `closed` is false.
     """
 
     name = "radau"

@@ -22,7 +22,7 @@ from ..dynamics.model.plan import make_plan
 from ..math.arrays import Array, IntArray
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
-from ..package.body.schema import Invariants, SecondOrder
+from ..package.body.package_schema import Invariants, SecondOrder
 from .tables import (
     Body,
     CoordinateTable,

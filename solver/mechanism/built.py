@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from ..package.body.schema import Interface, ModalPackage
+from ..package.body.package_schema import Interface, ModalPackage
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from ..dynamics.model.model import ANGLE, N_POLAR, N_ROTOR, N_SHAPE, Quantities,
 from ..math.arrays import Array, IntArray
 from ..math.expressions.program import Node, new_stack, programs
 from ..math.laws import Law
-from ..package.body.schema import Invariants, ModalPackage, SecondOrder
+from ..package.body.package_schema import Invariants, ModalPackage, SecondOrder
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,15 @@ from ..math.catalogue import lazy_names
 
 # Public name -> module of this folder.
 _PUBLIC = {
-    "Interface": "body.schema",
-    "Invariants": "body.schema",
-    "ModalPackage": "body.schema",
+    "Interface": "body.package_schema",
+    "Invariants": "body.package_schema",
+    "ModalPackage": "body.package_schema",
     "Remark": "common.findings",
-    "SectionData": "body.schema",
+    "SectionData": "body.package_schema",
     "from_stations": "body.invariants",
-    "read_package": "body.io",
+    "read_package": "body.package_file",
     "validate": "validation",
-    "write_package": "body.io",
+    "write_package": "body.package_file",
 }
 __all__ = ["PackageError", *_PUBLIC]
 

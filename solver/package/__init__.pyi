@@ -1,10 +1,10 @@
 from ..errors import PackageError as PackageError
 from .body.invariants import from_stations as from_stations
-from .body.io import read_package as read_package
-from .body.io import write_package as write_package
-from .body.schema import Interface as Interface
-from .body.schema import Invariants as Invariants
-from .body.schema import ModalPackage as ModalPackage
-from .body.schema import SectionData as SectionData
+from .body.package_file import read_package as read_package
+from .body.package_file import write_package as write_package
+from .body.package_schema import Interface as Interface
+from .body.package_schema import Invariants as Invariants
+from .body.package_schema import ModalPackage as ModalPackage
+from .body.package_schema import SectionData as SectionData
 from .common.findings import Remark as Remark
 from .validation import validate as validate

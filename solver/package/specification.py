@@ -5,7 +5,7 @@ preprocessor checks keys and types only (`check_form`). SI units and degrees.
 
     {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
      "x2_axis": [0.0, 1.0, 0.0],                 section's x2 in body axes
-     "section": {...},                           see preprocess/section/analysis.py
+     "section": {...},                           see preprocess/section/section_analysis.py
      "theory": "timoshenko",                     or "classical": without shear
      "mass_form": "consistent",                  or "lumped": of modes and invariants
      "reference": {"kind": "clamped", "at": "root"},    or chord (two places), mean-axis (none)
@@ -24,7 +24,7 @@ fractions of it are then along the line, `elements` counts those of the line, an
 
     {"body": "hand", "kind": "shell",
      "shell": {"mesh": {...}, "materials": {...}, "laminates": {...}, "regions": {...},
-               "elements": {...}, "stiffeners": {...}},     see preprocess/shell/model/problem.py
+               "elements": {...}, "stiffeners": {...}},  see preprocess/shell/model/shell_problem.py
      "mass_form": ..., "reference": ..., "modes": ..., "damping_ratio": ...,
      "interfaces": {"root": {"at": "left edge", "link": "rigid", "rotation_deg": [0, 0, 0]},
                     "tip": {"at": "right edge", "link": "average", "position": [0.7, 0.0, 0.0],
@@ -35,7 +35,7 @@ fractions of it are then along the line, `elements` counts those of the line, an
 
     {"body": "bracket", "kind": "solid",
      "solid": {"mesh": {"file": "bracket.step", "size": 0.004}, "materials": {...},
-               "regions": {"all": {"material": "aluminium"}}},      see preprocess/solid/mesh.py
+               "regions": {"all": {"material": "aluminium"}}},    see preprocess/solid/solid_mesh.py
      "reference": ..., "modes": ..., "damping_ratio": ...,
      "interfaces": {"root": {"bore": {"radius": 0.005, "point": [0, 0, 0], "direction": [0, 0, 1]},
                              "link": "rigid", "rotation_deg": [0, 0, 0]},

@@ -6,8 +6,8 @@ from typing import Any
 import h5py
 
 from ..errors import InputError, PackageError
-from .body.io import MODAL_PACKAGE, write_package
-from .body.schema import ModalPackage
+from .body.package_file import MODAL_PACKAGE, write_package
+from .body.package_schema import ModalPackage
 from .common.container import get_text, open_file
 from .common.dataset import WORDS
 from .common.design import GROUP
@@ -20,7 +20,7 @@ from .common.object_file import (
     identity_notes,
     unit_findings,
 )
-from .section.io import SECTION_FILE
+from .section.section_file import SECTION_FILE
 
 __all__ = ["Remark", "validate", "write_valid"]
 

@@ -8,7 +8,7 @@ from ..math.catalogue import lazy_names
 
 # Public name -> module of this folder.
 _PUBLIC = {
-    "make_report": "build",
+    "make_report": "report_page",
     "summary_table": "table",
     "write_glb": "animation",
     "write_vtk": "animation",

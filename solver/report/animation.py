@@ -18,7 +18,7 @@ from ..package.common.files import temporary_sibling
 from ..package.common.object_file import write_file_checksum
 from ..results import BodyGeometry, RunResult, read_result
 from ..results.file import frames, write_grid
-from ..results.schema import BodyView
+from ..results.run_result import BodyView
 from ..results.summary import plain
 from ..results.surfaces import node_positions
 from .scene import frame_rows, one_sign, site_energy, site_exposure

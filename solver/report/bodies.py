@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..results.schema import BodyView
+from ..results.run_result import BodyView
 from .sections import Cell, Row, figures, name_of, section, table
 from .story import Story
 from .table import number

@@ -15,7 +15,7 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..results import RunResult
 from ..results.summary import plain
-from .figures import UNITS, WORDS
+from .case_figures import UNITS, WORDS
 
 # All arrays of a page as one text: byte-shuffled, compressed, base64.
 

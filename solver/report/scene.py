@@ -1,6 +1,6 @@
 """The moving bodies of a run for the view of the page: motion, results at sites, joints.
 
-results/schema.py has the equations of motion. Sites are stations of a beam, cells of a shell,
+results/run_result.py has the equations of motion. Sites are stations of a beam, cells of a shell,
 faces of a solid; their strain energy and exposure are computed here for the page and for the files
 of the animation.
 """
@@ -13,7 +13,7 @@ from ..dynamics.elements.forces.table import FORCES
 from ..math.arrays import Array, IntArray
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
-from ..results.schema import BodyView, Link, Loads, Side, Sites
+from ..results.run_result import BodyView, Link, Loads, Side, Sites
 from ..results.summary import findings
 from ..results.surfaces import halved, prism, unit_sphere
 from ..strength import criteria_of
@@ -185,7 +185,7 @@ def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
 
     What turns about an axis is a cylinder along it, what slides a bar, what turns about all a ball.
 
-    free : free directions of the joint: x, y, z, about x, about y, about z (results/schema.py)
+    free : free directions of the joint: x, y, z, about x, about y, about z (results/run_result.py)
     """
     shifts = [each for each in free if each in SHIFTS]
     if not free:

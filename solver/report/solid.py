@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..package.body.io import read_package
-from ..package.body.schema import ModalPackage
+from ..package.body.package_file import read_package
+from ..package.body.package_schema import ModalPackage
 from ..package.common.cells import cell_table, centres
 from ..package.section.stress import strengths
 from ..strength.criteria.von_mises import equivalent_stress
@@ -22,7 +22,7 @@ def solid_text(found: dict[str, Any]) -> str:
 
     Parameters
     ----------
-    found : as preprocess/solid/analysis.py makes it, with name, seconds and warnings
+    found : as preprocess/solid/solid_analysis.py makes it, with name, seconds and warnings
     """
     lines = [
         found["name"],

@@ -1,7 +1,7 @@
 """Results of a run: result.vtkhdf with all histories, summary.json with the main numbers."""
 
 from .file import read_result, write_animation, write_result
-from .schema import (
+from .run_result import (
     BodyGeometry,
     Derivative,
     ResultError,

@@ -14,7 +14,7 @@ from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows
 from ..package.common.container import as_text, is_text, set_text, text_array
 from ..package.common.dataset import build, field_values, layout
-from .schema import BodyGeometry, BodyView, Link, Loads, ResultError, Side, Sites, Surface
+from .run_result import BodyGeometry, BodyView, Link, Loads, ResultError, Side, Sites, Surface
 from .summary import plain
 
 # Datasets of a result file: rows over time, in chunks of one column each.
@@ -328,7 +328,7 @@ def view_record(view: BodyView) -> Record:
 
 
 def link_record(link: Link) -> Record:
-    """Return what a file has of a joint: m, rad; axes as in results/schema.py."""
+    """Return what a file has of a joint: m, rad; axes as in results/run_result.py."""
     found: dict[str, object] = {"kind": link.kind, "free": json.dumps(link.free)}
     for number, side in enumerate(link.sides, 1):
         found[f"body_{number}"] = side.body

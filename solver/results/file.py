@@ -42,7 +42,7 @@ from .datasets import (
     write_table,
     write_texts,
 )
-from .schema import (
+from .run_result import (
     FORMAT,
     FORMAT_VERSION,
     TABLES_VERSION,

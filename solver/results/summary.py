@@ -12,7 +12,7 @@ from ..math.arrays import Array
 from ..math.rows import spans
 from ..package.common.files import write_text
 from .codes import UNDER_WAY, Entry, Finding
-from .schema import ResultError, Signal
+from .run_result import ResultError, Signal
 
 
 class Summary(TypedDict, total=False):

@@ -13,7 +13,7 @@ from ..math.rotations import rotation_matrices, shortest_rotations
 from ..math.rows import ComputedRows, computed
 from ..package.common.cells import SOLID_FACES, corners_of
 from .outline import Outline
-from .schema import BodyGeometry, Surface
+from .run_result import BodyGeometry, Surface
 
 # Positions of drawn points from the coordinates of their body.
 

@@ -22,7 +22,7 @@ from ..results import BodyGeometry
 from ..results.datasets import MOST_NAMED
 from ..results.file import frames
 from ..results.outline import Outline, section_outline
-from ..results.schema import BodyView, Link, Loads, Side, Sites, Surface
+from ..results.run_result import BodyView, Link, Loads, Side, Sites, Surface
 from ..results.surfaces import (
     LINES,
     Ball,

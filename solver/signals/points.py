@@ -11,7 +11,7 @@ from ..math.arrays import Array
 from ..math.compiled import lean
 from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, vectors_to_matrices
 from ..mechanism.built import BuiltMechanism, frame_marker
-from ..package.body.schema import Interface
+from ..package.body.package_schema import Interface
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PointSignal

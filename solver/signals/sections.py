@@ -23,8 +23,8 @@ from ..math.arrays import Array, IntArray
 from ..math.rotations import skew, vectors_to_matrices
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
-from ..package.body.schema import BodyRecovery
-from ..package.section.schema import RESULTANTS, STRESSES, Ply, SectionRecovery
+from ..package.body.package_schema import BodyRecovery
+from ..package.section.section_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
 from ..strength.beam_bodies import unit_stress_M
 from ..strength.fatigue import StressLife, check_rainflow
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..math.arrays import Array
-from ..package.section.schema import STRESSES, Ply
+from ..package.section.section_schema import STRESSES, Ply
 from .search import PeakSearch
 
 

@@ -17,12 +17,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.body.schema import CellResultants, LaminateData, ModalPackage
+from ..package.body.package_schema import CellResultants, LaminateData, ModalPackage
 from ..package.common.cells import cell_table, centres
 from ..package.common.materials import material_from_dict
-from ..package.section.schema import Ply
+from ..package.section.section_schema import Ply
 from ..package.section.stress import strengths
-from ..package.shell.schema import LEVELS, ShellPly
+from ..package.shell.shell_schema import LEVELS, ShellPly
 from . import criteria_of
 from .beam_bodies import BeamSearch, beam_search
 from .found import BodyStrength, CriticalPoint, ranked

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..package.common.files import write_text
-from ..report.build import PAGE, make_report
+from ..report.report_page import PAGE, make_report
 from ..report.story import case_table
 from ..results.live import FOLDER, answers, ask
 from ..system.platform import can_fork, locked

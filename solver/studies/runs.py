@@ -70,7 +70,7 @@ def _planned(
     file: Path, allow_doubtful: bool, spec: RunSpec, digest: str
 ) -> tuple[RunResult, Summary]:
     """Execute a run with `[fidelity]`."""
-    from .fidelity.execution import delivered  # most runs need no planner
+    from .fidelity.checked_run import delivered  # most runs need no planner
 
     return delivered(file, spec, digest, allow_doubtful=allow_doubtful)
 

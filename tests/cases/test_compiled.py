@@ -123,7 +123,7 @@ def test_planning_compiles_nothing(ahead, repository):
     words = _python(
         "import sys; sys.path[:0] = sys.argv[1:]\n"
         "from samples.fidelity_samples import pendulum, planned_run\n"
-        "from plymotion.solver.studies.fidelity.execution import checked, plan_of\n"
+        "from plymotion.solver.studies.fidelity.checked_run import checked, plan_of\n"
         "from plymotion.solver.math.compiled import statistics\n"
         "table = pendulum(t_end=0.1)\n"
         "print(checked(plan_of(*planned_run(table, 'soft'))).verdict, statistics.compiled)\n",

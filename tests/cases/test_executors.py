@@ -19,9 +19,9 @@ from samples.sweep_samples import FORCE, MASS, ball, ball_plan, sweep
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep import portions
 from plymotion.solver.studies.sweep.file import read_sweep
-from plymotion.solver.studies.sweep.work import Portions
+from plymotion.solver.studies.sweep.portions import Portions
 from plymotion.solver.workers import executors
 from plymotion.solver.workers.executors import FRUITLESS, Here, Local, distribute
 
@@ -177,7 +177,7 @@ def test_workers_end_with_their_parent(tmp_path, number):
 @POSIX
 @pytest.mark.provokes("worker-lost")
 def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(work, "compute_portion", samples.deadly_portion)
+    monkeypatch.setattr(portions, "compute_portion", samples.deadly_portion)
     plan = ball_plan(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0, 4.0]")
     rows = {}
     source = Portions(plan, range(4), plan.keys(), rows.__setitem__)
@@ -224,8 +224,8 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
             self._size = min(self._size, 2)  # many portions
             return super().next(lane, width)
 
-    monkeypatch.setattr(work, "Portions", Watched)
-    monkeypatch.setattr(work, "compute_portion", samples.noted_portion)
+    monkeypatch.setattr(portions, "Portions", Watched)
+    monkeypatch.setattr(portions, "compute_portion", samples.noted_portion)
     first = cluster.worker()
     second = cluster.worker()
     killed = []
@@ -309,9 +309,9 @@ KILLED = """
 import sys
 from harness import executor_samples
 from plymotion.solver.__main__ import main
-from plymotion.solver.studies.sweep import work
-work.compute_portion = executor_samples.noted_portion
-work.SAVE_S = 0.0  # each row at once
+from plymotion.solver.studies.sweep import portions
+portions.compute_portion = executor_samples.noted_portion
+portions.SAVE_S = 0.0  # each row at once
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -9,7 +9,7 @@ from samples.fidelity_packages import CASE, build_bodies
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
-from plymotion.solver.report.build import make_report
+from plymotion.solver.report.report_page import make_report
 from plymotion.solver.results import read_result, read_summary
 from plymotion.solver.run.inputs import up_to_date
 

@@ -17,7 +17,7 @@ from samples.recovery_samples import (
 from samples.stiffening_samples import rectangle
 from scipy.optimize import brentq
 
-from plymotion.preprocess.beam.body import mode_warnings
+from plymotion.preprocess.beam.beam_body import mode_warnings
 from plymotion.solver.checks.modes import mode_findings
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import integrated, prepare

@@ -10,9 +10,9 @@ from samples.body_specs import beam_body
 from samples.case_samples import HEAD, computed_file
 from samples.recovery_samples import STEEL
 
-from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import SectionData, write_package
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05

@@ -10,7 +10,7 @@ from harness.chromium import NO_3D, SOFTWARE, Browser
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.rotations import rotation_matrix
-from plymotion.solver.report.build import page
+from plymotion.solver.report.report_page import page
 from plymotion.solver.report.scene import site_energy
 from plymotion.solver.report.story import read_story
 from plymotion.solver.results import RunResult, read_result
@@ -130,7 +130,7 @@ def test_a_page_that_would_be_too_large_has_fewer_animations(
     sizes = {}
     for limit, moving in ((10**9, [True, True]), (None, [True, False]), (0, [False, False])):
         room = sizes[10**9] - 1000 if limit is None else limit
-        monkeypatch.setattr("plymotion.solver.report.build.LIMIT", room)
+        monkeypatch.setattr("plymotion.solver.report.report_page.LIMIT", room)
         text = page("pendulum", stories, [])
         sizes[limit] = len(text.encode())
         index = json.loads(text.split("id='index'>")[1].split("</script>")[0])

@@ -19,7 +19,7 @@ from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.report import make_report
 from plymotion.solver.report.scene import site_exposure
 from plymotion.solver.results import RunResult, read_result, write_result, write_summary
-from plymotion.solver.results.schema import BodyView, Sites, Surface
+from plymotion.solver.results.run_result import BodyView, Sites, Surface
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
 

@@ -9,7 +9,7 @@ from samples.blade_samples import rows_of
 from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.tables.beams import BeamBody
+from plymotion.solver.inputs.case.tables.beam_keys import BeamBody
 from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.package import read_package
 

@@ -15,9 +15,9 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.error_bars import with_error_bars
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep import portions
 from plymotion.solver.studies.sweep.member import compute
-from plymotion.solver.studies.sweep.plan import Packages
+from plymotion.solver.studies.sweep.sweep_members import Packages
 
 BRIEF = """
 [variants.brief.solver]
@@ -48,7 +48,7 @@ def computed(monkeypatch):
         numbers.extend(plan.members[k].number for k in places)
         return compute(plan, packages, places, keys)
 
-    monkeypatch.setattr(work, "compute", watched)
+    monkeypatch.setattr(portions, "compute", watched)
     return numbers
 
 
@@ -298,13 +298,15 @@ def test_what_is_no_sweep_file(text, tmp_path, capsys):
     ],
 )
 def test_figures(vary, shape, tmp_path, monkeypatch):
-    from plymotion.solver.studies.sweep import show
+    from plymotion.solver.studies.sweep import sweep_outcome
 
     drawn = []
     for name in ("_curves", "_map", "_points"):
-        real = getattr(show, name)
+        real = getattr(sweep_outcome, name)
         monkeypatch.setattr(
-            show, name, lambda *a, real=real, name=name: drawn.append((name, a)) or real(*a)
+            sweep_outcome,
+            name,
+            lambda *a, real=real, name=name: drawn.append((name, a)) or real(*a),
         )
     file = ball(tmp_path, vary, 'signals = ["x"]')
     assert main(["sweep", str(file), "--quiet"]) in (0, 3)

@@ -7,10 +7,10 @@ import pytest
 from harness.processes import interrupted
 from samples.sweep_samples import FORCE, MASS, ball, ball_plan, result, sweep
 
-from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep import portions
 from plymotion.solver.studies.sweep.file import read_sweep
 from plymotion.solver.studies.sweep.member import compute
-from plymotion.solver.studies.sweep.plan import Packages
+from plymotion.solver.studies.sweep.sweep_members import Packages
 
 
 @pytest.mark.usefixtures("system")
@@ -26,7 +26,7 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
         return compute(plan, packages, places, keys)
 
     with monkeypatch.context() as patch:
-        patch.setattr(work, "compute", interrupted)
+        patch.setattr(portions, "compute", interrupted)
         assert sweep(file) == 130
     assert not (file.with_suffix("") / "sweep.csv").exists()
     done = len(calls[0]) + len(calls[1])
@@ -87,15 +87,15 @@ def test_ctrl_c_within_a_member(tmp_path):
 
 def test_saving_on_the_way(tmp_path, monkeypatch):
     """After a crash of the machine, the last saved file exists."""
-    monkeypatch.setattr(work, "SAVE_S", 0.0)
+    monkeypatch.setattr(portions, "SAVE_S", 0.0)
     seen = []
-    save = work.write_sweep
+    save = portions.write_sweep
 
     def watched(path, found):
         save(path, found)
         seen.append(read_sweep(path).count("finished"))
 
-    monkeypatch.setattr(work, "write_sweep", watched)
+    monkeypatch.setattr(portions, "write_sweep", watched)
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0]")
     assert sweep(file) == 0
     assert seen == [1, 2, 3, 3]

@@ -179,9 +179,16 @@ with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
     assert code == 0, code
 print(*sys.modules)
 """
-DRAWING = {"matplotlib", "tqdm", "numba", "meshio", "pyvista", "plymotion.solver.report.build"}
+DRAWING = {
+    "matplotlib",
+    "tqdm",
+    "numba",
+    "meshio",
+    "pyvista",
+    "plymotion.solver.report.report_page",
+}
 NUMBERS = {"numpy", "h5py", "scipy", "pydantic"}
-BODIES = {"plymotion.solver.package.body.io", "plymotion.solver.package.validation"}
+BODIES = {"plymotion.solver.package.body.package_file", "plymotion.solver.package.validation"}
 DESCRIPTION = {"scipy", "plymotion.solver.inputs.case.load", "plymotion.solver.dynamics"}
 STARTS = [  # a command, what it must not load
     ("--help", DRAWING | NUMBERS),

@@ -12,7 +12,7 @@ from samples.package_samples import cantilever, same
 from samples.panel_sample import panel, with_face_stresses
 
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
-from plymotion.solver.package.body.schema import (
+from plymotion.solver.package.body.package_schema import (
     FORMAT,
     FORMAT_VERSION,
     MASS_FORMS,

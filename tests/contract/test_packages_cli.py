@@ -11,7 +11,7 @@ from samples.sweep_samples import checked
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package
-from plymotion.solver.package.section.io import read_section
+from plymotion.solver.package.section.section_file import read_section
 
 CASE = """
 [materials.steel]

@@ -19,7 +19,7 @@ from harness.struck_samples import narrow_pipe
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.package.section.io import read_section
+from plymotion.solver.package.section.section_file import read_section
 from plymotion.solver.workers import interpreter
 from plymotion.solver.workers.interpreter import find_interpreter
 

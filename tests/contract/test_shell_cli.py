@@ -10,7 +10,7 @@ import pytest
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package.common.files import RECORD
-from plymotion.solver.package.shell.io import read_shell
+from plymotion.solver.package.shell.shell_file import read_shell
 
 STRIP = """
 DefineConstant[ n = {4, Name "Parameters/n"} ];

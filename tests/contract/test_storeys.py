@@ -12,6 +12,7 @@ import pytest
 
 MOST_ROOMS, MOST_LEVELS = 20, 10
 MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it has contract.py)
+CATALOGUE = ("contract.py", "table.py")  # of a folder of kinds: what each supplies, and their list
 # Folders above that limit, and what they have: no number here may grow.
 LARGE = {}
 LONGEST_CHAIN = {"solver": 25, "preprocess": 24}  # of imports, file by file; may not grow either
@@ -126,6 +127,32 @@ def test_no_arrow_runs_up(
         for target in targets - {"__init__.py"}:
             above, below = room.removesuffix(".py"), target.removesuffix(".py")
             assert height[above] >= height[below], f"{room} imports {target}"
+
+
+def names_met_twice(files: Iterable[Path]) -> dict[str, list[Path]]:
+    """Module names of several files; every catalogue of kinds has its own `CATALOGUE` files."""
+    by_name: dict[str, list[Path]] = {}
+    for file in sorted(files):
+        in_catalogue = file.name in CATALOGUE and (file.parent / CATALOGUE[0]).is_file()
+        if not file.name.startswith("__") and not in_catalogue:
+            by_name.setdefault(file.name, []).append(file)
+    return {name: places for name, places in by_name.items() if len(places) > 1}
+
+
+def test_no_module_name_twice_in_a_storey(repository: Path) -> None:
+    solver, preprocess = repository / "solver", repository / "preprocess"
+    for layer in declared_layers(repository):
+        assert not names_met_twice(file for room in layer for file in (solver / room).rglob("*.py"))
+    assert not names_met_twice(preprocess.rglob("*.py"))
+
+
+def test_names_met_twice_are_found(tmp_path: Path) -> None:
+    names = ["a/mesh.py", "b/mesh.py", "a/__init__.py", "b/__init__.py", "b/table.py"]
+    names += [f"kinds/{k}/{name}" for k in "cd" for name in ("contract.py", "table.py")]
+    _written(tmp_path, [(name, "") for name in names])
+    assert names_met_twice(tmp_path.rglob("*.py")) == {
+        "mesh.py": [tmp_path / "a" / "mesh.py", tmp_path / "b" / "mesh.py"]
+    }
 
 
 def test_architecture_names_every_room(repository: Path) -> None:

@@ -26,7 +26,7 @@ from plymotion.preprocess.exchange.free_body import Cells, Layups, centre_strain
 from plymotion.preprocess.exchange.import_file import imported, read_table
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, validate, write_package
-from plymotion.solver.package.body.schema import CellResultants
+from plymotion.solver.package.body.package_schema import CellResultants
 
 COUNT = (40, 4)
 ENDS = {

@@ -13,7 +13,7 @@ from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.coupled import Course, Stepper
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.inputs import RunSpec
-from plymotion.solver.studies.sensitivities.execution import step_derivatives
+from plymotion.solver.studies.sensitivities.differentiated_run import step_derivatives
 
 CARRIAGE = (
     rigid("box", 2.0, 0.1, {"c": [0, 0, 0]}, position=[0.5, 0, 0])

@@ -9,8 +9,8 @@ from samples.section_specs import library_spec, rectangle_spec
 from samples.shell_specs import METAL, SCRIPTS
 from scipy.linalg import eigh
 
-from plymotion.preprocess.section import analysis as section
-from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.section import section_analysis as section
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.solver.studies.fidelity.indicators.beam_theory import (
     Walls,
     local_frequency,

@@ -12,14 +12,14 @@ from peers.ply_stresses import beam_ply_stress, body_strength
 from samples.body_specs import beam_body
 from samples.recovery_samples import PLY_CRITERIA, mode_resultants
 
-from plymotion.preprocess.beam.body import beam_model
+from plymotion.preprocess.beam.beam_body import beam_model
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import RECOVERY_DEGREE, build_body
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.common.materials import bond
-from plymotion.solver.package.section.schema import SectionFile
+from plymotion.solver.package.section.section_schema import SectionFile
 from plymotion.solver.package.section.stress import resultants
 
 LENGTH = 0.5

@@ -16,7 +16,7 @@ from plymotion.preprocess.body import build_body
 from plymotion.preprocess.design import body_parameters
 from plymotion.preprocess.modes.reference import ModeError
 from plymotion.preprocess.products import BodyPackages
-from plymotion.preprocess.shell.body import body
+from plymotion.preprocess.shell.body import shell_body as built_shells
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.common.plain_data import SpecError
 
@@ -194,7 +194,9 @@ LAYUP = {
     ids=["clamped", "mean-axis", "second order"],
 )
 def test_lay_ups_of_shells(changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body, "rounded", lambda values: values)  # differences need all digits
+    monkeypatch.setattr(
+        built_shells, "rounded", lambda values: values
+    )  # differences need all digits
     found = worst(skewed(design=LAYUP, **changes), 5.0)
     assert found.keys() == LAYUP.keys()
     assert max(found.values()) < LIMIT, found
@@ -236,7 +238,7 @@ def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("kind", ["region", "stiffener"])
 def test_regions_of_one_material_and_stiffeners(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body, "rounded", lambda values: values)
+    monkeypatch.setattr(built_shells, "rounded", lambda values: values)
     spec = skewed()
     if kind == "region":
         spec["shell"] |= {"materials": {"metal": METAL}, "laminates": {}}

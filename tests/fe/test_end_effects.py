@@ -14,7 +14,7 @@ from peers.solid_prism import held_compliance
 from samples.section_specs import library_spec, rectangle_spec
 from samples.shell_specs import CFRP, METAL
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import material_from_dict
 from plymotion.solver.run.error_bars import OTHER_END

@@ -13,8 +13,8 @@ from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.spaces import cell_dofs, cell_name, dolfinx_mesh, vector_space
-from plymotion.preprocess.section.space.mesh import script_path
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.section.space.section_mesh import script_path
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 N = 120

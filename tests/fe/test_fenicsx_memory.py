@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 
 STATM = Path("/proc/self/statm")
 
@@ -70,9 +70,9 @@ NEW_SECTIONS = """
 import resource
 from dataclasses import replace
 from samples.section_cases import section
-from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.section_problem import SectionProblem
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 
 spec = section("21_box_layup2")
 mesh = section_mesh(spec["mesh"], "section")

@@ -10,9 +10,9 @@ import pytest
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.fenicsx import MeshError, gmsh, open_mesh
-from plymotion.preprocess.section.space.mesh import section_mesh
-from plymotion.preprocess.section.spec import SectionError
-from plymotion.preprocess.shell.mesh import ShellError, shell_mesh
+from plymotion.preprocess.section.section_specification import SectionError
+from plymotion.preprocess.section.space.section_mesh import section_mesh
+from plymotion.preprocess.shell.shell_mesh import ShellError, shell_mesh
 
 pytestmark = pytest.mark.one_end
 SQUARE = """\

@@ -11,8 +11,8 @@ from samples.section_specs import library_spec
 from samples.shell_specs import CFRP, box, plate
 
 from plymotion.preprocess.__main__ import main
-from plymotion.solver.package.section.io import read_section
-from plymotion.solver.package.shell.io import read_shell
+from plymotion.solver.package.section.section_file import read_section
+from plymotion.solver.package.shell.shell_file import read_shell
 
 CLOSE = 1e-8
 PREPROCESS = ("-m", "plymotion.preprocess")
@@ -57,8 +57,8 @@ import numpy as np
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.team import Distribution
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.problem import section_problem
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.section.section_problem import section_problem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 team, found = fenicsx.Team(fenicsx.MPI.COMM_WORLD), {}
 specs = json.load(open(sys.argv[1]))

@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
 from plymotion.preprocess.section.estimate import worst_cells
-from plymotion.preprocess.section.space.cells import CellMesh, refined
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.space.section_cells import CellMesh, refined
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import isotropic
-from plymotion.solver.package.section.schema import SectionFile
+from plymotion.solver.package.section.section_schema import SectionFile
 
 STEEL = {"kind": "isotropic", "E": 210e9, "nu": 0.3, "rho": 7850.0}
 PLY = {

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from samples.section_mesh_samples import SIZES, library, nodes_of
 
+from plymotion.preprocess.section.section_specification import SectionError
 from plymotion.preprocess.section.space.layers import nearest_on_curve
-from plymotion.preprocess.section.space.mesh import section_mesh
-from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.solver.inputs.section.shapes.library import expand, walls
 
 AIRFOILS: dict[str, dict[str, Any]] = {

@@ -13,7 +13,7 @@ import pytest
 from harness.mpi_samples import environment, mpirun, run
 
 from plymotion.preprocess.__main__ import main
-from plymotion.solver.package.section.io import read_section
+from plymotion.solver.package.section.section_file import read_section
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 CFRP = {

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
-from plymotion.solver.package.section.schema import SectionFile
+from plymotion.solver.package.section.section_schema import SectionFile
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 CLOSED_FORMS = tomllib.loads((FOLDER / "closed_forms.toml").read_text(encoding="utf-8"))

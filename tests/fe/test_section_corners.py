@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.package.section.stress import reentrant_corners
-from plymotion.solver.report.section.show import judged_peaks
+from plymotion.solver.report.section.section_text import judged_peaks
 
 pytestmark = pytest.mark.one_end
 

@@ -6,23 +6,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
 from plymotion.preprocess.section.derivatives import (
     PrismaticSolver,
     central,
     changed,
     stiffness_terms,
 )
-from plymotion.preprocess.section.parameters import STEP, parameters
-from plymotion.preprocess.section.problem import section_problem, solve
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_parameters import STEP, parameters
+from plymotion.preprocess.section.section_problem import section_problem, solve
+from plymotion.preprocess.section.section_specification import SectionError
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.spec import SectionError
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand, walls
 from plymotion.solver.package.common.dataset import all_values
 from plymotion.solver.package.common.design import moved
 from plymotion.solver.package.common.materials import PlyStrength
-from plymotion.solver.package.section.schema import SectionFile
+from plymotion.solver.package.section.section_schema import SectionFile
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import unit_stress_M
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.fenicsx import FactorisationError
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.guards import solvability_warnings
-from plymotion.preprocess.section.problem import SectionProblem
-from plymotion.preprocess.section.space.mesh import section_mesh
-from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_problem import SectionProblem
+from plymotion.preprocess.section.section_specification import SectionError
+from plymotion.preprocess.section.section_warnings import solvability_warnings
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.preprocess.section.timoshenko import SectionStiffness, beam_strain_fields, stiffness
 from plymotion.preprocess.section.warping import WarpingSolver, pinned_dofs, rigid_fields
 from plymotion.solver.inputs.section.shapes.library import expand

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from samples.section_cases import section
 
-from plymotion.preprocess.section.analysis import analyse
 from plymotion.preprocess.section.estimate import cell_exponents, error_of_edges, exponent
-from plymotion.preprocess.section.problem import SectionProblem, section_problem
-from plymotion.preprocess.section.space.cells import CellMesh, refined
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_problem import SectionProblem, section_problem
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.space.section_cells import CellMesh, refined
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
@@ -275,9 +275,9 @@ def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
 
 @pytest.mark.provokes("accuracy-not-met")
 def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    from plymotion.preprocess.section import analysis
+    from plymotion.preprocess.section import section_analysis
 
-    monkeypatch.setattr(analysis, "MOST_DOFS", 5000)
+    monkeypatch.setattr(section_analysis, "MOST_DOFS", 5000)
     found = analyse(section("02"), accuracy=1e-9)
     assert [warning["code"] for warning in found.warnings] == ["accuracy-not-met"]
     assert found.provenance["refinements"][-1]["error"] > 1e-9

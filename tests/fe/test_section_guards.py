@@ -9,10 +9,10 @@ import pytest
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.guards import coarse_warnings
-from plymotion.preprocess.section.space.mesh import SectionMesh, section_mesh
-from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_specification import SectionError
+from plymotion.preprocess.section.section_warnings import coarse_warnings
+from plymotion.preprocess.section.space.section_mesh import SectionMesh, section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand
 
 ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}

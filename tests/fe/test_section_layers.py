@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_specification import SectionError
 from plymotion.preprocess.section.space.layers import nearest_on_curve
-from plymotion.preprocess.section.spec import SectionError
 from plymotion.preprocess.section.timoshenko import scaled
 
 CARBON = {

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from samples.section_mesh_samples import CFRP, ISOTROPIC, SIZES, library, moments, nodes_of
 
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.space.cells import KINDS as CELL_KINDS
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.space.section_cells import KINDS as CELL_KINDS
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.math.arrays import Array
 

@@ -1,4 +1,4 @@
-"""E, H, L of the section against the same integrals by NumPy alone (verification.py)."""
+"""E, H, L of the section against the same integrals by NumPy alone (section_verification.py)."""
 
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,12 @@ from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
 from plymotion.preprocess.fenicsx.kernels import compiled_text
 from plymotion.preprocess.fenicsx.stack import dolfinx
 from plymotion.preprocess.section.helical import TwistedStrains
-from plymotion.preprocess.section.problem import SectionProblem
-from plymotion.preprocess.section.space.cells import cells_of_plain
-from plymotion.preprocess.section.space.mesh import SectionMesh
+from plymotion.preprocess.section.section_problem import SectionProblem
+from plymotion.preprocess.section.section_verification import matrices
 from plymotion.preprocess.section.space.numbering import Pattern
+from plymotion.preprocess.section.space.section_cells import cells_of_plain
+from plymotion.preprocess.section.space.section_mesh import SectionMesh
 from plymotion.preprocess.section.space.space import SectionSpace
-from plymotion.preprocess.section.verification import matrices
 from plymotion.solver.package.common.materials import Orthotropic, isotropic, ply_rotation, rotated
 
 MESHES = Path(__file__).resolve().parents[2] / "meshes"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from peers.vabs_peer import orthotropic, relative, stiffness, turned
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.inputs.section.vabs import is_of_another_code, spec_of_another_code
 from plymotion.solver.report.section.codes import write_vabs
 

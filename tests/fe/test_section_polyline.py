@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand, walls
 

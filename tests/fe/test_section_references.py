@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from samples.section_cases import section as described
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.preprocess.section.timoshenko import scaled
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"

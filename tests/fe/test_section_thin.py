@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.laminate.stiffness import Lamina, Laminate, laminate_stiffness
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.guards import bulk_over_shear
-from plymotion.preprocess.section.problem import SectionProblem
-from plymotion.preprocess.section.space.cells import turned
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_problem import SectionProblem
+from plymotion.preprocess.section.section_specification import SectionError
+from plymotion.preprocess.section.section_warnings import bulk_over_shear
+from plymotion.preprocess.section.space.section_cells import turned
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.preprocess.section.space.space import SectionSpace
 from plymotion.preprocess.section.space.unknowns import differences_across
-from plymotion.preprocess.section.spec import SectionError
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.common.materials import isotropic, material_from_dict

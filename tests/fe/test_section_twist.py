@@ -9,18 +9,18 @@ from peers.solid_bar import compliance
 from scipy.spatial.transform import Rotation
 
 from plymotion.preprocess.section import helical
-from plymotion.preprocess.section.analysis import analyse
 from plymotion.preprocess.section.helical import (
     CentralSolutions,
     central_solutions,
     change_of_resultants,
 )
-from plymotion.preprocess.section.problem import SectionProblem, section_problem, solve
 from plymotion.preprocess.section.recovery import unit_strains
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_problem import SectionProblem, section_problem, solve
+from plymotion.preprocess.section.section_specification import SectionError
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.space.mesh import section_mesh
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.preprocess.section.space.space import SectionSpace
-from plymotion.preprocess.section.spec import SectionError
 from plymotion.preprocess.section.timoshenko import scaled
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.math.rotations import skew

@@ -10,9 +10,9 @@ from samples.section_mesh_samples import moments, nodes_of
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.space.mesh import section_mesh
-from plymotion.preprocess.section.spec import SectionError
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_specification import SectionError
+from plymotion.preprocess.section.space.section_mesh import section_mesh
 
 # A quarter of a ring, inner radius 1, outer 2: two regions, the outer arc named.
 RING = """

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.inputs.section.vabs import spec_of_another_code
 from plymotion.solver.report.section.codes import transform
 

@@ -8,10 +8,10 @@ from samples.section_cases import section
 from samples.section_specs import rectangle_spec
 from samples.shell_specs import METAL
 
-from plymotion.preprocess.section.analysis import analyse
-from plymotion.preprocess.section.problem import section_problem
+from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.section_problem import section_problem
+from plymotion.preprocess.section.section_verification import LARGEST, verified
 from plymotion.preprocess.section.space.layers import layup
-from plymotion.preprocess.section.verification import LARGEST, verified
 
 pytestmark = pytest.mark.one_end
 

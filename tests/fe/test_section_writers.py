@@ -8,7 +8,7 @@ import pytest
 from peers.vabs_peer import relative
 from samples.section_cases import section
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.vabs import spec_of_another_code
 from plymotion.solver.report.section.codes import (

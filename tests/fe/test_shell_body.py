@@ -15,10 +15,10 @@ from samples.shell_specs import CFRP, METAL, box, plate
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.modes.reference import ModeError
 from plymotion.preprocess.products import BodyPackages
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.body.body import shell_model, shell_modes, shell_package
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.body.interfaces import read_shell_body
-from plymotion.preprocess.shell.cells import ShellError
+from plymotion.preprocess.shell.body.shell_body import shell_model, shell_modes, shell_package
+from plymotion.preprocess.shell.shell_cells import ShellError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.package.body.plausibility import plausibility_findings

@@ -13,12 +13,12 @@ import pytest
 from samples.shell_model import SCRIPTS
 from samples.shell_specs import HARD, plate
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.bound import QUANTITIES, bound, turned
 from plymotion.preprocess.shell.analyses.buckling import Stressed
 from plymotion.preprocess.shell.analyses.cases import load_cases
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
 
 pytestmark = pytest.mark.one_end
 H = 1e-3

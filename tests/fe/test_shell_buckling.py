@@ -15,9 +15,9 @@ from samples.shell_model import SCRIPTS, isotropic, laminate
 from samples.shell_specs import plate
 from samples.shell_squares import lamina
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
 from plymotion.solver.report.shell.findings import case_findings
 
 Record = Callable[[str, Any], None]

@@ -7,10 +7,10 @@ import pytest
 from samples.shell_specs import EDGES, mesh_from, plate
 
 from plymotion.preprocess.shell.analyses import discretisation
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.mesh import ShellMesh
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.shell_mesh import ShellMesh
 from plymotion.solver.report.shell.findings import shell_json
-from plymotion.solver.report.shell.show import shell_text
+from plymotion.solver.report.shell.shell_text import shell_text
 
 pytestmark = pytest.mark.one_end
 PRESSURE = {"p": {"all": {"pressure": 1.0}}}

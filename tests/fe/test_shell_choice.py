@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from samples.shell_element_samples import element_mass, element_stiffness, isotropic, one_triangle
 
-from plymotion.preprocess.shell.cells import ShellError
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.single_cells import element_strains
+from plymotion.preprocess.shell.shell_cells import ShellError
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from samples.shell_model import isotropic, laminate
 from samples.shell_specs import plate
 from samples.shell_squares import lamina
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 # Buckling with both DOLFINx: test_shell_buckling.py.
 pytestmark = pytest.mark.one_end

@@ -17,9 +17,9 @@ from samples.shell_element_samples import (
     turn,
 )
 
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.single_cells import element_resultants, element_strains
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 CELL = np.array([[0, 1, 2]])
 COMPLETE = [("opt", "none"), ("allman", "none"), ("cst", "tie"), ("opt", "tie")]

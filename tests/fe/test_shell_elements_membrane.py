@@ -11,10 +11,10 @@ from samples.shell_element_samples import (
     part_stiffness,
 )
 
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.membranes.opt import best_beta0
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.single_cells import element_strains
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 
 def bending_ratio(membrane: str, nu: float, aspect: float, beta0: float | str) -> float:

@@ -11,9 +11,9 @@ from samples.shell_element_samples import (
     solved,
 )
 
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.plates.dst import SHEAR_RATIO_LIMIT
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 NU = 0.3
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from samples.shell_specs import HARD, box, mesh_from, plate
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.solver.math.rotations import vector_to_matrix
 
 NONE, TIE = ({"membrane": "cst", "drilling": name} for name in ("none", "tie"))

@@ -7,9 +7,9 @@ import pytest
 from samples.shell_specs import plate
 
 from plymotion.preprocess.shell.analyses import discretisation
-from plymotion.preprocess.shell.analyses.analysis import analyse
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.solver.report.shell.findings import shell_json
-from plymotion.solver.report.shell.show import shell_text
+from plymotion.solver.report.shell.shell_text import shell_text
 
 pytestmark = pytest.mark.one_end
 CLAMPED = {"left": {"at": "left", "fixed": "all"}}

@@ -12,9 +12,9 @@ from samples.shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess.__main__ import main
 from plymotion.preprocess.laminate.stiffness import LaminateError
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
 
 Record = Callable[[str, Any], None]
 PRESS = {"press": {"all": {"pressure": 1.0}}}

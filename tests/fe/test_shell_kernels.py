@@ -13,7 +13,7 @@ from plymotion.preprocess.fenicsx.stack import dolfinx
 from plymotion.preprocess.shell.elements import pairs
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.single_cells import cell_table
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 BENDING = np.array([False, False, True, True, True, False])  # of a plate in z = 0

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from samples.shell_specs import CFRP, METAL, SCRIPTS, box, mesh_from, plate
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.groups import cell_directions, group
 from plymotion.preprocess.shell.model.loads import resultant
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
 
 Record = Callable[[str, Any], None]
 ORIGIN = np.zeros(3)

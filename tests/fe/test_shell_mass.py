@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from samples.shell_element_samples import element_mass, one_triangle, rigid_motions
 
-from plymotion.preprocess.shell.cells import POINTS
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
+from plymotion.preprocess.shell.shell_cells import POINTS
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 MASS = np.array([2.0, 0.13, 0.05])  # offset: m1 is not zero
 

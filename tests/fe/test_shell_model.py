@@ -11,13 +11,13 @@ from samples.shell_element_samples import element_stiffness
 from samples.shell_specs import HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.model import problem as shell_problem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model import shell_problem
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.links import averaged, carried
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
 
 Record = Callable[[str, Any], None]
 TIP = {"tip": {"at": "tip", "kind": "rigid"}}

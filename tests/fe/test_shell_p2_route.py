@@ -13,11 +13,11 @@ from samples.shell_obstacle_course import scordelis, twisted_beam
 from samples.shell_specs import HARD, plate
 from samples.shell_squares import cross_ply
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
 from plymotion.preprocess.shell.analyses.second_route import SecondRoute
-from plymotion.preprocess.shell.analyses.verification import fixed, right_side
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.analyses.shell_verification import fixed, right_side
 from plymotion.preprocess.shell.model import freedom
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.preprocess.shell.model.stiffeners import Stiffener
 from plymotion.solver.math.arrays import Array
 
@@ -237,7 +237,7 @@ def test_what_is_not_compared_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
         "not done for a shell without load cases and unstressed modes"
     )
     with monkeypatch.context() as smaller:
-        smaller.setattr("plymotion.preprocess.shell.analyses.verification.MOST", 1000)
+        smaller.setattr("plymotion.preprocess.shell.analyses.shell_verification.MOST", 1000)
         assert analysed(plate(4, 0.01, supports=HARD, frequencies={}))[0] == (
             "not done for about 1701 unknowns of the second method on a mesh of half the cell "
             "size, expected at most 1000: verify the same shell with larger cells"

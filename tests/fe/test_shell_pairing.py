@@ -8,8 +8,8 @@ from samples.shell_meshes import gmsh_file
 from samples.shell_obstacle_course import straight_beam
 from samples.shell_specs import plate
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.solver.package.common.cells import corner_counts
 from plymotion.solver.report.shell.findings import shell_json
 

@@ -18,10 +18,10 @@ from samples.shell_element_samples import (
     turn,
 )
 
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.plates.dst import SHEAR_RATIO_LIMIT
 from plymotion.preprocess.shell.elements.single_cells import element_resultants, element_strains
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 STRAIN = np.array([1.0, -0.4, 0.7])
 CURVATURE = np.array([0.8, 1.0, -0.5])

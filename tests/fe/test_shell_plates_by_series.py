@@ -11,8 +11,8 @@ from samples.shell_model import laminate
 from samples.shell_specs import CFRP, plate
 
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 # Buckling and spin with both DOLFINx: test_shell_buckling.py, test_shell_second_order.py.
 pytestmark = pytest.mark.one_end

@@ -19,8 +19,6 @@ from samples.shell_element_samples import (
 )
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.shell.cells import GAUSS, ShellError, width_ratios
-from plymotion.preprocess.shell.cells import cell_geometry as quadrilaterals
 from plymotion.preprocess.shell.elements.cell import SIZE, Cell
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.quadrilateral import relief
@@ -29,6 +27,8 @@ from plymotion.preprocess.shell.elements.single_cells import (
     cell_table,
     element_resultants,
 )
+from plymotion.preprocess.shell.shell_cells import GAUSS, ShellError, width_ratios
+from plymotion.preprocess.shell.shell_cells import cell_geometry as quadrilaterals
 from plymotion.solver.package.common.cells import area_vectors, centres, corner_areas, sides
 
 STRAIN, CURVATURE = np.array([1.0, -0.4, 0.7]), np.array([0.8, 1.0, -0.5])

@@ -9,10 +9,10 @@ import pytest
 from samples.shell_specs import SCRIPTS, plate
 
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.mesh import ShellMesh, shell_mesh
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.refinement import split
+from plymotion.preprocess.shell.shell_cells import ShellError
+from plymotion.preprocess.shell.shell_mesh import ShellMesh, shell_mesh
 from plymotion.solver.package.common import cells as tables
 from plymotion.solver.package.common.cells import NONE
 

@@ -9,11 +9,11 @@ from samples.shell_specs import CFRP, METAL, box, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.frequencies import natural_modes
-from plymotion.preprocess.shell.body.body import shell_model, shell_modes
 from plymotion.preprocess.shell.body.interfaces import read_shell_body
 from plymotion.preprocess.shell.body.second_order import second_order_fields
+from plymotion.preprocess.shell.body.shell_body import shell_model, shell_modes
 from plymotion.preprocess.shell.model.freedom import Freedom
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.preprocess.shell.model.supports import read_supports
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.body.invariants import modal_mass_at

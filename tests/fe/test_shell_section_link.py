@@ -14,11 +14,11 @@ from samples.shell_specs import METAL, SCRIPTS, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.mesh import mesh_of
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.model.freedom import Freedom
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
+from plymotion.preprocess.shell.shell_mesh import mesh_of
 
 QUADS = {"element": "quadrilateral"}
 

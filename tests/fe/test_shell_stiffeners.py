@@ -8,9 +8,9 @@ import pytest
 from samples.section_specs import rectangle_spec
 from samples.shell_specs import METAL, plate
 
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.shell.shell_cells import ShellError
 
 Record = Callable[[str, Any], None]
 LENGTH, WIDTH, H = 1.0, 0.05, 0.002

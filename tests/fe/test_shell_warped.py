@@ -17,8 +17,8 @@ from samples.shell_obstacle_course import (
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
-from plymotion.preprocess.shell.analyses.analysis import analyse
-from plymotion.preprocess.shell.mesh import mesh_of
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse
+from plymotion.preprocess.shell.shell_mesh import mesh_of
 
 pytestmark = pytest.mark.one_end
 QUADS = {"element": "quadrilateral"}

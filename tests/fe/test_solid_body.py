@@ -23,8 +23,13 @@ from samples.solid_samples import (
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.solid.analysis import HeldSolid, accurate_model, findings, free_hertz
-from plymotion.preprocess.solid.mesh import SolidError
+from plymotion.preprocess.solid.solid_analysis import (
+    HeldSolid,
+    accurate_model,
+    findings,
+    free_hertz,
+)
+from plymotion.preprocess.solid.solid_mesh import SolidError
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.package.validation import validate
 
@@ -184,7 +189,7 @@ def test_cells_become_small_enough_for_the_accuracy(
     exact = free_hertz(model_of(tmp_path / "bar.msh", None, unit=1e-3).body, 6)
     assert np.abs(free_hertz(model.body, 6) / exact - 1.0).max() < wanted
     assert np.abs(free_hertz(model_of(bar_file, 0.008).body, 6) / exact - 1.0).max() > 2.0 * wanted
-    monkeypatch.setattr("plymotion.preprocess.solid.analysis.ROUNDS", 1)
+    monkeypatch.setattr("plymotion.preprocess.solid.solid_analysis.ROUNDS", 1)
     with pytest.raises(SolidError, match=r"^mesh\.accuracy = 0\.015: not reached"):
         accurate_model(spec, {})
 

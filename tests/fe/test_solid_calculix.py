@@ -25,8 +25,8 @@ from samples.solid_samples import (
     tube,
 )
 
-from plymotion.preprocess.solid.analysis import free_hertz
 from plymotion.preprocess.solid.forms import mass
+from plymotion.preprocess.solid.solid_analysis import free_hertz
 
 COUNT = 6
 

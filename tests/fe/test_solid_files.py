@@ -27,9 +27,9 @@ from samples.solid_samples import (
 )
 
 from plymotion.preprocess.fenicsx import MeshError, gmsh_alone, gmsh_session
-from plymotion.preprocess.solid.analysis import free_hertz
-from plymotion.preprocess.solid.mesh import SolidError
 from plymotion.preprocess.solid.model import SolidModel
+from plymotion.preprocess.solid.solid_analysis import free_hertz
+from plymotion.preprocess.solid.solid_mesh import SolidError
 
 RTOL = 1e-4  # of mass, centre over the radius of gyration, inertia over its largest entry
 NORMAL = {"normal": [0.0, 0.0, 1.0]}

@@ -11,11 +11,11 @@ from samples.body_specs import beam_body
 from samples.section_specs import rectangle_spec
 from samples.stiffening_samples import steady_spin
 
-from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 
 FILE = Path(__file__).resolve().parent.parent / "reference/dynamics/blade_torsion.toml"
 REFERENCE = tomllib.loads(FILE.read_text(encoding="utf-8"))

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from plymotion.preprocess.body import build_body
-from plymotion.preprocess.section.analysis import analyse as section
-from plymotion.preprocess.shell.analyses.analysis import analyse as shell
+from plymotion.preprocess.section.section_analysis import analyse as section
+from plymotion.preprocess.shell.analyses.shell_analysis import analyse as shell
 from plymotion.solver.inputs.section.shapes.library import expand
 
 pytestmark = pytest.mark.one_end

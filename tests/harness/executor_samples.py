@@ -57,7 +57,7 @@ def sleeps(folder, number):
 def deadly_portion(order, members, keys):
     """Compute a portion, or die if member 1 is in it."""
     # Here: workers of the other tasks start in a third of the time without the solver.
-    from plymotion.solver.studies.sweep.work import compute_portion
+    from plymotion.solver.studies.sweep.portions import compute_portion
 
     if any(member.number == 1 for member in members):
         os.kill(os.getpid(), signal.SIGKILL)
@@ -66,7 +66,7 @@ def deadly_portion(order, members, keys):
 
 def noted_portion(order, members, keys):
     """Note process and members of a portion once it is computed, and take a while."""
-    from plymotion.solver.studies.sweep.work import compute_portion
+    from plymotion.solver.studies.sweep.portions import compute_portion
 
     found = compute_portion(order, members, keys)
     time.sleep(0.1)

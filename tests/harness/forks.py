@@ -67,8 +67,8 @@ MODULES = [
     *("plymotion.solver.__main__", "plymotion.solver.run.execution"),
     *("plymotion.solver.inputs.case.load", "plymotion.solver.inputs.case.write"),
     *("plymotion.solver.studies.runs", "plymotion.solver.commands.sweep"),
-    *("plymotion.solver.studies.sweep.work", "plymotion.solver.studies.sweep.show"),
-    "plymotion.solver.report.build",
+    *("plymotion.solver.studies.sweep.portions", "plymotion.solver.studies.sweep.sweep_outcome"),
+    "plymotion.solver.report.report_page",
 ]
 OFF = {"PLYMOTION_COMPILED": "0"}
 

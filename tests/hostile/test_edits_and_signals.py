@@ -22,7 +22,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.package.section.io import read_section
+from plymotion.solver.package.section.section_file import read_section
 from plymotion.solver.results import read_summary
 from plymotion.solver.studies.sweep.file import read_sweep
 

@@ -22,8 +22,8 @@ from plymotion.solver.errors import InputError, PackageError
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.common.container import content_sha256
 from plymotion.solver.package.common.object_file import write_file_checksum
-from plymotion.solver.package.section.io import read_section, write_section
-from plymotion.solver.package.shell.io import read_shell, write_shell
+from plymotion.solver.package.section.section_file import read_section, write_section
+from plymotion.solver.package.shell.shell_file import read_shell, write_shell
 from plymotion.solver.report.section.codes import read_results
 from plymotion.solver.results import read_result, write_result
 from plymotion.solver.studies.sweep.file import believed_rows, read_sweep

@@ -20,11 +20,11 @@ from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.errors import printable
 from plymotion.solver.extras.blade.turbine import parts
-from plymotion.solver.package.body.io import write_package
-from plymotion.solver.package.body.schema import ModalPackage
+from plymotion.solver.package.body.package_file import write_package
+from plymotion.solver.package.body.package_schema import ModalPackage
 from plymotion.solver.package.common.plain_data import toml_text, toml_value
 from plymotion.solver.report.section.codes import write_beamdyn, write_hawc2
-from plymotion.solver.report.section.show import Row, write_summary
+from plymotion.solver.report.section.section_text import Row, write_summary
 from plymotion.solver.studies.fidelity.choice import write_plan
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan
 

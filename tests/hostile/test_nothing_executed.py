@@ -10,8 +10,8 @@ from samples.shell_file_samples import plate
 from samples.sweep_samples import FORCE, ball
 
 from plymotion.solver.package import write_package
-from plymotion.solver.package.section.io import write_section
-from plymotion.solver.package.shell.io import write_shell
+from plymotion.solver.package.section.section_file import write_section
+from plymotion.solver.package.shell.shell_file import write_shell
 
 # Tells of each process that is started, and of code and pickled objects from the folder.
 WATCHED = """

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plymotion.preprocess.section.analysis import analyse
+from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.inputs.section.shapes.library import expand, walls
 
 STEEL = {"kind": "isotropic", "E": 210e9, "nu": 0.0, "rho": 7850.0}

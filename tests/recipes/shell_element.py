@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from samples.shell_element_samples import element_stiffness, isotropic
 
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import Choice
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "fe"))
 from test_shell_elements_plate import deflection, series

@@ -9,10 +9,10 @@ import numpy as np
 import scipy.linalg
 from samples.body_specs import CLAMPED, beam_body
 
-from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_body import BeamModel, beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_specification import read_spec
+from plymotion.preprocess.beam.beam_stations import Stations
 from plymotion.preprocess.beam.line import BeamLine, LineSection, SectionMass, on_x_axis
-from plymotion.preprocess.beam.spec import read_spec
-from plymotion.preprocess.beam.stations import Stations
 from plymotion.preprocess.modes.reduced import Modes
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import Interface, ModalPackage, SectionData, write_package

@@ -9,7 +9,7 @@ from samples.beam_samples import coupled_stiffness
 
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.solver.inputs.case.bodies.beams import line_of
-from plymotion.solver.inputs.case.tables.beams import (
+from plymotion.solver.inputs.case.tables.beam_keys import (
     COLUMNS,
     PLACES,
     TRAPEZE,

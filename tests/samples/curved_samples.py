@@ -3,7 +3,7 @@
 from typing import Any
 
 from plymotion.solver.inputs.case.bodies.beams import division, line_of, line_table
-from plymotion.solver.inputs.case.tables.beams import BeamBody
+from plymotion.solver.inputs.case.tables.beam_keys import BeamBody
 
 BAR = {"section": "s", "material": "m", "interfaces": {"root": {"at": "start"}}, "kind": "beam"}
 

@@ -13,7 +13,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep.member import Packages, Row, compute
-from plymotion.solver.studies.sweep.plan import Plan, read_plan
+from plymotion.solver.studies.sweep.sweep_members import Plan, read_plan
 
 SWEEP = """
 [sweeps.s]

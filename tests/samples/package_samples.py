@@ -7,7 +7,7 @@ from samples.recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_reco
 
 from plymotion.solver.package import Interface, ModalPackage, SectionData, from_stations
 from plymotion.solver.package.body.invariants import second_order_from_stations
-from plymotion.solver.package.body.schema import BodyRecovery
+from plymotion.solver.package.body.package_schema import BodyRecovery
 
 EI = 5.6e4
 

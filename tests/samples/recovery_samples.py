@@ -11,9 +11,9 @@ import numpy as np
 
 from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.mode_fields import shape_resultants
-from plymotion.solver.package.body.schema import BodyRecovery
+from plymotion.solver.package.body.package_schema import BodyRecovery
 from plymotion.solver.package.common.materials import PlyStrength, bond, material_from_dict
-from plymotion.solver.package.section.schema import Ply, SectionRecovery
+from plymotion.solver.package.section.section_schema import Ply, SectionRecovery
 from plymotion.solver.strength import CRITERIA
 
 PLY = {

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.results import BodyGeometry, RunResult, Signal
-from plymotion.solver.results.schema import BodyView, Link, Side
+from plymotion.solver.results.run_result import BodyView, Link, Side
 from plymotion.solver.results.surfaces import all_positions, rigid_surface
 
 GRAVITY = 9.81

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.section.space.cells import KINDS as CELL_KINDS
-from plymotion.preprocess.section.space.cells import full_basis
-from plymotion.preprocess.section.space.mesh import SectionMesh, section_mesh
+from plymotion.preprocess.section.space.section_cells import KINDS as CELL_KINDS
+from plymotion.preprocess.section.space.section_cells import full_basis
+from plymotion.preprocess.section.space.section_mesh import SectionMesh, section_mesh
 from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.math.arrays import Array
 

@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 
 from plymotion.solver.package.common.materials import bond, isotropic
-from plymotion.solver.package.section.schema import (
+from plymotion.solver.package.section.section_schema import (
     Ply,
     SectionFile,
     SectionMeshData,

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from samples.beam_samples import dense
 
-from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism

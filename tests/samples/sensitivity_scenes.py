@@ -16,7 +16,7 @@ from plymotion.solver.run.execution import read_run
 from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.run.preparation import integrated, prepare
 from plymotion.solver.studies.modes.state import spec_of_run
-from plymotion.solver.studies.sensitivities.execution import with_sensitivities
+from plymotion.solver.studies.sensitivities.differentiated_run import with_sensitivities
 from plymotion.solver.studies.sensitivities.parameters import (
     Parameter,
     parameter_of,

@@ -6,12 +6,6 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from plymotion.preprocess.shell.cells import (
-    CellGeometry,
-    width_ratios,
-)
-from plymotion.preprocess.shell.cells import cell_geometry as quadrilaterals
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
 from plymotion.preprocess.shell.elements.pairs import (
     Choice,
     kernel_of,
@@ -20,6 +14,12 @@ from plymotion.preprocess.shell.elements.pairs import (
 )
 from plymotion.preprocess.shell.elements.plates import shear_ratio
 from plymotion.preprocess.shell.elements.single_cells import cell_matrices, cell_table, write
+from plymotion.preprocess.shell.shell_cells import (
+    CellGeometry,
+    width_ratios,
+)
+from plymotion.preprocess.shell.shell_cells import cell_geometry as quadrilaterals
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 from plymotion.solver.package.shell import elements
 
 QUADS = tuple(elements.QUADS)

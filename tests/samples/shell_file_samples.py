@@ -15,7 +15,7 @@ from plymotion.preprocess.laminate.stiffness import (
     stress_operators,
 )
 from plymotion.solver.package.common.materials import Orthotropic
-from plymotion.solver.package.shell.schema import (
+from plymotion.solver.package.shell.shell_schema import (
     ShellBuckling,
     ShellCases,
     ShellFile,

@@ -13,7 +13,7 @@ from plymotion.preprocess.laminate.stiffness import stress_operators
 from plymotion.preprocess.shell.analyses.cases import Statics, solve_cases
 from plymotion.preprocess.shell.analyses.frequencies import Frequencies, natural_modes
 from plymotion.preprocess.shell.groups import group
-from plymotion.preprocess.shell.model.problem import ShellProblem
+from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -8,7 +8,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.studies.sweep.file import SweepResult, read_sweep
-from plymotion.solver.studies.sweep.plan import Plan, read_plan
+from plymotion.solver.studies.sweep.sweep_members import Plan, read_plan
 
 # A ball pushed by a force c t^3: a huge c is more than any step can follow.
 BALL = (

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from samples.beam_samples import modal_mass, straight_line
 
+from plymotion.preprocess.beam.beam_stations import (
+    Stations,
+    mass_stations,
+    nodal_mass,
+    point_masses,
+)
 from plymotion.preprocess.beam.line import BeamLine, SectionMass, section_axes
-from plymotion.preprocess.beam.stations import Stations, mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import skew
 from plymotion.solver.package.body.invariants import inertia_at_rest
 from plymotion.solver.package.common.cells import node_positions

@@ -16,9 +16,9 @@ from samples.beam_samples import (
     straight_line,
 )
 
+from plymotion.preprocess.beam.beam_reduction import coarse_mesh_warnings
+from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.preprocess.beam.line import section_axes
-from plymotion.preprocess.beam.reduction import coarse_mesh_warnings
-from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest
 from plymotion.preprocess.modes.reduced import Modes, reduced_modes
 from plymotion.preprocess.modes.reference import EigenSolver, HeldDofs, ModeError

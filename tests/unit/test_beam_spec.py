@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from samples.body_specs import beam_body
 
-from plymotion.preprocess.beam.body import beam_model
+from plymotion.preprocess.beam.beam_body import beam_model
+from plymotion.preprocess.beam.beam_specification import ModeSpec, Reference, read_spec
 from plymotion.preprocess.beam.line import LineSection
-from plymotion.preprocess.beam.spec import ModeSpec, Reference, read_spec
 from plymotion.preprocess.modes.eigenmodes import ModeRequest
 from plymotion.solver.package.common.plain_data import SpecError
 from plymotion.solver.package.specification import fingerprint

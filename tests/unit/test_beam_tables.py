@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from samples.beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, columns, write_table
 
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.sections import given_section
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.laws import FOLDER

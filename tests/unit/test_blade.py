@@ -23,7 +23,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.extras.blade.shape import contour
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
-from plymotion.solver.inputs.case.tables.beams import BeamBody
+from plymotion.solver.inputs.case.tables.beam_keys import BeamBody
 from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.math.laws import lengths_along
 

@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 
-from plymotion.solver.results.schema import BodyView, Surface
+from plymotion.solver.results.run_result import BodyView, Surface
 from plymotion.solver.results.surfaces import rigid_surface
 
 

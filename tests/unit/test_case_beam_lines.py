@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 from samples.curved_samples import BAR
 
-from plymotion.preprocess.beam.spec import read_spec
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.solver.inputs.case.bodies.specifications import BodySpecs
 from plymotion.solver.inputs.case.checks import in_parts
 from plymotion.solver.inputs.case.tables.schema import Mechanism

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.preprocess.beam.spec import read_spec
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.package import read_package

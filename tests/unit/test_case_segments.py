@@ -16,7 +16,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute
-from plymotion.solver.studies.sweep.plan import read_plan
+from plymotion.solver.studies.sweep.sweep_members import read_plan
 
 CASE = """
 format = 1

@@ -9,7 +9,7 @@ import pytest
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.design import CheckedStudy
 from plymotion.solver.inputs.case.load import checked_case
-from plymotion.solver.inputs.case.tables.design import Quantity
+from plymotion.solver.inputs.case.tables.design_keys import Quantity
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.studies.design.drivers.table import DRIVERS
 from plymotion.solver.studies.design.measures import Mass, Measure, measure_of

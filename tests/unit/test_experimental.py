@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from samples.beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 
-from plymotion.preprocess.beam.stations import mass_stations
+from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.solver.__main__ import main
 from plymotion.solver.extras.measured_modes import (
     INERTIAS,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from samples.laminate_samples import ALUMINIUM, CFRP, FOAM, GLASS, hybrid, stack
 
+from plymotion.preprocess.laminate.laminate_specification import laminate_from_dict
 from plymotion.preprocess.laminate.report import report
-from plymotion.preprocess.laminate.spec import laminate_from_dict
 from plymotion.preprocess.laminate.stiffness import (
     Lamina,
     Laminate,

@@ -7,9 +7,9 @@ import pytest
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.common.library import LIBRARY
+from plymotion.solver.inputs.common.input_table import Name, Table, entry, validated
 from plymotion.solver.inputs.common.materials import Material, check_materials
-from plymotion.solver.inputs.common.table import Name, Table, entry, validated
+from plymotion.solver.inputs.common.published_materials import LIBRARY
 
 
 class Materials(Table):

@@ -18,7 +18,7 @@ from plymotion.solver.package import (
     validate,
     write_package,
 )
-from plymotion.solver.package.body.io import MODAL_PACKAGE
+from plymotion.solver.package.body.package_file import MODAL_PACKAGE
 from plymotion.solver.package.common import object_file
 from plymotion.solver.package.common.container import open_file
 

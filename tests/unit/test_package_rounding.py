@@ -12,7 +12,7 @@ from samples.beam_samples import CLAMPED, MEAN_AXIS, reduced
 from samples.package_samples import cantilever
 
 from plymotion.solver.package import ModalPackage, from_stations
-from plymotion.solver.package.body.io import content_findings
+from plymotion.solver.package.body.package_file import content_findings
 from plymotion.solver.package.body.plausibility import plausibility_findings
 from plymotion.solver.package.common.dataset import field_values
 from plymotion.solver.package.common.findings import Remark

@@ -7,7 +7,7 @@ import pytest
 from samples.beam_samples import MASS, NAMES, REFERENCES, STIFFNESS, coupled_stiffness, reduced
 
 from plymotion.solver.errors import PackageError
-from plymotion.solver.package.body.schema import ModalPackage
+from plymotion.solver.package.body.package_schema import ModalPackage
 from plymotion.solver.package.body.selection import changed_basis, rigid, selected
 
 VIBRATIONS = [{"kind": "lowest", "count": 8}]

@@ -8,7 +8,7 @@ from samples.shell_file_samples import plate
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
-from plymotion.solver.package.shell.io import write_shell
+from plymotion.solver.package.shell.shell_file import write_shell
 
 
 def printed(capsys, *words):

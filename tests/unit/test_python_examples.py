@@ -16,12 +16,12 @@ import plymotion
 from plymotion.api.case import ByName
 from plymotion.api.sweeping import SweepSignal
 from plymotion.solver.package import read_package, write_package
-from plymotion.solver.package.section.io import write_section
-from plymotion.solver.package.shell.io import write_shell
+from plymotion.solver.package.section.section_file import write_section
+from plymotion.solver.package.shell.shell_file import write_shell
 
 PAGE = Path("docs/python.md").resolve()
 ROD = Path("tests/packages/slider-crank/rod.steel.vtkhdf").resolve()
-SOLID = {  # numbers of a bar, as preprocess/solid/analysis.py puts them into its package
+SOLID = {  # numbers of a bar, as preprocess/solid/solid_analysis.py puts them into its package
     "cells": 96,
     "cell": "tetrahedron",
     "size": 0.02,

@@ -7,7 +7,7 @@ import pytest
 from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.report.figures import draw_orbit, draw_spectrum
+from plymotion.solver.report.case_figures import draw_orbit, draw_spectrum
 from plymotion.solver.report.story import Comparison, Story
 from plymotion.solver.report.style import Canvas, house_style
 from plymotion.solver.results import Signal

@@ -10,7 +10,7 @@ from samples.result_samples import crowd
 
 from plymotion.solver.math.rows import StoredRows, temporary_file
 from plymotion.solver.results import ResultError, read_result, write_result
-from plymotion.solver.results.schema import BodyView, Loads
+from plymotion.solver.results.run_result import BodyView, Loads
 from plymotion.solver.results.surfaces import all_positions, node_positions
 
 

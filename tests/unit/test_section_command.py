@@ -15,7 +15,7 @@ from plymotion.solver.inputs.section.study import changed, described_spec
 from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.package.common.plain_data import by_mesh, mesh_key, shard, share
 from plymotion.solver.report.section.codes import SectionResults
-from plymotion.solver.report.section.show import (
+from plymotion.solver.report.section.section_text import (
     Row,
     section_json,
     section_text,

@@ -23,8 +23,8 @@ from samples.vtk_samples import grid_of
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
-from plymotion.solver.package.section.io import read_section, write_section
-from plymotion.solver.package.section.schema import SECTION_FORMAT_VERSION, Ply, SectionFile
+from plymotion.solver.package.section.section_file import read_section, write_section
+from plymotion.solver.package.section.section_schema import SECTION_FORMAT_VERSION, Ply, SectionFile
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -184,7 +184,7 @@ def test_a_view_that_shows_another_mesh_is_an_error(file: Path) -> None:
 
 
 def test_two_hdf5_versions_read_each_other(file: Path) -> None:
-    copy = copied_by_other_python(file, "plymotion.solver.package.section.io", "section")
+    copy = copied_by_other_python(file, "plymotion.solver.package.section.section_file", "section")
     assert same(rectangle(), read_section(copy))
     assert grid_of(copy).n_cells == 24
 

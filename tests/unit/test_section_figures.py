@@ -9,10 +9,10 @@ from matplotlib.image import imread
 from samples.section_samples import rectangle
 
 from plymotion.solver.package.common.files import RECORD
-from plymotion.solver.package.section.schema import Ply, SectionFile
+from plymotion.solver.package.section.section_schema import Ply, SectionFile
 from plymotion.solver.package.section.stress import cell_means, unit_stress
 from plymotion.solver.report.section.drawing import CellField, detail_of, ply_colours, shape_of
-from plymotion.solver.report.section.figures import draw_section, shear_flow
+from plymotion.solver.report.section.section_figures import draw_section, shear_flow
 
 
 def with_material(kind: str, *plies: Ply) -> SectionFile:

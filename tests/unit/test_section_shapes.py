@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.common.table import validated
+from plymotion.solver.inputs.common.input_table import validated
 from plymotion.solver.inputs.section.description import SHAPE_MESHES
 from plymotion.solver.inputs.section.shapes.airfoil import contour
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, shape, walls

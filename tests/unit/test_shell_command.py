@@ -11,10 +11,10 @@ from samples.shell_file_samples import STRENGTH, laminate_of, plate
 
 from plymotion.preprocess.laminate.stiffness import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
-from plymotion.solver.package.shell.io import read_shell, write_shell
-from plymotion.solver.report.shell.figures import feature_edges, magnification, view_axes
+from plymotion.solver.package.shell.shell_file import read_shell, write_shell
 from plymotion.solver.report.shell.findings import case_findings, shell_json, stacking
-from plymotion.solver.report.shell.show import normal_lines, shell_text
+from plymotion.solver.report.shell.shell_figures import feature_edges, magnification, view_axes
+from plymotion.solver.report.shell.shell_text import normal_lines, shell_text
 
 
 def test_screen_names_what_matters() -> None:

@@ -13,9 +13,9 @@ from samples.shell_file_samples import plate
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.common.dataset import field_values, layout
-from plymotion.solver.package.shell.io import read_shell, write_shell
-from plymotion.solver.package.shell.schema import ShellFile
-from plymotion.solver.report.shell.show import shell_text
+from plymotion.solver.package.shell.shell_file import read_shell, write_shell
+from plymotion.solver.package.shell.shell_schema import ShellFile
+from plymotion.solver.report.shell.shell_text import shell_text
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from plymotion.preprocess.shell.cells import ShellError
-from plymotion.preprocess.shell.cells import cell_geometry as triangles
+from plymotion.preprocess.shell.shell_cells import ShellError
+from plymotion.preprocess.shell.shell_cells import cell_geometry as triangles
 
 POINTS = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 1]])
 X = np.array([1.0, 0, 0])

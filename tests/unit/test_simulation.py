@@ -8,7 +8,7 @@ import pytest
 
 import plymotion as pm
 from plymotion.solver.errors import InputError
-from plymotion.solver.extras.robot.files import import_robot
+from plymotion.solver.extras.robot.case_folder import import_robot
 
 ROBOTS = Path(__file__).parents[1] / "samples/robots"
 Made = Callable[[], pm.Simulation]

@@ -16,10 +16,10 @@ import pytest
 import scipy.optimize
 from samples.beam_samples import coupled_stiffness, dense, straight_line
 
+from plymotion.preprocess.beam.beam_reduction import frequency_error
+from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine
-from plymotion.preprocess.beam.reduction import frequency_error
-from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest
 from plymotion.preprocess.modes.reduced import Modes, reduced_modes
 from plymotion.preprocess.modes.reference import HeldDofs

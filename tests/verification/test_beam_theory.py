@@ -10,7 +10,7 @@ from samples.fidelity_samples import pendulum, planned_run
 from plymotion.solver.inputs.case.tables.bodies import DescribedSection
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.studies.fidelity.answer import answer_text, entry
-from plymotion.solver.studies.fidelity.execution import plan_of
+from plymotion.solver.studies.fidelity.checked_run import plan_of
 from plymotion.solver.studies.fidelity.indicators.beam_theory import (
     Walls,
     held_lengths,

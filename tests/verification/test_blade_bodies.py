@@ -5,13 +5,13 @@ import pytest
 from samples.beam_samples import dense
 from samples.beam_tables import rod_frequencies, write_table
 
-from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.sections import given_section
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.bodies.beams import beam_spec
 from plymotion.solver.inputs.case.tables.laws import FOLDER
 from plymotion.solver.inputs.case.tables.schema import Mechanism
-from plymotion.solver.package.body.schema import SectionData
+from plymotion.solver.package.body.package_schema import SectionData
 
 
 def blade(folder, elements):

@@ -10,11 +10,11 @@ import scipy.special
 from samples.beam_samples import CLAMPED, coupled_stiffness, reduced
 from samples.curved_samples import BAR, meshed
 
-from plymotion.preprocess.beam.body import mesh_error, stiffness_error
+from plymotion.preprocess.beam.beam_body import mesh_error, stiffness_error
 from plymotion.preprocess.beam.line import LineSection, SectionMass
 from plymotion.preprocess.beam.sections import StationSection
 from plymotion.solver.inputs.case.bodies.beams import line_of
-from plymotion.solver.inputs.case.tables.beams import BeamBody
+from plymotion.solver.inputs.case.tables.beam_keys import BeamBody
 from plymotion.solver.math.rotations import matrix_to_vector, skew, vector_to_matrix
 
 K = np.diag([4e3, 1e3, 1.2e3, 20.0, 30.0, 25.0])

@@ -10,9 +10,9 @@ from samples.fidelity_samples import pendulum, planned_run, slider_crank, true_s
 from plymotion.solver.math.compiled import statistics
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.studies.fidelity.answer import Answer, answer_text, entry
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 from plymotion.solver.studies.fidelity.checking import Checking
 from plymotion.solver.studies.fidelity.comparison import difference, scales
-from plymotion.solver.studies.fidelity.execution import checked, plan_of
 from plymotion.solver.studies.fidelity.indicators.response import modal_loads
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Rich
 from plymotion.solver.studies.fidelity.trial import horizon

@@ -3,8 +3,8 @@
 import pytest
 from samples.fidelity_samples import pendulum, planned_run, true_signals
 
+from plymotion.solver.studies.fidelity.checked_run import plan_of
 from plymotion.solver.studies.fidelity.comparison import difference, scales
-from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.indicators.response import samples
 
 

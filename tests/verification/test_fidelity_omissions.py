@@ -8,9 +8,9 @@ import pytest
 from samples.fidelity_samples import Table, pendulum, planned_run, true_signals
 
 from plymotion.solver.studies.fidelity.answer import Answer
+from plymotion.solver.studies.fidelity.checked_run import plan_of
 from plymotion.solver.studies.fidelity.checking import Checking
 from plymotion.solver.studies.fidelity.comparison import difference, scales
-from plymotion.solver.studies.fidelity.execution import plan_of
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan
 
 ACCURACY = 1e-5

@@ -7,8 +7,8 @@ from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, masses_and_jacobians
 from plymotion.solver.studies.fidelity.answer import answer_text, entry, fidelity_line
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 from plymotion.solver.studies.fidelity.checking import Checking
-from plymotion.solver.studies.fidelity.execution import checked, plan_of
 from plymotion.solver.studies.fidelity.indicators.loaded import telling_times
 from plymotion.solver.studies.fidelity.plan import (
     BodyPlan,

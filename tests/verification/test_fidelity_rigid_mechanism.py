@@ -5,7 +5,7 @@ from samples.fidelity_samples import Table, pendulum, planned_run
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.studies.fidelity.answer import answer_text, entry
-from plymotion.solver.studies.fidelity.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 
 
 def rigid_pendulum() -> Table:

@@ -5,7 +5,7 @@ import pytest
 from samples.fidelity_samples import Z, link, pendulum, planned_run
 
 from plymotion.solver.studies.fidelity.answer import answer_text
-from plymotion.solver.studies.fidelity.execution import checked, plan_of
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 
 
 def point(kind, at, component="z"):

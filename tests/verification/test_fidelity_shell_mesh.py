@@ -12,8 +12,8 @@ from samples.fidelity_samples import INTERFACES, pendulum, planned_run, true_sig
 
 from plymotion.solver.inputs.case.tables.bodies import ShellBody
 from plymotion.solver.studies.fidelity.answer import Answer
+from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 from plymotion.solver.studies.fidelity.comparison import difference, scales
-from plymotion.solver.studies.fidelity.execution import checked, plan_of
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Plan, with_values
 
 SHELL = ShellBody.model_validate(

@@ -12,7 +12,7 @@ from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.built import BuiltJoint, Start
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
-from plymotion.solver.package.body.schema import Invariants
+from plymotion.solver.package.body.package_schema import Invariants
 from plymotion.solver.signals.joints import joint_coordinate, reaction
 
 X, Z = (frame_from_axis(np.array(a)) for a in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]))

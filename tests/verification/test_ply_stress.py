@@ -20,12 +20,12 @@ from samples.recovery_samples import (
     rectangle_recovery,
 )
 
-from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_body import BeamModel, beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine, LineSection, section_axes
-from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
-from plymotion.solver.package.section.schema import SectionRecovery
+from plymotion.solver.package.section.section_schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import resultants

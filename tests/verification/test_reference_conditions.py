@@ -21,8 +21,8 @@ from samples.beam_samples import (
 )
 from samples.flexible_samples import momenta, simulate, total_energy
 
+from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.preprocess.beam.line import SectionMass
-from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.dynamics.evaluation.accelerations import assemble
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.rotations import rotation_matrix, skew

@@ -14,11 +14,11 @@ from samples.beam_samples import (
     reduced,
 )
 
+from plymotion.preprocess.beam.beam_reduction import held_dofs
+from plymotion.preprocess.beam.beam_stations import mass_stations, nodal_mass, point_masses
 from plymotion.preprocess.beam.element import Z, gauss
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.beam.mode_fields import second_order_fields
-from plymotion.preprocess.beam.reduction import held_dofs
-from plymotion.preprocess.beam.stations import mass_stations, nodal_mass, point_masses
 from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
 from plymotion.solver.package.body.invariants import rigid_motions
 

@@ -25,7 +25,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.results import read_result
-from plymotion.solver.studies.sensitivities.execution import with_sensitivities
+from plymotion.solver.studies.sensitivities.differentiated_run import with_sensitivities
 from plymotion.solver.studies.sensitivities.parameters import design_parameter
 
 TESTED = (

@@ -19,10 +19,10 @@ from samples.curved_samples import meshed
 from samples.flexible_samples import momenta, total_energy
 from samples.stiffening_samples import on_interface
 
+from plymotion.preprocess.beam.beam_reduction import held_dofs
+from plymotion.preprocess.beam.beam_stations import mass_stations, point_masses
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.beam.mode_fields import second_order_fields
-from plymotion.preprocess.beam.reduction import held_dofs
-from plymotion.preprocess.beam.stations import mass_stations, point_masses
 from plymotion.solver.dynamics.analysis.recovery import momentum_balance
 from plymotion.solver.dynamics.elements.floating_frame import stiffening_matrices
 from plymotion.solver.dynamics.elements.marker import marker_motion

@@ -16,7 +16,7 @@ from ....solver.package.body.measured import Measurement, experimental_package
 from ....solver.package.common.files import write_text
 from ..free_body import Cells, rows_of
 from ..import_table import Files, Reduction, damping_ratio, provenance, sizes
-from ..links import interface_rows
+from ..imported_interfaces import interface_rows
 from .matrices import table_rows
 
 LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}

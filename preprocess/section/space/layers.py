@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ....solver.errors import coded, did_you_mean, few
 from ....solver.math.arrays import Array
 from ....solver.package.common.materials import Anisotropic, Orthotropic, elastic_from_dict, rotated
-from ....solver.package.section.schema import Ply
-from ..spec import OF_MESH, SectionError
-from .mesh import SectionMesh
+from ....solver.package.section.section_schema import Ply
+from ..section_specification import OF_MESH, SectionError
+from .section_mesh import SectionMesh
 from .space import SectionSpace
 
 SAMPLES = 8  # per element, to find the nearest element

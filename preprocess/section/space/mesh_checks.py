@@ -12,8 +12,8 @@ from ....solver.errors import coded, few
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...mesh_input import coincident
-from ..spec import SectionError
-from .cells import CORNERS, KINDS, CellMesh, full_basis
+from ..section_specification import SectionError
+from .section_cells import CORNERS, KINDS, CellMesh, full_basis
 
 IntArray = NDArray[np.int64]
 Warnings = list[dict[str, str]]

@@ -15,7 +15,7 @@ from ufl import JacobianDeterminant, SpatialCoordinate, as_vector
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...fenicsx import EDGES, NODES
-from .cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
+from .section_cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
 
 NEAR = 1e-9  # of the reference cell
 

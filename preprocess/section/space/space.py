@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...fenicsx import NODES
-from .cells import KINDS, CellMesh, IntArray, full_basis, within
 from .numbering import Pattern, lagrange_parts, own_parts
+from .section_cells import KINDS, CellMesh, IntArray, full_basis, within
 from .strains import fixed, strain_along_beam, strain_in_section
 from .unknowns import Unknowns, hanging_unknowns
 

@@ -33,10 +33,10 @@ from scipy.optimize import linprog
 from ....solver.math.arrays import Array
 from ...laminate.report import is_symmetric
 from ...laminate.stiffness import Laminate, moments
-from ..cells import ShellError
 from ..elements.membranes.opt import best_beta0
-from ..model.guards import Progress, check_supported
-from ..model.problem import ShellProblem
+from ..model.shell_problem import ShellProblem
+from ..model.shell_warnings import Progress, check_supported
+from ..shell_cells import ShellError
 from .buckling import Buckling, Stressed
 from .cases import solve_cases
 from .frequencies import natural_modes

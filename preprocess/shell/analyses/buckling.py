@@ -18,10 +18,10 @@ from ....solver.errors import coded, did_you_mean
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...fenicsx.team import whole
-from ..cells import ShellError
 from ..model.freedom import Freedom
-from ..model.guards import Warnings, check_supported
-from ..model.problem import ShellProblem, mode_count
+from ..model.shell_problem import ShellProblem, mode_count
+from ..model.shell_warnings import Warnings, check_supported
+from ..shell_cells import ShellError
 from .frequencies import GAP, signs
 
 TOLERANCE = 1e-10

@@ -8,16 +8,21 @@ import scipy.sparse as sp
 
 from ....solver.errors import coded, did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.shell.schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellCases, ShellProbes
+from ....solver.package.shell.shell_schema import (
+    SHELL_MOTIONS,
+    SHELL_RESULTANTS,
+    ShellCases,
+    ShellProbes,
+)
 from ... import fenicsx
-from ..cells import DOFS, ShellError
 from ..groups import Group, group, nearest_node, vector
-from ..mesh import ShellMesh
 from ..model.freedom import Freedom
-from ..model.guards import Progress, Warnings, check_supported
 from ..model.loads import resultant
-from ..model.problem import ShellProblem
+from ..model.shell_problem import ShellProblem
+from ..model.shell_warnings import Progress, Warnings, check_supported
 from ..model.states import link_warnings, warped_warnings
+from ..shell_cells import DOFS, ShellError
+from ..shell_mesh import ShellMesh
 
 RESIDUAL = 1e-9  # residual of the nodal equilibrium, relative to the load
 STEPS = 2  # refinement steps; each adds as many digits as the first solve has

@@ -23,11 +23,11 @@ from ....solver.math.arrays import Array, IntArray
 from ....solver.package.common.cells import NONE, corner_counts
 from ... import fenicsx
 from ...fenicsx import NamedNodes, PlainMesh
-from ..cells import DOFS, ShellError
-from ..mesh import ShellMesh, mesh_of
 from ..model.freedom import Freedom
-from ..model.problem import ShellProblem
+from ..model.shell_problem import ShellProblem
 from ..refinement import split
+from ..shell_cells import DOFS, ShellError
+from ..shell_mesh import ShellMesh, mesh_of
 from .buckling import LoadFactors, Stressed
 from .cases import solve_cases
 

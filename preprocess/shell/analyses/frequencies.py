@@ -14,8 +14,8 @@ import scipy.sparse as sp
 
 from ....solver.math.arrays import Array
 from ... import fenicsx
-from ..cells import ShellError
 from ..model.freedom import Freedom
+from ..shell_cells import ShellError
 
 EXTRA = 1  # modes beyond the requested ones, to find a gap
 TOLERANCE = 1e-10  # of the iteration; the error of a value is its square

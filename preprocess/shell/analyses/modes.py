@@ -7,10 +7,10 @@ import numpy as np
 
 from ....solver.errors import coded
 from ....solver.math.arrays import Array
-from ....solver.package.shell.schema import ShellBuckling, ShellCases, ShellModes
+from ....solver.package.shell.shell_schema import ShellBuckling, ShellCases, ShellModes
 from ..model.freedom import Freedom
-from ..model.guards import Progress, Warnings, drilling_warning, zero_energy_warnings
-from ..model.problem import ShellProblem, mode_count
+from ..model.shell_problem import ShellProblem, mode_count
+from ..model.shell_warnings import Progress, Warnings, drilling_warning, zero_energy_warnings
 from ..model.states import warped_warnings
 from .buckling import Stressed, buckled, buckling, check_stable
 from .cases import by_node

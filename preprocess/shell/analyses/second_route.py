@@ -41,7 +41,7 @@ from ...fenicsx.spaces import (
 )
 from ..groups import cell_directions
 from ..model.links import Link
-from ..model.problem import ShellProblem
+from ..model.shell_problem import ShellProblem
 from ..model.stiffeners import Stiffener
 
 FREE = 1e-8  # second moment about an axis over the largest that does not determine a rotation

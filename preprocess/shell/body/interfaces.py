@@ -12,12 +12,12 @@ import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
 from ....solver.math.rotations import vector_to_matrix
-from ....solver.package.body.schema import Interface
+from ....solver.package.body.package_schema import Interface
 from ....solver.package.common.plain_data import check_form
 from ....solver.package.specification import ShellInterfaceTable, ShellSpecification
-from ...beam.spec import ModeSpec, Reference, read_modes, read_reference
-from ..mesh import ShellMesh
+from ...beam.beam_specification import ModeSpec, Reference, read_modes, read_reference
 from ..model.links import Link
+from ..shell_mesh import ShellMesh
 
 
 @dataclass(frozen=True)

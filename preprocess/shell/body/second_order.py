@@ -20,12 +20,12 @@ import numpy as np
 from ....solver.math.arrays import Array, IntArray
 from ...modes.reduced import pairs, square, turned
 from ...modes.reference import Condition, StaticShapes
-from ..cells import DOFS
 from ..elements.pairs import Choice, geometric_kernel
 from ..elements.single_cells import cell_rows, cell_table, mean_strain_rows, write
 from ..model.freedom import Freedom
-from ..model.problem import ShellProblem
 from ..model.regions import Region
+from ..model.shell_problem import ShellProblem
+from ..shell_cells import DOFS
 
 
 class Near(NamedTuple):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ufl import as_matrix, as_vector, dot, sqrt
 
 from ...fenicsx import Symbols, symbols
-from ..cells import AT_GAUSS, CENTRE, GAUSS, POINTS, slopes
+from ..shell_cells import AT_GAUSS, CENTRE, GAUSS, POINTS, slopes
 
 # Data of a cell, one row of numbers: `cell_table` fills it.
 SHAPES: dict[str, tuple[int, ...]] = {

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 from ufl import as_matrix, as_vector, inv
 
 from ....solver.errors import did_you_mean
-from ....solver.package.body.schema import MASS_FORMS
+from ....solver.package.body.package_schema import MASS_FORMS
 from ....solver.package.shell import elements
 from ...fenicsx import Kernel, Rows, compiled, kernel
-from ..cells import ShellError
+from ..shell_cells import ShellError
 from .cell import SIZE, Cell, Point, cell_of
 from .drilling import DRILLINGS
 from .membranes import MEMBRANES

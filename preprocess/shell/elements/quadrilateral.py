@@ -40,7 +40,7 @@ from typing import Any, NamedTuple
 
 from ufl import as_vector, dot, inv, sqrt
 
-from ..cells import CORNERS, GAUSS
+from ..shell_cells import CORNERS, GAUSS
 from .cell import Cell, Point
 from .membranes.contract import bow_strain, linear_strain
 

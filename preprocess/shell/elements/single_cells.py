@@ -12,7 +12,7 @@ import numpy as np
 from ....solver.math.arrays import Array, IntArray
 from ... import fenicsx
 from ...laminate.stiffness import LaminateStiffness
-from ..cells import CellGeometry
+from ..shell_cells import CellGeometry
 from .cell import AROUND, COLUMNS, SIZE
 from .membranes import MEMBRANES
 from .membranes.opt import best_beta0

@@ -36,9 +36,9 @@ import numpy as np
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import SHELL_LINK_KINDS
-from ..cells import DOFS, ShellError
 from ..groups import Group, united, vector
-from ..mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError
+from ..shell_mesh import ShellMesh
 from .regions import Region
 
 OPEN = 1e-8  # second moment about an axis over the largest: below it the rotation is undetermined

@@ -20,9 +20,9 @@ import numpy as np
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ..cells import DOFS, ShellError
 from ..groups import group, vector
-from ..mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError
+from ..shell_mesh import ShellMesh
 from .freedom import Freedom
 from .regions import Region, cell_axes
 from .supports import COMPONENTS

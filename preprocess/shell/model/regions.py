@@ -15,12 +15,12 @@ from ....solver.math.arrays import Array, IntArray
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.common.materials import Orthotropic, material_from_dict
 from ... import fenicsx
-from ...laminate.spec import LaminateSpec, laminate_from_dict
+from ...laminate.laminate_specification import LaminateSpec, laminate_from_dict
 from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
-from ..cells import NORMAL, CellError, CellGeometry, ShellError, cell_geometry, width_ratios
 from ..groups import KEYS as AXES
 from ..groups import cell_directions
-from ..mesh import ShellMesh
+from ..shell_cells import NORMAL, CellError, CellGeometry, ShellError, cell_geometry, width_ratios
+from ..shell_mesh import ShellMesh
 
 ALL = "all"
 

@@ -22,13 +22,13 @@ import numpy as np
 from ....solver.errors import coded
 from ....solver.math.arrays import Array
 from ....solver.package.specification import DIRECTIONS
-from ..cells import DOFS, ShellError
 from ..elements.membranes import MEMBRANES
 from ..elements.pairs import stiffness_kernel
 from ..elements.single_cells import cell_matrices, cell_table, write
-from .guards import Warnings
+from ..shell_cells import DOFS, ShellError
 from .links import Link, averaged, section_rows
-from .problem import ShellProblem
+from .shell_problem import ShellProblem
+from .shell_warnings import Warnings
 
 LOCKED = 0.1  # of the strain energy, about its error, that is warned about
 ADVISED = 0.05  # the same on the mesh that the message advises

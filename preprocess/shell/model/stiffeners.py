@@ -22,11 +22,11 @@ from ....solver.errors import few
 from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
 from ...beam.line import BeamLine, LineSection
-from ..cells import DOFS, ShellError
 from ..elements.pairs import Choice, stiffness_kernel
 from ..elements.single_cells import cell_matrices, cell_table
 from ..groups import vector
-from ..mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError
+from ..shell_mesh import ShellMesh
 from .links import carried
 from .regions import Region, cell_axes
 
@@ -323,6 +323,6 @@ def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
 @lru_cache(maxsize=64)
 def _analysed(text: str, where: str) -> Any:
     """Analyse a section once and reuse the result for other stiffeners."""
-    from ...section.analysis import analyse  # here: few shells have stiffeners
+    from ...section.section_analysis import analyse  # here: few shells have stiffeners
 
     return analyse(json.loads(text), where=where, estimate=False)

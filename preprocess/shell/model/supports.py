@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ..cells import DOFS, ShellError
 from ..groups import united
-from ..mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError
+from ..shell_mesh import ShellMesh
 from .links import Link
 
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")

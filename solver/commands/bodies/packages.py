@@ -9,7 +9,7 @@ from pathlib import Path
 from ...errors import InputError, PackageError, counted, few, printable
 from ...extras.exchange import export_body, import_body
 from ...package import ModalPackage, validate
-from ...package.body.io import read_package
+from ...package.body.package_file import read_package
 from ...report.table import rounded
 from ...studies.cases import build_folder, chosen_run
 from ...studies.exit_codes import INCOMPLETE
@@ -78,7 +78,7 @@ def run_import(options: argparse.Namespace) -> int:
 
 def import_urdf(options: argparse.Namespace) -> int:
     """Write the case of a robot; return the exit code."""
-    from ...extras.robot.files import import_robot
+    from ...extras.robot.case_folder import import_robot
 
     out = options.out or Path(options.file.stem)
     made = import_robot(

@@ -13,9 +13,9 @@ from ...inputs.section.study import described_spec, study_variants
 from ...package.common.files import refuse_foreign
 from ...package.common.materials import MaterialError
 from ...package.common.plain_data import share
-from ...package.section.io import read_section
+from ...package.section.section_file import read_section
 from ...report.section.codes import read_results, write_for
-from ...report.section.show import (
+from ...report.section.section_text import (
     Row,
     judged_peaks,
     load_text,
@@ -194,7 +194,7 @@ def figures_of(file: Path) -> list[Path]:
     """Draw the figures of a section file beside it, or return those that are up to date."""
 
     def draw() -> list[Path]:
-        from ...report.section.figures import draw_section
+        from ...report.section.section_figures import draw_section
 
         return draw_section(read_section(file), file.parent)
 

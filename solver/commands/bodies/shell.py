@@ -10,9 +10,9 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.shell_specification import load_shell
 from ...math.arrays import Array
-from ...package.shell.schema import ShellFile
+from ...package.shell.shell_schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
-from ...report.shell.show import shell_text
+from ...report.shell.shell_text import shell_text
 from ...workers.described import Made, entries_of
 from .described import drawn, each, file_lines, run_described
 
@@ -50,7 +50,7 @@ def figures_of(shell: ShellFile, file: Path) -> list[Path]:
         return []
 
     def draw() -> list[Path]:
-        from ...report.shell.figures import Picture, draw_shapes
+        from ...report.shell.shell_figures import Picture, draw_shapes
 
         found = [Picture(title, name, shape[:, :3], unit) for name, title, shape, unit in pictures]
         return draw_shapes(shell.mesh.nodes_G, shell.mesh.cells, found, file.parent)

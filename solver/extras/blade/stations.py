@@ -11,14 +11,14 @@ import numpy as np
 from ...errors import InputError, printable
 from ...inputs.case.load import load_case
 from ...inputs.case.record import CASE_FILE
-from ...inputs.case.tables.beams import COLUMNS, TRAPEZE, UPPER
+from ...inputs.case.tables.beam_keys import COLUMNS, TRAPEZE, UPPER
 from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...math.laws import lengths_along
-from ...package.body.io import read_package
+from ...package.body.package_file import read_package
 from ...package.common.files import write_text
 from ...package.common.plain_data import csv_text
-from ...package.section.io import read_section
+from ...package.section.section_file import read_section
 from ...package.section.stress import trapeze_strains
 from ...report.section.codes import (
     BLADE_AXES_LEADING_EDGE,

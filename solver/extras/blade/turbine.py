@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import printable
 from ...inputs.case.record import CASE_FILE
-from ...inputs.case.tables.beams import COLUMNS, UPPER
+from ...inputs.case.tables.beam_keys import COLUMNS, UPPER
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from ...package.common.files import write_text

@@ -35,7 +35,7 @@ from .expressions import (
     state_rates,
 )
 from .record import KINDS, elsewhere, parts
-from .tables.beams import BeamBody
+from .tables.beam_keys import BeamBody
 from .tables.bodies import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
 from .tables.kinds import ForceTable, LoadTable
 from .tables.laws import DriveTable, RotationDrive, TranslationDrive

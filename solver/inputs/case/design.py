@@ -11,13 +11,13 @@ import numpy as np
 from ...errors import nearest, refuse, unknown
 from ...math.arrays import Array
 from ...package.specification import ModeKind
-from ..common.table import plain_table
+from ..common.input_table import plain_table
 from ..common.units import LENGTHS
 from .bodies.specifications import BodySpec, BodySpecs, rich_bodies
 from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, number_at, unit_at
-from .tables.beams import BeamBody
+from .tables.beam_keys import BeamBody
 from .tables.bodies import RigidBody
-from .tables.design import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
+from .tables.design_keys import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
 from .tables.schema import CaseFile, Mechanism, Sweep, Variation, split_key
 
 UNITS = {"angle": "deg", "thickness": "m"}  # of the keys of a kind

@@ -10,7 +10,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from ...errors import InputError, printable, refuse, unknown
-from ..common.table import bare_lines, meant, members, validated, without_annotations
+from ..common.input_table import bare_lines, meant, members, validated, without_annotations
 from ..common.text_file import read_toml
 from ..section.description import shape
 from .bodies.specifications import BodySpec, BodySpecs

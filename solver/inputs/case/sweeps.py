@@ -15,8 +15,8 @@ from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
 from ...math.expressions.program import Node, value_at
-from ..common.table import Table, bare_lines, lines, meant
-from ..common.table import unit as unit_of
+from ..common.input_table import Table, bare_lines, lines, meant
+from ..common.input_table import unit as unit_of
 from ..common.units import LENGTHS, in_metres
 from .bodies.descriptions import described
 from .bodies.specifications import BodySpec, BodySpecs

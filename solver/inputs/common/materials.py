@@ -12,9 +12,9 @@ from ...errors import unknown
 from ...package.common.materials import MaterialError, material_from_dict, read_strength
 from ...package.common.plausible import MIXED
 from ...package.specification import PlyTable
+from .input_table import Name, Table, entry, optional
 from .layup import angles_of
-from .library import with_published
-from .table import Name, Table, entry, optional
+from .published_materials import with_published
 
 
 class YieldStrength(Table):

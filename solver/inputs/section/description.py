@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model, model_validator
 
+from ..common.input_table import Name, Pair, Table, entry, optional, validated
 from ..common.materials import Angle, Content, Laminate, Material
-from ..common.table import Name, Pair, Table, entry, optional, validated
 from ..common.units import MEANING, Unit, file_units, own_scale
 from .shapes.library import SHAPES, Parameter, Shape
 

@@ -20,9 +20,9 @@ from typing import Any
 
 from ...errors import InputError, collected, few, nearest, refuse, unknown
 from ...package.specification import PlyTable, SectionMeshTable, SectionRegionTable
+from ..common.input_table import plain_table
 from ..common.materials import check_materials, plain, unknown_materials
 from ..common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source, physical_names
-from ..common.table import plain_table
 from ..common.text_file import read_toml
 from .description import FileMesh, Region, SectionDescription, ShapeMesh, checked
 from .foreign import assign_regions, read_foreign, write_arrays

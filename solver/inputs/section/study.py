@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ...errors import InputError, nearest
-from ..common.table import Table, entry, is_number, optional, validated
+from ..common.input_table import Table, entry, is_number, optional, validated
 from ..common.text_file import read_toml
 from .specification import section_spec
 from .vabs import is_of_another_code, spec_of_another_code

@@ -79,7 +79,7 @@ def advance_alpha(
     filled: int,
     ends: Ends,
 ) -> tuple[int, int]:
-    """Take steps until END or `most_steps` accepted ones; see `advance` (radau.py).
+    """Take steps until END or `most_steps` accepted ones; see `advance` (radau_loop.py).
 
     `first` is the scheme of steps without one before, under error control.
 

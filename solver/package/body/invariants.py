@@ -12,7 +12,7 @@ load f, sum f_k h_ij,k = -X_i' K_geo(f) X_j with the stresses of f (docs/stiffen
 import numpy as np
 
 from ...math.arrays import Array
-from .schema import Invariants, ModalPackage, Pieces, SecondOrder
+from .package_schema import Invariants, ModalPackage, Pieces, SecondOrder
 
 
 def from_stations(

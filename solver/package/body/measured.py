@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
 from .invariants import from_stations, rigid_motions
-from .schema import Interface, ModalPackage
+from .package_schema import Interface, ModalPackage
 
 
 @dataclass(frozen=True)

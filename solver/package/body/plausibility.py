@@ -16,7 +16,7 @@ from .invariants import (
     inertia_at_rest,
     mode_motions,
 )
-from .schema import CellResultants, Interface, LaminateData, ModalPackage
+from .package_schema import CellResultants, Interface, LaminateData, ModalPackage
 
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
 CONSISTENCY = 1e-6  # relative: two results of the same FE model

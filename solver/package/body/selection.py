@@ -21,7 +21,7 @@ from ...math.arrays import Array, IntArray
 from ..common.dataset import all_values, rebuilt, shapes_by_path
 from ..common.design import Derivative, changed
 from ..specification import DIRECTIONS
-from .schema import ModalPackage
+from .package_schema import ModalPackage
 
 
 def changed_basis(

@@ -11,7 +11,7 @@ from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
 from ..common.findings import Remark, Reporter, positive_definite, rotations, rows_of, symmetric
 from ..common.materials import MaterialError, PlyStrength, YieldStrength, bond, read_strength
-from .schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData, SectionRecovery
+from .section_schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData, SectionRecovery
 
 KEPT_BITS = 21  # significant bits: a relative error below 5e-7; with sign and exponent four bytes
 

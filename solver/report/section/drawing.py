@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
 
 from ...math.arrays import Array, IntArray
-from ...package.section.schema import SectionFile, SectionMeshData
+from ...package.section.section_schema import SectionFile, SectionMeshData
 from ...package.section.stress import cell_means
 from ..style import COLOURS, GREY, INK, plain_words
 

@@ -1,5 +1,5 @@
 #version 300 es
-// A point of a surface: r + A (x + o + s (U q + (Theta q) x o)), see solver/results/schema.py.
+// A point of a surface: r + A (x + o + s (U q + (Theta q) x o)), see solver/results/run_result.py.
 precision highp float;
 precision highp int;
 precision highp sampler2D;

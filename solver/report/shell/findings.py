@@ -14,8 +14,8 @@ from ...package.common.cells import centres, corner_counts
 from ...package.common.materials import MaterialError, PlyStrength, YieldStrength
 from ...package.common.object_file import check_provenance
 from ...package.section.stress import strengths
-from ...package.shell.io import read_shell
-from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
+from ...package.shell.shell_file import read_shell
+from ...package.shell.shell_schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from ...strength import criteria_of
 
 # The highest stresses and the least strength ratio of every ply of a laminate, over its cells.

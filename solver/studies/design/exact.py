@@ -26,7 +26,7 @@ from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, output_times
 from ...signals import HELD, Recording
 from ..sensitivities.adjoint import Adjoint
-from ..sensitivities.execution import (
+from ..sensitivities.differentiated_run import (
     Followed,
     Trace,
     bends_of,

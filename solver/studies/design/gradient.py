@@ -9,14 +9,14 @@ import numpy as np
 from ...dynamics.analysis.recovery import Recording
 from ...errors import InputError, refuse
 from ...inputs.case.design import unknown_subject
-from ...inputs.case.tables.design import Quantity
-from ...inputs.common.table import validated
+from ...inputs.case.tables.design_keys import Quantity
+from ...inputs.common.input_table import validated
 from ...report.table import aligned
 from ...results import RunResult, Summary
 from ...run.outcome import collect
 from ...run.preparation import integrated, prepare
-from ..sensitivities.execution import Trace
-from ..sensitivities.work import asked_of
+from ..sensitivities.case_sensitivities import asked_of
+from ..sensitivities.differentiated_run import Trace
 from .exact import Traced, by_adjoint
 from .measures import Made, measure_of
 

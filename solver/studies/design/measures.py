@@ -17,7 +17,7 @@ from ...dynamics.analysis.recovery import Recording
 from ...errors import InputError
 from ...inputs.case.bodies.segments import segment_name
 from ...inputs.case.tables.bodies import RigidBody
-from ...inputs.case.tables.design import MECHANISM, Quantity
+from ...inputs.case.tables.design_keys import MECHANISM, Quantity
 from ...inputs.case.tables.signals import StrengthSignal
 from ...math.arrays import Array
 from ...package import ModalPackage

@@ -48,8 +48,8 @@ def with_plan(trials: Trials) -> Order:
     fidelity = study.base.fidelity
     if fidelity is None or not trials.runs:
         return order
+    from ..fidelity.checked_run import shared_plan
     from ..fidelity.choice import kept_plan, write_plan  # most studies need no planner
-    from ..fidelity.execution import shared_plan
     from ..fidelity.plan import known_vibrations
 
     spec, check = _specs(trials, study.start)
@@ -70,7 +70,7 @@ def with_plan(trials: Trials) -> Order:
 
 def plan_again(trials: Trials, p: Array) -> dict[str, object]:
     """Return whether the frozen plan reaches its accuracy at a design, and the plan made there."""
-    from ..fidelity.execution import checked_member, shared_plan
+    from ..fidelity.checked_run import checked_member, shared_plan
 
     spec, check = _specs(trials, p)
     frozen, anew = checked_member(spec, check, trials.order.plan), shared_plan(spec, check)

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from ...errors import InputError
-from ...inputs.case.tables.design import Limit, Study
+from ...inputs.case.tables.design_keys import Limit, Study
 from ...math.arrays import Array
 from .rules import Space
 

@@ -13,7 +13,7 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.case.bodies.specifications import model_and_check
 from ...inputs.case.design import CheckedStudy
-from ...inputs.case.tables.design import Rule
+from ...inputs.case.tables.design_keys import Rule
 from ...math.arrays import Array
 
 CARDINAL = (0.0, 45.0, -45.0, 90.0)  # directions of the rule of shares [deg]

@@ -16,12 +16,12 @@ from ...math.compiled import tell_if_slow
 from ...package.common.files import refuse_foreign, write_text
 from ...report.design.page import PAGE, write_page
 from ...workers.executors import Executor, Task, distribute
+from .design_text import variant_text
 from .drivers.table import driver_of
 from .memory import FILE, Memory
 from .planning import plan_again, with_plan
 from .problem import undominated
 from .rules import layups, space_of
-from .show import variant_text
 from .starts import Start, compute_start, first_points, forget
 from .trials import BODIES, Order, Trials
 

@@ -37,7 +37,7 @@ from ...signals import Recording
 from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
-from ..sensitivities.execution import Trace, change_of
+from ..sensitivities.differentiated_run import Trace, change_of
 from ..sensitivities.parameters import Parameter
 from .exact import (
     STEP,
@@ -387,7 +387,7 @@ class Trials:
         if not self.runs:
             return Made(spec, None, {}, None)
         if self._plan is not None:
-            from ..fidelity.execution import member_spec  # most studies need no planner
+            from ..fidelity.checked_run import member_spec  # most studies need no planner
 
             spec = member_spec(spec, self._plan)
         kept = {q.name for q in self.study.table.quantities() if q.subject == "signal"}

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...errors import InputError, nearest, printable, refuse, unknown
-from ...inputs.common.table import Table, entry, validated
+from ...inputs.common.input_table import Table, entry, validated
 from ...inputs.common.text_file import read_toml
 from ...math.arrays import Array
 from ...package.common.files import write_text

@@ -10,7 +10,7 @@ from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...math.arrays import Array
 from ...package import ModalPackage
-from ...package.body.io import SUMS
+from ...package.body.package_file import SUMS
 from ...results import RunResult, Summary
 from ...run.inputs import RunSpec
 from ...run.outcome import collect

@@ -26,7 +26,7 @@ from ...inputs.common.mesh_files import scripts
 from ...math.arrays import Array
 from ...run.coupled import Kept, Stepper
 from ...run.execution import read_run
-from ..sensitivities.execution import step_derivatives
+from ..sensitivities.differentiated_run import step_derivatives
 from .write import INPUTS, derivatives_refused, run_of
 
 OK, WARNING, ERROR = 0, 1, 3

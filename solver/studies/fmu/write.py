@@ -26,7 +26,7 @@ from ...mechanism.python_functions import codes_of
 from ...package.common.files import temporary_sibling
 from ...run.coupled import DRIVE_ORDER, FORCE_ORDER, Stepper
 from ...run.execution import read_run
-from ..sensitivities.execution import require_derivatives
+from ..sensitivities.differentiated_run import require_derivatives
 from . import VERSIONS
 
 # modelDescription.xml of an FMU: variables with units, what the library can do.

@@ -12,7 +12,7 @@ from ...math.arrays import Array
 from ...package.common.container import new_file, set_text
 from ...package.common.files import is_ours, refuse_foreign, temporary_sibling, write_text
 from ...package.common.plain_data import csv_text
-from ...report.figures import segments
+from ...report.case_figures import segments
 from ...report.style import PALE, Canvas, colour, house_style
 from ...results import BodyGeometry, write_animation
 from ...run.outcome import drawn_shapes

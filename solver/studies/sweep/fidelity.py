@@ -11,10 +11,10 @@ from ...package.common.files import write_text
 from ...results.codes import PLAN_TOO_COARSE
 from ...run.inputs import RunSpec
 from ..fidelity.answer import Answer, estimate_entry
+from ..fidelity.checked_run import checked_member, joined, of_model, shared_plan
 from ..fidelity.choice import kept_plan, write_plan
-from ..fidelity.execution import checked_member, joined, of_model, shared_plan
 from ..fidelity.plan import known_vibrations
-from .plan import Packages, Plan
+from .sweep_members import Packages, Plan
 
 RECORD = "fidelity.json"
 

@@ -16,7 +16,7 @@ from ...package.common.plain_data import cell_text, csv_text
 from ...results import ResultError
 from ...results.summary import MEASURES
 from ...run.preparation import output_times
-from .plan import Plan
+from .sweep_members import Plan
 
 # What is kept of a member.
 

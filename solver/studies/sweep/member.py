@@ -24,7 +24,7 @@ from ...run.preparation import histories_of, integrated, output_times, prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
 from .file import CHECKS, COST, DAMAGE, ERROR_BAR, FAILED, FINISHED, INTERRUPTED, Row
-from .plan import Packages, Plan
+from .sweep_members import Packages, Plan
 
 # Every check of a single run, at fewer output times.
 LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)
@@ -91,8 +91,8 @@ def _planned(spec: RunSpec, plan: Plan, packages: dict[str, ModalPackage]) -> Ru
 
     `packages` are those of the base. Raises InputError: there is no plan, or it is wrong.
     """
+    from ..fidelity.checked_run import member_spec
     from ..fidelity.choice import read_plan  # most sweeps need no planner
-    from ..fidelity.execution import member_spec
     from ..fidelity.plan import known_vibrations
 
     file = plan.model_plan_file

@@ -24,7 +24,7 @@ from ...section.description import Region
 from ...section.shapes.library import walls
 from ...section.specification import ALL, shape_mesh, source_files
 from ...section.specification import section_spec as described_section
-from ..tables.beams import BeamBody, BeamStation, Spline
+from ..tables.beam_keys import BeamBody, BeamStation, Spline
 from ..tables.bodies import DescribedSection, check_modes
 from ..tables.schema import Mechanism
 from .descriptions import INLINE, reduction, section_table

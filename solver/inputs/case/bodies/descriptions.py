@@ -8,15 +8,15 @@ from pydantic import BaseModel
 
 from ....errors import InputError, few, refuse, under
 from ....package.specification import ShellSpecification, SolidSpecification
+from ...common.input_table import plain_table
 from ...common.mesh_files import physical_groups
-from ...common.table import plain_table
 from ...common.text_file import read_toml
 from ...section.description import checked as checked_section
 from ...section.study import changed
 from ...shell import checked as checked_shell
 from ...shell_specification import shell_spec
 from ...solid_specification import solid_table
-from ..tables.beams import BeamBody
+from ..tables.beam_keys import BeamBody
 from ..tables.bodies import (
     AttachmentChoice,
     DescribedSection,

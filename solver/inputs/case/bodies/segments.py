@@ -13,7 +13,7 @@ import numpy as np
 from ....math.arrays import Array
 from ....math.laws import lengths_along
 from ....math.rotations import matrix_to_vector, vector_to_matrix
-from ..tables.beams import BeamBody
+from ..tables.beam_keys import BeamBody
 from ..tables.schema import Mechanism, resolved
 from .beams import division, fractions, is_plain, line_of, rounded, with_sections
 

@@ -18,7 +18,7 @@ from ....package.common.plain_data import inputs_sha256
 from ....package.specification import ImportedSpecification, Specification
 from ...common.text_file import read_toml
 from ..record import loaded_places
-from ..tables.beams import BeamBody
+from ..tables.beam_keys import BeamBody
 from ..tables.bodies import ImportedBody, Placed, Reducible, ShellBody, SolidBody
 from ..tables.schema import Mechanism
 from ..tables.signals import PlyStressSignal

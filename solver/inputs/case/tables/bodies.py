@@ -15,7 +15,7 @@ from ....package.specification import (
     ShellLinkKind,
     SpinningKind,
 )
-from ...common.table import FilePath, Name, Oriented, Table, Vector, entry, optional
+from ...common.input_table import FilePath, Name, Oriented, Table, Vector, entry, optional
 from ...common.units import UNITS, unit_of
 from ...section.description import ShapeMesh, shape_or
 from ...shell import LINKS, MOST_REFINED, REFINE

@@ -27,7 +27,7 @@ from ....dynamics.elements.joints.table import JOINTS
 from ....math.catalogue import (
     Number,
 )
-from ...common.table import Axis, Name, Table, entry, optional
+from ...common.input_table import Axis, Name, Table, entry, optional
 from .laws import LoadLaw, field_of
 from .signals import JointCoordinate
 

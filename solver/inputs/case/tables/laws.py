@@ -37,7 +37,7 @@ from ....math.catalogue import (
 )
 from ....math.laws import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import PREFIX, Packed, column, packed
-from ...common.table import Axis, FilePath, Table, entry, optional
+from ...common.input_table import Axis, FilePath, Table, entry, optional
 from ...common.text_file import lines_of, read_text
 from ...common.units import LENGTHS, unit_of
 

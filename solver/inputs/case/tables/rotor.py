@@ -7,7 +7,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from ...common.table import (
+from ...common.input_table import (
     Axis,
     FilePath,
     Name,

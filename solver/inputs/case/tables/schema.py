@@ -17,12 +17,22 @@ from ....math.arrays import Array
 from ....math.expressions.operations import TIME
 from ....math.expressions.parse import Plain, parsed
 from ....math.expressions.program import value_at
+from ...common.input_table import (
+    Name,
+    Table,
+    Vector,
+    Word,
+    entry,
+    follow,
+    is_number,
+    optional,
+    validated,
+)
 from ...common.materials import Material
-from ...common.table import Name, Table, Vector, Word, entry, follow, is_number, optional, validated
 from ...common.units import MEANING, UNITS, Unit, unit_of, with_metres
-from .beams import BeamBody
+from .beam_keys import BeamBody
 from .bodies import ImportedBody, PackageBody, RigidBody, Section, ShellBody, SolidBody
-from .design import Design
+from .design_keys import Design
 from .kinds import (
     CaseCoupling,
     CaseForce,

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from ....dynamics.analysis.motions.table import MOTIONS
 from ....dynamics.elements.joints.table import COORDINATES
 from ....strength import CRITERIA
-from ...common.table import Name, Pair, Table, Vector, entry, optional
+from ...common.input_table import Name, Pair, Table, Vector, entry, optional
 
 RUN = (
     "name of another run, whose values at the same times are subtracted; in a sweep with the same "

@@ -9,7 +9,7 @@ from pydantic import create_model
 
 from ....dynamics.elements.constraints.treatment import Treatment
 from ....integrators.table import INTEGRATORS
-from ...common.table import Axis, Table, Vector, entry, optional
+from ...common.input_table import Axis, Table, Vector, entry, optional
 from .laws import field_of
 
 # Light crosses an atomic nucleus in 1e-23 s; squares of shorter times soon leave the floating point

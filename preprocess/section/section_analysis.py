@@ -1,0 +1,318 @@
+"""Analysis of a cross-section: stiffness, mass and stress recovery from its description."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.errors import coded
+from ...solver.math.arrays import Array
+from ...solver.package.common.design import Derivative
+from ...solver.package.common.plausible import described_doubts, not_allowed, section_doubts
+from ...solver.package.section.section_schema import SectionFile
+from .. import fenicsx
+from .derivatives import derivatives
+from .estimate import error_of_edges, worst_cells
+from .helical import CentralSolutions, TwistedStrains
+from .recovery import (
+    end_compliance,
+    mesh_data,
+    nodal_displacements,
+    section_recovery,
+    unit_strains,
+    unit_warping,
+)
+from .section_parameters import Targets, by_size, moves, parameters, rates
+from .section_problem import (
+    LAST_DIGITS,
+    SectionProblem,
+    Solved,
+    compared,
+    resolved,
+    section_problem,
+    solve,
+)
+from .section_specification import SectionError, check_spec, curvature_of, degree_of
+from .section_verification import verified
+from .section_warnings import (
+    REVERSAL,
+    check_degree,
+    coarse_warnings,
+    condition_warnings,
+    curvature_warnings,
+    density_warnings,
+    finer_mesh,
+    not_computed_warnings,
+    reversal_warnings,
+    solvability_warnings,
+    taper_error,
+)
+from .space.layers import layup
+from .space.section_cells import refined
+from .space.section_mesh import SectionMesh
+from .timoshenko import (
+    SectionStiffness,
+    mass_centre,
+    mass_matrix,
+    scaled,
+    shear_centre,
+    tension_centre,
+)
+
+MOST_STEPS = 25  # of refinement
+MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
+
+Progress = Callable[[str], None]
+
+
+def analyse(
+    spec: Mapping[str, Any],
+    where: str | None = None,
+    *,
+    estimate: bool = True,
+    accuracy: float | None = None,
+    recovery_degree: int | None = None,
+    verify: bool = False,
+    design: Mapping[str, Targets] | None = None,
+    discretisation: Mapping[str, Any] | None = None,
+    problem: SectionProblem | None = None,
+    team: fenicsx.Team = fenicsx.ALONE,
+    progress: Progress | None = None,
+) -> SectionFile:
+    """Stiffness, mass, error estimate and recovery of a cross-section.
+
+    Parameters
+    ----------
+    spec : plain data, see docs/section-description.md for the meaning and
+        solver/inputs/section/specification.py for the form: name, convention, mesh, materials,
+        regions
+    where : file and key of the description for messages, the section's name by default
+    estimate : also solve with one degree more to estimate the error of K
+    accuracy : refine the mesh until the estimate, scaled by sqrt(K_ii K_jj), is below this
+    recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
+        instead of all integration points
+    verify : compute K by a second method as well (section_verification.py)
+    design : parameters by whose change everything is differentiated, see `parameters`; with
+        `recovery_degree` but for warping and mesh
+    discretisation : of a section with other values of parameters, from its provenance: the same
+        divisions of cells and degree, whatever the estimate says. The derivatives are those of
+        such analyses
+    problem : on another mesh than that of the specification
+    team : processes that all call this with the same arguments and share the matrices, unless
+        derivatives are asked for; each gets the whole result
+    progress : called with one line at the beginning of each step
+
+    Raises
+    ------
+    SectionError, MaterialError : a wrong description (file or section, key, value, expectation).
+    MeshError : no mesh from gmsh.
+    """
+    start = time.perf_counter()
+    where = where or f"section {spec.get('name', '')}".strip()
+    check_spec(spec, where)
+    begin = progress or (lambda _line: None)
+    allow = tuple(spec.get("allow", ()))
+    steps: list[dict[str, float | None]] = []
+    asked = parameters(spec, design or {}, where)
+    if asked:
+        team = fenicsx.ALONE  # each process solves the whole section
+    divided: list[NDArray[np.bool_]] = []
+    if problem is None and discretisation is not None:
+        accuracy = None
+        problem, divided = _as_before(spec, where, discretisation, team)
+    elif problem is None:
+        problem = section_problem(spec["mesh"], where, degree_of(spec), team)
+    edges = 0.0
+    while True:
+        begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
+        lay = layup(spec, problem.mesh, problem.space, where)
+        if not steps and degree_of(spec) is not None:
+            # cells of another code are the section itself; others keep their edges when refined
+            modulus = np.asarray(1.0 / np.linalg.inv(lay.stiffness[:, 0])[:, 0, 0], float)
+            edges = error_of_edges(problem.mesh.cells, modulus)
+        warnings = [
+            *problem.mesh.warnings,
+            *lay.warnings,
+            *check_degree(problem.space, lay, where, allow, given=degree_of(spec) is None),
+            *not_computed_warnings(spec.get("not_computed", ())),
+            *density_warnings(lay),
+        ]
+        begin(f"warping, {problem.space.n_dof} dofs")
+        compare = estimate or accuracy is not None
+        # of a twisted section, the round-off is measured at the degree that it is raised to
+        raised = compare and curvature_of(spec) is not None and "degree" not in spec["mesh"]
+        raised = raised and discretisation is None
+        result = solve(problem, lay, where, spec, measured=not raised)
+        solved = Solved(problem, lay, result)
+        if compare:
+            begin("error estimate")
+            solved = compared(solved, spec, where, first=not steps)
+            if raised:
+                solved = resolved(solved, spec, where)
+        problem, lay, result, error = solved.problem, solved.lay, solved.result, solved.error
+        warnings += [*solvability_warnings(result), *condition_warnings(result)]
+        warnings += curvature_warnings(result)
+        if error is not None:
+            size = np.sqrt(np.diag(result.K))
+            # of opposite sign: a coarse field is too stiff, a parabola inside its arc too soft
+            error = np.hypot(error, edges * np.outer(size, size))
+        reversal = 0.0
+        if error is not None and lay.reversing.any():
+            # refinement moves the place of the reversal only slowly
+            turned = solve(problem, lay.reversed_there(), where, spec, measured=False)
+            other = np.abs(turned.K - result.K)
+            error, reversal = error + other, float(scaled(other, result.K).max())
+            limit = REVERSAL if accuracy is None else accuracy
+            warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
+        neglected, found = taper_error(spec, problem.mesh.cells.points, result.K)
+        warnings += found
+        if error is not None and neglected is not None:
+            error = error + neglected
+        if error is not None:
+            # the rounding of sums over the unknowns, also where two solutions agree by chance
+            size = np.sqrt(np.diag(result.K))
+            floor = LAST_DIGITS * np.sqrt(problem.space.n_dof)
+            error = error + floor * np.outer(size, size)
+        if result.round_off is not None:
+            error = result.round_off if error is None else error + result.round_off
+        lap = time.perf_counter() - start
+        worst = None if error is None else float(scaled(error, result.K).max())
+        steps.append(
+            {"refine": len(steps), "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
+        )
+        if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
+            break
+        if edges > accuracy:
+            warnings += coded(
+                "accuracy-not-met",
+                f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
+                f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use "
+                f"{finer_mesh(spec['mesh'])}",
+            )
+            break
+        assert solved.indicator is not None
+        divided.append(worst_cells(solved.indicator))
+        cells = refined(problem.mesh.cells, divided[-1])
+        cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
+        if cost > MOST_DOFS or len(steps) > MOST_STEPS:
+            warnings += coded(
+                "accuracy-not-met",
+                f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
+                f"{accuracy:.1e} requested; the next refinement would have {cost:.0f}",
+            )
+            break
+        degree, mesh = problem.space.degree, replace(problem.mesh, cells=cells)
+        coarser = problem
+        del problem, lay, result, solved  # their memory serves the next step
+        problem = SectionProblem(mesh, degree, team).like(coarser)
+        del coarser
+    second = None
+    if verify:
+        begin("verification")
+        second = verified(
+            result.space,
+            lay.stiffness,
+            result.K,
+            prismatic=curvature_of(spec) is None,
+            own=degree_of(spec) is None,
+        )
+        warnings += second.warnings
+    warnings += coarse_warnings(solved.error, result.K, spec["mesh"])
+    begin("recovery")
+    density = lay.density
+    if isinstance(result, CentralSolutions):
+        density = density * TwistedStrains(problem.space, result.strains.k).all_g
+    M = mass_matrix(problem.space, density)
+    points, lay_points = result.space, lay
+    if recovery_degree is not None:
+        points = result.space.with_rule(recovery_degree)
+        lay_points = layup(spec, problem.mesh, points, where)
+    if degree_of(spec) is not None:  # a file of another code may have other units
+        diagonal = float(np.linalg.norm(np.ptp(problem.mesh.cells.points, axis=0)))
+        doubts = [*described_doubts(spec), *section_doubts(diagonal, float(M[0, 0]))]
+        warnings += [doubt.warning for doubt in not_allowed(spec, doubts)]
+    strain = unit_strains(points, result)
+    factorised = problem.factorised(result, lay.stiffness)
+    of_ends = None
+    if isinstance(result, SectionStiffness) and factorised is not None:
+        of_ends = end_compliance(result, factorised, lay.stiffness[problem.space.own])
+    seconds = time.perf_counter() - start
+    section = SectionFile(
+        name=str(spec.get("name", "section")),
+        K=result.K,
+        M=M,
+        error_estimate=error,
+        shear_centre=shear_centre(result.K),
+        tension_centre=tension_centre(result.K),
+        mass_centre=mass_centre(M),
+        initial_curvature=curvature_of(spec),
+        end_compliance=of_ends,
+        mesh=mesh_data(problem.mesh, problem.space, lay),
+        warping=nodal_displacements(result.space, unit_warping(result.space, result)),
+        recovery=section_recovery(
+            points, lay_points, points.team.stacked(strain), dict(spec["materials"])
+        ),
+        warnings=tuple(warnings),
+        provenance={
+            "spec": dict(spec),
+            "dofs": problem.space.n_dof,
+            "degree": problem.space.degree,
+            "refinements": steps,
+            "discretisation": {
+                "degree": problem.degree,
+                "divided": [np.flatnonzero(marked).tolist() for marked in divided],
+            },
+            "verification": None if second is None else second.words,
+            "round_off": None
+            if result.round_off is None
+            else float(scaled(result.round_off, result.K).max()),
+            "ranks": problem.team.size,
+            "seconds": seconds,
+            "versions": fenicsx.versions(),
+        },
+    )
+    if not asked:
+        return section
+    begin("derivatives")
+    shown, by_name = recovery_degree is None, dict[str, dict[str, Array]]()
+    if fixed := [rates(parameter, lay) for parameter in asked if not moves(parameter)]:
+        by_name = derivatives(result, factorised, fixed, points, lay_points, strain, shown=shown)
+
+    def analysed(other: Mapping[str, Any], mesh: SectionMesh) -> SectionFile:
+        moved = SectionProblem(mesh, problem.degree).like(problem)
+        return analyse(other, where, estimate=False, recovery_degree=recovery_degree, problem=moved)
+
+    for parameter in filter(moves, asked):
+        if any(warning["code"] == "plies-not-resolved" for warning in lay.warnings):
+            text = "cells contain more than one ply: let mesh lines follow the plies"
+            raise parameter.refused(text)
+        of_size = by_size(parameter, problem.mesh, divided, analysed)
+        left_out = () if shown else ("mesh/", "warping")
+        by_name[parameter.name] = {
+            path: rate for path, rate in of_size.items() if not path.startswith(left_out)
+        }
+    of_design = tuple(
+        Derivative(p.name, p.kind, tuple(t.table for t in p.targets), by_name[p.name])
+        for p in asked
+    )
+    return replace(section, design=of_design)
+
+
+def _as_before(
+    spec: Mapping[str, Any], where: str, discretisation: Mapping[str, Any], team: fenicsx.Team
+) -> tuple[SectionProblem, list[NDArray[np.bool_]]]:
+    """The problem with a known degree and known divisions, and these."""
+    degree = discretisation["degree"]
+    problem = section_problem(spec["mesh"], where, degree, team)
+    cells, divided = problem.mesh.cells, []
+    for rows in discretisation["divided"]:
+        if rows and not 0 <= min(rows) <= max(rows) < cells.n_cell:
+            raise SectionError(f"{where}: discretisation: its cells are those of another mesh")
+        divided.append(np.isin(np.arange(cells.n_cell), rows))
+        cells = refined(cells, divided[-1])
+    if divided:
+        problem = SectionProblem(replace(problem.mesh, cells=cells), degree, team)
+    return problem, divided

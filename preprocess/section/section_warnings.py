@@ -1,0 +1,200 @@
+"""Warnings about a section: locking, ill-conditioned equations, change along the beam."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...solver.errors import coded, few
+from ...solver.math.arrays import Array
+from ...solver.package.common.materials import Anisotropic, Orthotropic
+from .helical import CentralSolutions
+from .recovery import Result
+from .section_specification import ALLOWED, OF_MESH, SectionError
+from .space.layers import Layup
+from .space.section_cells import CellMesh
+from .space.space import SectionSpace
+from .timoshenko import scaled
+from .warping import SOLVABILITY
+
+STRONG = 0.5  # least ratio of lengths of fibres at which the result is trusted without a warning
+TAPER = 1e-3  # relative error of K by the neglect of taper that is worth a warning
+
+
+def curvature_warnings(result: Result) -> list[dict[str, str]]:
+    """Warning about a section that is large compared with the radius of curvature."""
+    if not isinstance(result, CentralSolutions) or result.strains.least_g >= STRONG:
+        return []
+    size = float(np.ptp(np.stack([result.space.x2, result.space.x3]), axis=1).max())
+    turn = float(np.linalg.norm(result.strains.k)) * size
+    return coded(
+        "strongly-curved",
+        f"the innermost fibre has {result.strains.least_g:.2g} of the length of the "
+        f"reference line (|k| h = {turn:.2g}): end effects reach far, so that a beam is a poor "
+        "model",
+    )
+
+
+def taper_error(
+    spec: Mapping[str, Any], points: Array, K: Array
+) -> tuple[Array | None, list[dict[str, str]]]:
+    """Expected error of K (6, 6) by the neglect of taper, and a warning about it.
+
+    The exact solutions of a wedge of half angle a under axial force and moment (Michell) differ
+    from those of a prismatic beam by 2/3 a^2 and 2/5 a^2. The greater is applied to every entry;
+    a = taper h / 2 with the largest dimension h of the section.
+    """
+    taper = float(spec.get("taper", 0.0))
+    if taper == 0.0:
+        return None, []
+    angle = 0.5 * abs(taper) * float(np.ptp(points, axis=0).max())
+    error = 2.0 / 3.0 * angle**2
+    size = np.sqrt(np.abs(np.diag(K)))
+    expected = error * np.outer(size, size)
+    if error <= TAPER:
+        return expected, []
+    return expected, coded(
+        "taper-neglected",
+        f"the faces are inclined by {np.degrees(angle):.2g} deg to the axis: the "
+        f"stiffness of a prismatic beam is wrong by about {error:.1e}, and shear stresses lack "
+        f"{angle:.2g} of the axial ones at the faces",
+    )
+
+
+# Bulk over shear modulus above which linear elements lock (Poisson's ratio 0.446), and above which
+# elements of degree 2 lose digits (0.4999).
+LOCKING = 9.0
+INCOMPRESSIBLE = 5000.0
+REVERSAL = 1e-3  # relative change of K by the sense of layer directions that is worth a warning
+COARSE = 0.05  # estimated error of K, scaled, that is worth a warning
+
+
+def bulk_over_shear(material: Orthotropic | Anisotropic) -> float:
+    """Bulk modulus over the least stiffness against a change of shape without shear, halved.
+
+    In an isotropic material, this is the bulk over the shear modulus. Small shear moduli of an
+    orthotropic material, as of honeycomb, do not make it incompressible.
+    """
+    normal = material.compliance_M[:3, :3]
+    return 2.0 * float(np.linalg.eigvalsh(normal)[-1]) / float(normal.sum())
+
+
+def check_degree(
+    space: SectionSpace, lay: Layup, where: str, allow: Sequence[str] = (), *, given: bool = False
+) -> list[dict[str, str]]:
+    """Warnings about the degree of the warping field.
+
+    Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49. It is
+    only a warning if the functions are those of `given` cells of another code.
+    """
+    linear = space.degree == 1
+    warnings = []
+    if linear:
+        warnings += coded(
+            "degree-1-locks",
+            "linear elements are a few per cent too stiff in bending and torsion; "
+            "use mesh.degree = 2",
+        )
+    for name, material in {
+        p.material: m for p, m in zip(lay.plies, lay.materials, strict=True)
+    }.items():
+        ratio = bulk_over_shear(material)
+        if ratio <= (LOCKING if linear else INCOMPRESSIBLE):
+            continue
+        what = f"{name} is nearly incompressible (bulk modulus {ratio:.3g} times the shear modulus)"
+        if linear and not given and ALLOWED[0] not in allow:
+            raise SectionError(
+                f"{where}.mesh.degree = 1: expected 2, because {what}: linear elements lock; "
+                f'allow = ["{ALLOWED[0]}"] computes it anyway'
+            )
+        effect = "linear elements lock" if linear else "stresses lose digits"
+        warnings += coded("nearly-incompressible", f"{what}: {effect}")
+    return warnings
+
+
+def not_computed_warnings(models: Sequence[str]) -> list[dict[str, str]]:
+    """Warning about models that a file of another code asks for."""
+    if not models:
+        return []
+    return coded(
+        "model-not-computed",
+        f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass are computed",
+    )
+
+
+def density_warnings(lay: Layup) -> list[dict[str, str]]:
+    """Warning about materials without density, which files of other codes may have."""
+    pairs = zip(lay.plies, lay.materials, strict=True)
+    names = sorted({ply.material for ply, material in pairs if material.rho == 0.0})
+    if not names:
+        return []
+    return coded(
+        "no-density",
+        f"{few(names)}: the density is 0, so the mass does not contain all of the section",
+    )
+
+
+def solvability_warnings(result: Result) -> list[dict[str, str]]:
+    """Warning if the loads of the warping do work on rigid motions beyond round-off."""
+    if result.solvability <= SOLVABILITY:
+        return []
+    return coded(
+        "few-digits",
+        f"the loads of the warping do work of {result.solvability:.1e} (relative) "
+        f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
+        "section; its shear stiffness has fewer correct digits",
+    )
+
+
+def condition_warnings(result: Result) -> list[dict[str, str]]:
+    """Warning about equations that were solved although their condition would be refused."""
+    if not result.doubtful:
+        return []
+    return coded(
+        "ill-conditioned",
+        "the equations of the warping are nearly singular; the estimate contains "
+        "their round-off as far as a second solution shows it",
+    )
+
+
+def coarse_warnings(
+    error: Array | None, K: Array, spec_mesh: Mapping[str, Any]
+) -> list[dict[str, str]]:
+    """Warning if the estimated error (6, 6) of the stiffness is large; what helps depends on the
+    mesh."""
+    if error is None:
+        return []
+    share = scaled(error, K)
+    if share.max() <= COARSE:
+        return []
+    i, j = np.unravel_index(int(np.argmax(share)), share.shape)
+    # an error as large as K itself: a coarse field is too stiff, by any factor
+    lost = ", so that no digit is right and K may be too large by any factor"
+    lost = lost if share.max() >= 1.0 else ""
+    higher = "" if spec_mesh.get("degree") == OF_MESH else " or a higher mesh.degree"
+    return coded(
+        "coarse-mesh",
+        f"the estimated error of K{i + 1}{j + 1} is {share[i, j]:.2g} of "
+        f"sqrt(K_ii K_jj){lost}: use --accuracy, {finer_mesh(spec_mesh)}{higher}",
+    )
+
+
+def finer_mesh(spec_mesh: Mapping[str, Any]) -> str:
+    """What makes the mesh of a section finer, in words."""
+    return "a larger density" if "script" in spec_mesh else "a finer mesh in the file"
+
+
+def reversal_warnings(
+    lay: Layup, mesh: CellMesh, change: float, limit: float
+) -> list[dict[str, str]]:
+    """Warning about Cartesian layer directions that change their sense inside cells."""
+    if change <= limit:
+        return []
+    cells = np.flatnonzero(lay.reversing)
+    place = mesh.middles[cells[0]]
+    return coded(
+        "direction-reverses",
+        f'with convention = "cartesian" the layer direction reverses inside '
+        f"{len(cells)} cells, one at ({place[0]:.4g}, {place[1]:.4g}): where exactly changes K "
+        f"by {change:.1e}; put a mesh line there, or use contour angles",
+    )
