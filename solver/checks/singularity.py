@@ -298,6 +298,11 @@ class SingularityMonitor:
     def _advice(self) -> str:
         if self.treatment == "augmented-lagrangian":
             return 'Raise `frequency`, or take constraints = "projection"'
+        if self.treatment == "ggl":
+            return (
+                "Take `radau` or `rk8`, which pass it at every rtol, or increase rtol: near it, "
+                "corrections of steps as short as those of rtol below 1e-5 are rounding"
+            )
         if self.treatment in PASSES_SINGULAR:
             return "Decrease rtol; check lengths that nearly fit"
         return (

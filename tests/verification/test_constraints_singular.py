@@ -143,6 +143,8 @@ def test_a_failure_in_a_singular_position_is_explained():
     words = monitor.explain(float(solution.t[-1]), solution.y[-1])
     assert "loses rank at t = 0.70" in words
     assert "left 0" in words
+    monitor.treatment = "ggl"
+    assert "increase rtol" in monitor.explain(float(solution.t[-1]), solution.y[-1])
 
 
 @pytest.mark.parametrize("make", [bricard, lambda: chain(3), lambda: chain(4, "spherical")])
