@@ -119,6 +119,13 @@ def imported(
         ) from error
 
 
+def _unchanged(folder: Path, digests: dict[str, str]) -> None:
+    for name, digest in digests.items():
+        path = folder / name
+        if not path.is_file() or file_sha256(path) != digest:
+            raise InputError(f"{path}: changed since `plymotion check`; check the case again")
+
+
 def build_imported(content: dict[str, Any]) -> ModalPackage:
     """Read and reduce the matrices that a specification names.
 
@@ -129,11 +136,9 @@ def build_imported(content: dict[str, Any]) -> ModalPackage:
     file = Path(spec["file"])
     start = time.perf_counter()
     try:
-        for name, digest in spec["sha256"].items():
-            path = file.parent / name
-            if not path.is_file() or file_sha256(path) != digest:
-                raise InputError(f"{path}: changed since `plymotion check`; check the case again")
+        _unchanged(file.parent, spec["sha256"])
         package = imported(checked(spec["table"], str(file)), file.parent, str(file))
+        _unchanged(file.parent, spec["sha256"])  # nor while it was read
     except InputError as error:
         raise SpecError(str(error)) from error
     seconds = time.perf_counter() - start

@@ -51,7 +51,9 @@ class HiddenForces:
             for p in np.unique(programs_read(model)).tolist()
         )
         self._watched = [each for each in found if each is not None]
-
+        first = model.n_pos + model.n_vel
+        read = any((each.slope > each.loads + 1).any() for each in self._watched)
+        self._states = slice(first, first + model.n_aux) if read else None
         self._breaking = [each for each in self._watched if each.breaking.any()]
         self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
         self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
@@ -75,7 +77,7 @@ class HiddenForces:
         norm : of errors; 1 is just acceptable
         over_bends : steps may go over bends
         """
-        found, values = np.inf, quantities(self._model, t, y)
+        found, values = np.inf, self._values(t, y, rate)
         with np.errstate(all="ignore"):
             for each in self._watched:
                 found = first_hidden(each, t, values, found)
@@ -96,6 +98,14 @@ class HiddenForces:
                     i, part, jump, factor, reach = first_break(each, t, values, i, part)
         return stops
 
+    def _values(self, t: Array, y: Array, rate: Derivative) -> Array:
+        """Return all quantities at times t (k,), and behind them the rates of states if read."""
+        values, states = quantities(self._model, t, y), self._states
+        if states is None:
+            return values
+        rates = [rate(float(one), row)[states].copy() for one, row in zip(t, y, strict=True)]
+        return np.hstack([values, np.array(rates)])
+
     def _within(
         self, each: Watched, path: Hermite, reach: float, rate: Derivative, norm: ErrorNorm
     ) -> list[float]:
@@ -106,7 +116,7 @@ class HiddenForces:
         Bends are passed if that is infinite.
         """
         end = path.t_old + path.h
-        at, jump = self._next(each, path, path.t_old)
+        at, jump = self._next(each, path, path.t_old, rate)
         while at < end:
             close = 1e3 * np.spacing(abs(at))
             side = min(at - path.t_old, end - at)
@@ -116,7 +126,8 @@ class HiddenForces:
                 if path.h > most and not self._chatters(each, at):
                     return [max(at - 0.4 * most, path.t_old), at + 0.4 * most, end]
                 later = np.array([path.t_old, end + AHEAD * most])
-                self._pass(each, later, np.stack([path.y_0, path.y_1 + AHEAD * most * path.f_1]))
+                beyond = path.y_1 + AHEAD * most * path.f_1
+                self._pass(each, later, np.stack([path.y_0, beyond]), rate)
             elif (
                 reach < np.inf
                 and side > 2.0 * close
@@ -125,15 +136,17 @@ class HiddenForces:
                 # The step in two, as the next one could be so long that stages of no weight throw
                 # the state out of a contact. Surely before what turns out to be a jump.
                 return [at - close, end]
-            at, jump = self._next(each, path, at)
+            at, jump = self._next(each, path, at, rate)
         return []
 
-    def _next(self, each: Watched, path: Hermite, begin: float) -> tuple[float, bool]:
+    def _next(
+        self, each: Watched, path: Hermite, begin: float, rate: Derivative
+    ) -> tuple[float, bool]:
         """Return the next break along a step behind `begin` [s], or its end; whether it jumps."""
         low, high = begin, path.t_old + path.h
         for _ in range(CLOSER):
             t = np.linspace(low, high, PARTS + 1)
-            i, part, jump, *_ = first_break(each, t, quantities(self._model, t, path(t)), 0, 0.0)
+            i, part, jump, *_ = first_break(each, t, self._values(t, path(t), rate), 0, 0.0)
             if i < 0:
                 return path.t_old + path.h, False
             low, high = float(t[i]), float(t[i + 1])
@@ -182,7 +195,7 @@ class HiddenForces:
             self._breaking = [each for each in self._breaking if each.program != p]
         return count == OFTEN
 
-    def _pass(self, watched: Watched, t: Array, y: Array) -> None:
+    def _pass(self, watched: Watched, t: Array, y: Array, rate: Derivative) -> None:
         """Note a step over a jump, which is behind the motion if the motion does not come back.
 
         If it does, both forces push towards the jump and hold the state there. t, y : (2,), (2, n)
@@ -190,7 +203,7 @@ class HiddenForces:
         """
         last, count = self._last.get(watched.program, (-np.inf, 0))
         if t[0] > last:  # not taken again
-            values = quantities(self._model, t, y)
+            values = self._values(t, y, rate)
             behind = first_break(watched, t, values, 0, 0.0)[2] > 0.0
             self._last[watched.program] = float(t[0]), 0 if behind else count
             if not behind:

@@ -40,7 +40,7 @@ class Watched(NamedTuple):
     timed: bool  # reads the time
     rises: bool  # may rise from one value to another within little of what it reads
     loads: IntArray  # (l,) quantities that it reads
-    cubic: IntArray  # (l,) 1: the rate of a quantity follows it among all quantities
+    slope: IntArray  # (l,) place of the rate of a quantity among all values; -1: not known
     curved: IntArray  # (n,) 1: a part is not linear in them
     breaking: IntArray  # (n,) 1: a part has branches
     points: Array  # (s,) parts of a step at which forces are evaluated
@@ -75,6 +75,9 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         return None
     cubic = (loads < 2 * n) & (loads % 2 == 0)
     cubic[cubic] = ~np.isin(model.quantities.kind[loads[cubic] // 2], (SPIN, SLIP))
+    # rates of states follow all quantities
+    states, every = 2 * n + model.n_aux, 2 * n + model.n_aux + len(model.quantities.reaction_joint)
+    of_states = np.where((loads >= 2 * n) & (loads < states), every + loads - 2 * n, -1)
     nothing = np.array([np.inf, -np.inf])
     parts, read = len(curved), 1 + len(loads)
     return Watched(
@@ -84,7 +87,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         bool((codes == op.TIME).any()),
         bool((codes == op.TANH).any()),
         loads,
-        cubic.astype(np.int64),
+        np.where(cubic, loads + 1, of_states),
         curved.astype(np.int64),
         np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(BREAKING)).astype(np.int64),
         points,
@@ -259,8 +262,8 @@ def _has_left(watched: Watched, at: float) -> bool:
 def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
     """Set the quantities along step i.
 
-    A coordinate is the cubic by its values and rates, whose Bezier points bound it; other
-    quantities are taken as linear.
+    A coordinate or a state is the cubic by its values and rates, whose Bezier points bound it;
+    other quantities are taken as linear.
     """
     h, path = t[i + 1] - t[i], watched.path
     path[0, 0], path[0, 1] = t[i], h
@@ -268,8 +271,9 @@ def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
         k = watched.loads[j]
         first, rise = values[i, k], values[i + 1, k] - values[i, k]
         begin = end = rise
-        if watched.cubic[j] > 0:
-            begin, end = h * values[i, k + 1], h * values[i + 1, k + 1]
+        r = watched.slope[j]
+        if r >= 0:
+            begin, end = h * values[i, r], h * values[i + 1, r]
         path[1 + j, 0], path[1 + j, 1] = first, begin
         path[1 + j, 2], path[1 + j, 3] = 3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise
 

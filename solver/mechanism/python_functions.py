@@ -1,6 +1,9 @@
 """Functions of the user that controllers call, after the user has allowed it."""
 
+import builtins
 from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +13,7 @@ from ..dynamics.elements.forces.table import COORDINATE_FORCES
 from ..errors import InputError
 from ..inputs.case.expressions import is_along
 from ..math.arrays import Array
+from ..math.disk_cache import file_sha256
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -31,14 +35,14 @@ def require_permission(mechanism: "Mechanism") -> None:
 def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
     """Return the functions of the user by force, each with a memory of its own; runs their files.
 
-    Functions of one file see the same variables of it.
+    Functions of one file see the same variables of it, as do all that import a module beside it.
 
     Raises
     ------
     InputError
         A file that fails, or has no such function.
     """
-    spaces: dict[tuple[str, str], dict[str, object]] = {}
+    spaces: dict[tuple[str, str], dict[str, Any]] = {}
     return {
         name: _loaded(f"forces.{name}.code", code, spaces)
         for name, code in codes_of(mechanism).items()
@@ -56,11 +60,14 @@ def codes_of(mechanism: "Mechanism") -> dict[str, Any]:
     return found
 
 
-def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, object]]) -> Called:
+def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, Any]]) -> Called:
     space = spaces.setdefault((code.file, code.source), {})
     try:
+        for name, digest in code.reads.items():
+            if file_sha256(Path(name)) != digest:
+                raise ValueError(f"{name} was changed since the case was checked; check it again")
         if not space:
-            space["__name__"] = "user_code"
+            space |= {"__name__": "user_code", "__builtins__": _builtins(code.modules, spaces)}
             exec(compile(code.source, code.file, "exec"), space)
     except Exception as error:
         raise InputError(f'{key}.file = "{code.file}": {_words(error)}') from error
@@ -80,6 +87,28 @@ def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, object]
         return value
 
     return called
+
+
+def _builtins(
+    modules: dict[str, str], spaces: dict[tuple[str, str], dict[str, Any]]
+) -> dict[str, Any]:
+    """Return Python's own names with an import that takes these modules from their texts.
+
+    Not from files, which may have been edited since, nor from modules that an earlier run loaded.
+    """
+
+    def load(name: str, *words: Any, **more: Any) -> object:
+        if name not in modules:
+            return builtins.__import__(name, *words, **more)
+        space = spaces.setdefault((name, modules[name]), {})
+        if not space:
+            space["module"] = module = ModuleType(name)
+            vars(module)["__builtins__"] = own
+            exec(compile(modules[name], f"{name}.py", "exec"), vars(module))
+        return space["module"]
+
+    own = {**vars(builtins), "__import__": load}
+    return own
 
 
 def _words(error: Exception) -> str:

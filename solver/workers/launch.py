@@ -378,7 +378,6 @@ def _home() -> Path:
 
 # Specifications of a batch, handed out to an executor: each mesh to one worker if possible.
 
-MESHES = (".msh", ".geo", ".py")
 MOST_CRASHES = 3  # number of crashes without a result in between after which the batch is aborted
 
 
@@ -440,7 +439,7 @@ def _changed_mesh(spec: Path) -> str:
         value = pending.pop()
         if isinstance(value, dict):
             name, digest = value.get("file"), value.get("sha256")
-            if isinstance(name, str) and isinstance(digest, str) and name.endswith(MESHES):
+            if isinstance(name, str) and isinstance(digest, str):
                 file = Path(name)
                 if not file.is_file() or content_sha256(file) != digest:
                     return name

@@ -9,6 +9,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.results import read_result
 from plymotion.solver.run.execution import execute, read_run
 
 CODE = """
@@ -105,12 +106,41 @@ def test_bad_input(tmp_path, old, new, words):
     assert words in str(caught.value)
 
 
-def test_files_that_no_record_shows_are_refused(tmp_path):
-    """A second run said "up to date" after an edit of the imported file."""
+def test_modules_and_files_beside_it_are_read_with_it(tmp_path, capsys):
+    """An edit of one is noticed; no run has the modules of an earlier one."""
     folder = tmp_path / "case"
     folder.mkdir()
-    (folder / "gains.py").write_text("P = 40.0\n")
+    table = folder / "gains.csv"
+    table.write_text("40.0")
+    (folder / "gains.py").write_text("from more import P\n")
+    (folder / "more.py").write_text(f"P = float(open({str(table)!r}).read())\n")
+    code = CODE.replace("import numpy as np", "import numpy as np\nimport gains")
+    file = written(folder, code.replace("40.0", "gains.P"))
+    words = [str(folder / "case.toml"), "--out", str(tmp_path / "out"), "--no-report", "--quiet"]
+
+    def last():
+        assert main([*words, "--allow-python"]) == 0
+        x = read_result(tmp_path / "out/base/result.vtkhdf").signals[0].values[-1]
+        return x, "up to date" in capsys.readouterr().out
+
+    spec = read_run(file)
+    plain = execute(read_run(written(tmp_path / "plain")), progress=False, allow_python=True)[0]
+    assert last() == (plain.signals[0].values[-1], False)
+    table.write_text("20.0")
+    with pytest.raises(InputError, match=r"gains.csv was changed since the case was checked"):
+        execute(spec, progress=False, allow_python=True)
+    softer, known = last()
+    assert softer != plain.signals[0].values[-1] and not known
+    (folder / "more.py").write_text("P = 40.0\n")
+    assert last() == (plain.signals[0].values[-1], False)
+    assert last()[1]
+
+
+def test_files_that_no_record_shows_are_refused(tmp_path):
+    """A second run said "up to date" after an edit of the imported file."""
+    folder = tmp_path / "case" / "gains"
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").write_text("P = 40.0\n")
     for words in ("import gains", "from gains import P"):
-        with pytest.raises(InputError, match="imports gains of a file beside it"):
-            written(folder, CODE.replace("import numpy as np", f"import numpy as np\n{words}"))
-    written(folder, CODE.replace("import numpy as np", "import math, numpy as np"))
+        with pytest.raises(InputError, match="imports gains, a folder"):
+            written(tmp_path / "case", f"{words}\n{CODE}")

@@ -112,6 +112,23 @@ def test_a_case_knows_description_and_mesh(case: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("script", "text"),
+    [("plate.py", "import sizes, os\n"), ("plate.py", "from sizes import B\n"),
+     ("plate.geo", 'Include "sizes.py";\n')],
+)  # fmt: skip
+def test_files_that_a_script_reads_are_noticed(case: Path, script: str, text: str) -> None:
+    """A case was up to date after an edit of one; the digest of imports stayed."""
+    other = case.parent / "sizes.py"
+    other.write_text("B = 1.0\n")
+    (case.parent / script).write_text(text)
+    (case.parent / "plate.toml").write_text(DESCRIPTION.replace("plate.py", script))
+    assert "sizes.py" in {file.name for file in source_files(load_case(case))}
+    before = _spec(case)["shell"]["mesh"]["sha256"]
+    other.write_text("B = 2.0\n")
+    assert _spec(case)["shell"]["mesh"]["sha256"] != before
+
+
+@pytest.mark.parametrize(
     ("old", "new", "words"),
     [
         ('"plate.toml"', '"plat.toml"', "bodies.plate.shell"),

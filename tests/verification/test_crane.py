@@ -17,7 +17,7 @@ from plymotion.solver.run.execution import execute
 WAY, MOVES, T_END, STEP = 3.0, 3.0, 4.0, 0.05
 LAW = {"value": WAY, "duration": MOVES}
 DRIVE = f"drive = {{ smooth_step = {{ value = {WAY}, duration = {MOVES} }} }}"
-ALPHA = 'integrator = "generalized-alpha"\nconstraints = "ggl"\nrtol = 5e-4'
+ALPHA = 'integrator = "generalized-alpha"\nconstraints = "ggl"\nrtol = 1.26e-3'
 
 
 def trolley(t):

@@ -10,7 +10,7 @@ from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into
 from plymotion.solver.dynamics.model.model import new_work
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 
-ALPHA = 'integrator = "generalized-alpha"\nconstraints = "ggl"\nrtol = 5e-4'
+ALPHA = 'integrator = "generalized-alpha"\nconstraints = "ggl"\nrtol = 1.26e-3'
 
 
 def two(*forces: str, speeds=(0.0, 0.0)) -> str:

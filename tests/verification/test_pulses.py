@@ -90,6 +90,15 @@ def test_short_pulses(tmp_path, name, integrator):
     assert checks["energy_drift_relative"] < 1e-3
 
 
+@pytest.mark.parametrize("integrator", ["radau", "rk8"])
+def test_a_pulse_at_the_peak_of_a_state(tmp_path, integrator):
+    """sin(t) is above 1 - 1e-6 within a fifth of a step; states were taken as linear in each."""
+    law = "expression = \"1000 * max(0, state('s') - 0.999999) / 1e-6\""
+    solver = f'integrator = "{integrator}"\n[states.s]\nrate = "cos(t)"'
+    final, _ = speed(tmp_path, law, 3.0, solver, 0.5)
+    assert final == pytest.approx(4000.0 / 3.0 * 2e-6**0.5 / MASS, rel=1e-4)
+
+
 @pytest.mark.parametrize("width", [1e-4, 1e-2])
 def test_the_first_step_of_a_pulse_by_generalized_alpha(tmp_path, width):
     """Behind a kink there is no step before, with which its rates could be compared."""

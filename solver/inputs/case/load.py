@@ -250,8 +250,11 @@ def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
     laws += [law(force) for force in mechanism.forces.values()]
     tables: list[Any] = [each.table for each in laws if each is not None]
     tables += mechanism.tables.values()
-    tables += [getattr(force, "code", None) for force in mechanism.forces.values()]
-    files = [t.file for t in tables if t is not None]
+    codes = [code for force in mechanism.forces.values() if (code := getattr(force, "code", None))]
+    files = [t.file for t in (*tables, *codes) if t is not None]
+    for code in codes:
+        files += [*code.reads, *(Path(code.file).with_name(f"{name}.py") for name in code.modules)]
+    files += [getattr(body, "picture", None) for body in mechanism.bodies.values()]
     if (rotor := mechanism.rotor) is not None:
         files += [rotor.wind.file, rotor.table, rotor.polar_table]
         files += [rotor.wind.speed and rotor.wind.speed.table and rotor.wind.speed.table.file]

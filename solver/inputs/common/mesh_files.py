@@ -35,6 +35,7 @@ _NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
 _NAME = re.compile(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
 _GEO = re.compile(r'^\s*(?:Merge|Include)\s+"([^"]+)"', re.MULTILINE)
 _PY = re.compile(r"""["']([\w./-]+\.(?:py|geo|dat|csv|txt|json|toml|msh|step|stp))["']""")
+_IMPORT = re.compile(r"^\s*(?:from\s+\.?(\w+)\s+import|import\s+(.+))", re.MULTILINE)
 _OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the files that it reads
 
 
@@ -95,25 +96,34 @@ def physical_groups(file: Path) -> tuple[list[str], list[str], list[str]]:
     return points, curves, surfaces
 
 
-def content_sha256(file: Path) -> str:
-    """Return the hash of a mesh file, or of a script with all files that it merges and includes.
+def files_read(file: Path) -> list[Path]:
+    """Return a file and, of a script, all files that it merges, includes, imports or names.
 
-    The hash of a single file is that of its bytes. A Python script reads the files it names in
-    quotes.
+    A Python script reads the files it names in quotes.
     """
-    parts = [file.read_bytes()]
-    if file.suffix in _OTHER:
-        pending, seen = [file], {file.resolve()}
-        while pending:
-            script = pending.pop()
-            text = script.read_text(encoding="utf-8", errors="replace")
-            for name in _OTHER[script.suffix].findall(text):
-                other = script.parent / name
-                if other.is_file() and other.resolve() not in seen:
-                    seen.add(other.resolve())
-                    parts.append(other.read_bytes())
-                    if other.suffix in _OTHER:
-                        pending.append(other)
+    found, seen = [file], {file.resolve()}
+    for script in found:
+        if script.suffix not in _OTHER:
+            continue
+        text = script.read_text(encoding="utf-8", errors="replace")
+        names = _OTHER[script.suffix].findall(text)
+        if script.suffix == ".py":
+            words = re.findall(r"\w+", " ".join(" ".join(each) for each in _IMPORT.findall(text)))
+            names += [f"{name}.py" for name in words]
+        for name in names:
+            other = script.parent / name
+            if other.is_file() and other.resolve() not in seen:
+                seen.add(other.resolve())
+                found.append(other)
+    return found
+
+
+def content_sha256(file: Path) -> str:
+    """Return the hash of a mesh file, or of a script with all files that it reads.
+
+    The hash of a single file is that of its bytes.
+    """
+    parts = [each.read_bytes() for each in files_read(file)]
     if len(parts) == 1:
         return hashlib.sha256(parts[0]).hexdigest()
     return hashlib.sha256(b"".join(hashlib.sha256(p).digest() for p in parts)).hexdigest()

@@ -16,6 +16,7 @@ from ....errors import InputError, nearest, under, unknown
 from ....math.disk_cache import file_sha256
 from ....package.common.plain_data import inputs_sha256
 from ....package.specification import ImportedSpecification, Specification
+from ...common.mesh_files import files_read
 from ...common.text_file import read_toml
 from ..record import loaded_places
 from ..tables.beam_keys import BeamBody
@@ -160,7 +161,8 @@ class BodySpecs:
             digest = inputs_sha256(content)  # a package without errors is of the same body
             if errors and content["kind"] == "beam":
                 content["errors"] = True
-            self._known[key] = BodySpec(content, digest, tuple(sources))
+            read = {each for file in sources for each in files_read(file)}
+            self._known[key] = BodySpec(content, digest, tuple(sorted(read)))
         return self._known[key]
 
 

@@ -9,6 +9,7 @@ and are long are kept as text (math/rows.py), in memory too.
 import ast
 from array import array
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -35,6 +36,7 @@ from ....math.catalogue import (
     OfTime,
     Three,
 )
+from ....math.disk_cache import file_sha256
 from ....math.laws import Extrapolation, Interpolation, curve, curve_of_table
 from ....math.rows import PREFIX, Packed, column, packed
 from ...common.input_table import Axis, FilePath, Table, entry, optional
@@ -85,17 +87,40 @@ def read_columns(file: Path) -> tuple["list[float] | Packed", "list[float] | Pac
     return packed(np.frombuffer(columns[0])), packed(np.frombuffer(columns[1]))
 
 
-def _own_modules(source: str, folder: Path) -> list[str]:
-    """Return the modules that a text imports from files of its or of the current folder."""
+def _read_by(
+    file: Path, source: str, modules: dict[str, str], reads: dict[str, str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return texts of the modules beside a file that its source imports, and so on.
+
+    And digests of the files that these name in quotes, by path.
+
+    Raises ValueError : imports of a folder, or of a file of the current folder only.
+    """
     try:
         nodes = list(ast.walk(ast.parse(source)))
     except (SyntaxError, ValueError, RecursionError):  # said when it is run
-        return []
+        return modules, reads
+    texts = {n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+    for path in [at / text for text in texts for at in (file.parent, Path.cwd())]:
+        with suppress(OSError, ValueError):  # no name of a file
+            if path.is_file():
+                reads[str(path.resolve())] = file_sha256(path)
     names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
     names |= {node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module}
-    places = [at / name.split(".")[0] for name in names for at in (folder, Path.cwd())]
-    found = {x.name for x in places if x.with_suffix(".py").is_file() or [*x.glob("__init__.py")]}
-    return sorted(found)
+    for name in sorted({name.split(".")[0] for name in names} - modules.keys()):
+        beside = file.with_name(f"{name}.py")
+        if beside.is_file():
+            modules[name] = read_text(beside)
+            _read_by(beside, modules[name], modules, reads)
+        elif any(
+            (at / name / "__init__.py").is_file() or (at / f"{name}.py").is_file()
+            for at in (file.parent, Path.cwd())
+        ):
+            raise ValueError(
+                f"{file} imports {name}, a folder or a file of the current folder, whose changes "
+                "would go unnoticed; expected installed modules, and single files beside it"
+            )
+    return modules, reads
 
 
 class PythonCode(Table):
@@ -103,13 +128,16 @@ class PythonCode(Table):
 
     `def NAME(t, inputs, memory)` returns the force. t [s] is the instant, `inputs` an array of the
     values of `inputs`, `memory` a dictionary that is kept from call to call and empty at the start.
-    The file is read, not executed, when the case is checked. NumPy and Python's own modules can be
-    imported.
+    The file and what it imports from files beside it are read, not executed, when the case is
+    checked; an edit of any of them, or of a file that they name in quotes, is noticed. Installed
+    modules can be imported, too.
     """
 
     file: str = entry("Python file; path relative to the case file")
     function: str = entry("name of the function", default="control")
     source: str | None = optional("filled with the text of the file")
+    modules: dict[str, str] = entry("filled with the texts of modules beside it", default={})
+    reads: dict[str, str] = entry("filled with digests of files that it names", default={})
 
     @model_validator(mode="before")
     @classmethod
@@ -117,18 +145,14 @@ class PythonCode(Table):
         context = info.context or {}
         if context.get(RESOLVED) or not isinstance(data, dict):
             return data
-        if "source" in data:
-            raise ValueError("expected `file` and `function` only; found `source`")
+        if found := [key for key in ("source", "modules", "reads") if key in data]:
+            raise ValueError(f"expected `file` and `function` only; found `{found[0]}`")
         if not isinstance(data.get("file"), str):
             return data
         file = Path(context.get(FOLDER, ".")) / data["file"]
         source = read_text(file)
-        if own := _own_modules(source, file.parent):
-            raise ValueError(
-                f"{file} imports {', '.join(own)} of a file beside it, whose changes would go "
-                "unnoticed; expected imports of installed modules only, and its functions here"
-            )
-        return {**data, "source": source}
+        modules, reads = _read_by(file, source, {}, {})
+        return {**data, "source": source, "modules": modules, "reads": reads}
 
 
 class TimeTable(Table):
