@@ -130,7 +130,8 @@ def test_modules_and_files_beside_it_are_read_with_it(tmp_path, capsys):
     with pytest.raises(InputError, match=r"gains.csv was changed since the case was checked"):
         execute(spec, progress=False, allow_python=True)
     softer, known = last()
-    assert softer != plain.signals[0].values[-1] and not known
+    assert softer != plain.signals[0].values[-1]
+    assert not known
     (folder / "more.py").write_text("P = 40.0\n")
     assert last() == (plain.signals[0].values[-1], False)
     assert last()[1]
