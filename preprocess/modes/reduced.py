@@ -360,10 +360,12 @@ def _check(condition: Condition, modes: Modes) -> None:
     mass = float(np.abs(X.T @ (condition.M @ X) - np.eye(len(values))).max())
     stiffness = np.abs((X.T @ (condition.K @ X) - np.diag(values)) / scale)
     if not (mass < RESIDUAL and (stiffness < allowed).all()):
+        spread = f"{scale.max() / scale.min():.1e}"
         raise ModeError(
             f"modes are not orthonormal: X'MX - I is {mass:.2e}, X'KX - Lambda (scaled) "
             f"{stiffness.max():.2e}, expected below {RESIDUAL:.0e} and {allowed.min():.0e} "
-            f"({STATIC_RESIDUAL:.0e} of static modes)"
+            f"({STATIC_RESIDUAL:.0e} of static modes); the highest has {spread} times "
+            "the eigenvalue of the lowest: are all sizes in m? Otherwise ask for fewer modes"
         )
 
 

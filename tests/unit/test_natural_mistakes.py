@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands.bodies.described import tell_failure
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.common.text_file import read_toml
 from plymotion.solver.inputs.shell_specification import shell_spec
+from plymotion.solver.workers.described import Entry, Made
 
 STARTERS = Path(__file__).parents[2] / "solver/commands/starters"
 PUSH = '\n[forces.push]\nkind = "force"\nat = "arm.tip"\n'
@@ -73,6 +75,53 @@ MISTAKES = [
     ("arm", "gravity =", "g =", "g: unknown key; did you mean 'gravity'?"),
     ("arm", 'at = "arm.tip"', 'body = "arm"', "payload.body: unknown key; did you mean 'at'?"),
     ("arm", "[bodies.arm]", '[[bodies]]\nname = "arm"', "expected a table"),
+    ("arm", "length = 0.5", 'length = "M"', "an expression of [parameters]: there is no name `M`"),
+    ("arm", "length = 0.5", 'length = "0.5 m"', 'length = "0.5 m": value should be a valid number'),
+    ("arm", 'kind = "revolute"', 'free = "rz"', 'some of x, y, z, rx, ry, rz in a list: ["rz"]'),
+    ("arm", 'kind = "deflection"', 'kind = "coordinate"', "did you mean 'joint'?"),
+    ("arm", 'kind = "deflection"', 'kind = "torque"', "did you mean 'reaction'?"),
+    ("arm", 'kind = "deflection"', 'kind = "strain"', "did you mean 'ply_stress'?"),
+    ("arm", "component =", "direction =", "tip_bending.direction: unknown key; did you mean 'comp"),
+    (
+        "arm",
+        "smooth_step = {",
+        "velocity = 3, a = {",
+        "drive.velocity: unknown key; did you mean 'spe",
+    ),
+    ("arm", "between =", "child =", "shoulder.child: unknown key; did you mean 'between'?"),
+    ("arm", '"ground.base"', '"world.base"', 'there is no body "world"; known: arm, ground'),
+    ("arm", "t_end", "end_time", "solver.end_time: unknown key; did you mean 't_end'?"),
+    ("arm", "t_end", 'integrator = "ODE45"\nt_end', "did you mean 'rk5'?"),
+    (
+        "arm",
+        "[runs.base]",
+        "[runs.base]\nt_end = 2",
+        "t_end: expected it in a variant, [variants.NAME.s",
+    ),
+    (
+        "arm",
+        "[runs.base]",
+        "[runs.base]\nmasses = 2",
+        "masses: expected it in a variant, [variants.NAME]",
+    ),
+    (
+        "arm",
+        "[runs.base]",
+        f'[runs.base]\n{SWEEP}"gravity.1" = 30',
+        "expected a list, such as [0, 30]",
+    ),
+    (
+        "arm",
+        "[runs.base]",
+        f'[runs.base]\n{SWEEP}"bodies.arm.material" = ["carbon"]',
+        "expected numbers; words, such as names, are changed by [variants]",
+    ),
+    (
+        "arm",
+        "[runs.base]",
+        f'[runs.base]\n{SWEEP}"gravity.1" = {{ start = 0, stop = 9, num = 3 }}',
+        "num: unknown key; did you mean 'count'?",
+    ),
     (
         "robot-arm",
         "[runs.flexible]",
@@ -130,6 +179,14 @@ NEW = [
     ),
     (STUDY, '"rms"', '"mean"', "did you mean 'rms'?"),
     (STUDY, "[-90, 90]", "[90, -90]", "a.bounds = [90.0, -90.0]: expected the lower bound first"),
+    (STUDY, ', of = "rms" }', " }", 'expected a key `of`, such as of = "rms"'),
+    (STUDY, "signal =", "weight =", "minimise.weight: unknown key; did you mean 'mass'?"),
+    (
+        STUDY,
+        "run =",
+        'subject_to = [{ strength = "arm", min = 1 }]\nrun =',
+        'strength = "arm": no material of it has strengths; expected a table `strength` in [mat',
+    ),
     (STUDY, "run =", "constraints = []\nrun =", "did you mean 'subject_to'?"),
     (STUDY, "run =", "algorithm = 1\nrun =", "did you mean 'driver'?"),
     (STUDY, "run =", "subject_to = { max = 1 }\nrun =", "expected a list, such as [{ ... }]"),
@@ -235,3 +292,12 @@ def test_a_sweep_file_for_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     file.write_text('{"case": "arm", "run": "base", "members": []}')
     assert main(["run", str(file)]) == 2
     assert "not a run file (a sweep, which `plymotion sweep` computes)" in capsys.readouterr().err
+
+
+def test_keys_of_an_analysis_are_those_of_its_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The preprocessor has the description below a key of a body."""
+    one = Entry("plate", tmp_path / "plate.toml")
+    tell_failure(Made(one, tmp_path, "failed", "plate.toml: shell.supports.root.at = 'left': no"))
+    assert capsys.readouterr().err == "error: plate.toml: supports.root.at = 'left': no\n"

@@ -1,6 +1,7 @@
 """What `section`, `shell` and `solid` share: a results file for each description."""
 
 import argparse
+import re
 import sys
 import tempfile
 import threading
@@ -105,8 +106,8 @@ def tell_failure(one: Made) -> None:
     if one.defect:
         print(one.defect, end="", file=sys.stderr)
         print("this is a defect of the preprocessor, not of the input:", file=sys.stderr)
-    for line in one.error.splitlines():
-        print(f"error: {line}", file=sys.stderr)
+    for line in one.error.splitlines():  # keys as they are in the file, not in that of a body
+        print(f"error: {re.sub(': (section|shell)[.]', ': ', line, count=1)}", file=sys.stderr)
 
 
 def file_lines(one: Made, figures: Iterable[Path]) -> str:

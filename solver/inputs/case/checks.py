@@ -85,7 +85,8 @@ def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> 
         hint = nearest(point, mechanism.ground)
         return [f'{key} = "{place}": the ground has no point "{point}"{hint}']
     if owner not in mechanism.bodies:
-        return [f'{key} = "{place}": there is no body "{owner}"{nearest(owner, mechanism.bodies)}']
+        bodies = [*mechanism.bodies, *["ground"] * ground]
+        return [f'{key} = "{place}": there is no body "{owner}"{nearest(owner, bodies)}']
     known = interfaces(mechanism.bodies[owner])
     if known is not None and point not in known:
         return [
@@ -296,7 +297,10 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     found += _rotor(mechanism)
     for name, signal in mechanism.signals.items():
         key = f"signals.{name}"
-        found += _signal(key, signal, mechanism) or _without_strengths(key, signal, bodies)
+        wrong = _signal(key, signal, mechanism)
+        if isinstance(signal, StrengthSignal) and not wrong:
+            wrong = without_strengths(f'{key}.body = "{signal.body}"', bodies.get(signal.body))
+        found += wrong
     found += check_combined(mechanism)
     spin = mechanism.solver.spin
     if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
@@ -518,11 +522,15 @@ def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
     return found
 
 
-def _without_strengths(key: str, signal: Signal, bodies: dict[str, BodySpec]) -> list[str]:
-    """Return an error if the materials of a body are known, and none has strengths."""
-    if not isinstance(signal, StrengthSignal) or signal.body not in bodies:
-        return []
-    content: dict[str, Any] = dict(bodies[signal.body].content)
+def without_strengths(key: str, body: BodySpec | None) -> list[str]:
+    """Return an error at a key if the materials of a body are known, and none has strengths.
+
+    Parameters
+    ----------
+    key : key of the input file and its value, for messages
+    body : its specification, if there is one
+    """
+    content: dict[str, Any] = dict(body.content) if body else {}
     parts = [content[part] for part in ("shell", "solid", "section") if part in content]
     parts += [station["section"] for station in content.get("stations", [])]
     materials = {name: m for part in parts for name, m in part.get("materials", {}).items()}
@@ -530,7 +538,7 @@ def _without_strengths(key: str, signal: Signal, bodies: dict[str, BodySpec]) ->
     if not known or any("strength" in material for material in materials.values()):
         return []
     return [
-        f'{key}.body = "{signal.body}": no material of it has strengths; expected a table '
+        f"{key}: no material of it has strengths; expected a table "
         f"`strength` in {few(f'[materials.{name}]' for name in materials)} (docs/strength.md)"
     ]
 

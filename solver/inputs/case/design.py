@@ -14,6 +14,7 @@ from ...package.specification import ModeKind
 from ..common.input_table import plain_table
 from ..common.units import LENGTHS
 from .bodies.specifications import BodySpec, BodySpecs, rich_bodies
+from .checks import in_parts, without_strengths
 from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, number_at, unit_at
 from .tables.beam_keys import BeamBody
 from .tables.bodies import RigidBody
@@ -186,7 +187,11 @@ def check_study(
     sense = "maximise" if study.minimise is None else "minimise"
     for k, quantity in enumerate(study.quantities()):
         key = f"{where}.subject_to.{k - 1}" if k else f"{where}.{sense}"
-        found += unknown_subject(key, quantity, base)
+        wrong = unknown_subject(key, quantity, base)
+        if quantity.subject == "strength" and not wrong:
+            body = in_parts(base, specs)[1].get(quantity.name)
+            wrong = without_strengths(f'{key}.strength = "{quantity.name}"', body)
+        found += wrong
     refuse(found)
     checked = CheckedStudy(
         name, study, parameters, targets, base, np.array(start), merged, where, specs, merged_of

@@ -247,6 +247,13 @@ g: G12 gravity
 nu nu21 poisson: nu nu12
 circle: ellipse
 pipe: tube
+diameter: radius outer_radius
+thickness: wall
+coordinate: joint
+direction: component
+axis vector: direction
+parent child: between
+velocity omega: speed
 angle: angle_deg ply_angle_deg rotation_deg start_deg joint
 angles: angles_deg
 layup lay_up laminate plies: layup laminate sections.NAME.description
@@ -265,22 +272,29 @@ plane ground floor: contact
 force sine sin function: expression
 motor actuator: drive
 steps points: count x2
-rk45: rk5
+rk4 rk45 ode45: rk5
+bdf: gear
+lhs: latin-hypercube
+num n: count
+start: from
 friction mu: coefficient
 contact normal_force: force
 loads: forces
 magnitude value: law
 target reference: setpoint
-max min: bounds
+max: bounds upper to
+min: bounds lower from
 average mean: rms
 displacement: deflection
-stress: ply_stress
-torque: moment
+stress strain: ply_stress
+torque: moment reaction
+moment: torque reaction
+weight: mass
 algorithm method optimizer optimiser: driver integrator
 newmark: generalized-alpha
 tolerance: rtol
 dt: output_step
-duration time: t_end
+duration time end_time stop_time: t_end
 static: equilibrium
 constraint constraints limits: subject_to
 maximize: maximise
@@ -369,7 +383,7 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         if is_number(value):
             text += ", without quotes"
         elif "parameters" in model.model_fields and path[0] != "parameters":
-            text += ", or an expression of [parameters]"
+            text += ", or an expression of [parameters]" + item.get("ctx", {}).get("why", "")
     hint = ""
     if _one_of_words(kind):
         hint = meant(str(value), get_args(kind))

@@ -121,7 +121,8 @@ class Quantity(Table):
             raise ValueError(f"expected one of {', '.join(SUBJECTS)}, found {len(named)}")
         over_time = named[0] in ("signal", "deformation_energy")
         if over_time != (self.of is not None):
-            raise ValueError(f"{named[0]}: expected {'a' if over_time else 'no'} key `of`")
+            example = ', such as of = "rms"' if over_time else ""
+            raise ValueError(f"{named[0]}: expected {'a' if over_time else 'no'} key `of`{example}")
         if (self.of == "at") != (self.time is not None):
             raise ValueError('expected `time` with of = "at", and only there')
         if (named[0] == "section") != (self.entry is not None):

@@ -101,7 +101,8 @@ def by_freedoms(table: Any) -> Any:
         return table
     free, known = table["free"], ("x", "y", "z", "rx", "ry", "rz")
     if not isinstance(free, list) or any(each not in known for each in free):
-        raise ValueError(f"free = {free}: expected some of {', '.join(known)}")
+        listed = f' in a list: ["{free}"]' if isinstance(free, str) else ""
+        raise ValueError(f"free = {free}: expected some of {', '.join(known)}{listed}")
     if "axis" in table:
         raise ValueError("expected no `axis` with `free`, which are global directions")
     for axis, order in enumerate(("yzx", "zxy", "xyz")):  # the last one is that of the joint

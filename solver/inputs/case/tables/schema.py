@@ -10,12 +10,13 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from ....dynamics.elements.joints.table import JOINTS
 from ....errors import InputError
 from ....math.arrays import Array
 from ....math.expressions.operations import TIME
-from ....math.expressions.parse import Plain, parsed
+from ....math.expressions.parse import ExpressionError, Plain, parsed
 from ....math.expressions.program import value_at
 from ...common.input_table import (
     Name,
@@ -85,6 +86,13 @@ class Variation(Table):
         items = table.items() if isinstance(table, dict) else ()
         if any(isinstance(value, dict) or name.isdecimal() for name, value in items):
             raise ValueError('expected quotes around a dotted key, such as "bodies.arm.length"')
+        values = table.get("values") if isinstance(table, dict) else table
+        if isinstance(values, list) and any(isinstance(value, str) for value in values):
+            raise ValueError("expected numbers; words, such as names, are changed by [variants]")
+        if not isinstance(table, dict | list):
+            raise ValueError(
+                "expected a list, such as [0, 30], or { from = 0, to = 90, count = 4 }"
+            )
         return {"values": table} if isinstance(table, list) else table
 
     @model_validator(mode="after")
@@ -291,6 +299,15 @@ class Run(Table):
     title: str = entry("words for figures and tables", default="")
     variants: list[Name] = entry("names of variants, applied in order", default=[])
 
+    @model_validator(mode="before")
+    @classmethod
+    def _own_keys(cls, table: Any) -> Any:
+        for key in table if isinstance(table, dict) else ():
+            if key in {**Mechanism.model_fields, **Solver.model_fields} and key != "title":
+                where = "" if key in Mechanism.model_fields else ".solver"
+                raise ValueError(f"{key}: expected it in a variant, [variants.NAME{where}]")
+        return table
+
 
 class Figure(Table):
     """`[figures.NAME]`: one signal of several runs in one picture."""
@@ -387,11 +404,29 @@ def mechanism_of(
                     if value is not None and not key.startswith("parameters."):
                         found[key], texts[key] = value, item["input"]
             if not found:
-                raise
+                raise _explained(error, numbers) from None
             try:
                 table = put(table, found)
             except (LookupError, TypeError, ValueError):  # a text that stands for a whole table
                 raise error from None
+
+
+def _explained(error: ValidationError, numbers: Mapping[str, Any]) -> ValidationError:
+    """Return the error; a text in place of a number says why it is no expression."""
+    items: list[InitErrorDetails] = []
+    for item in error.errors():
+        kind: Any = item["type"]
+        if kind in ("float_type", "int_type") and isinstance(item["input"], str):
+            try:
+                parsed(item["input"], Plain({k: 0.0 for k in numbers}))
+            except ExpressionError as wrong:
+                kind = PydanticCustomError(kind, item["msg"], {"why": f": {wrong}"})
+        items.append(
+            InitErrorDetails(
+                type=kind, loc=item["loc"], input=item["input"], ctx=item.get("ctx", {})
+            )
+        )
+    return ValidationError.from_exception_data(error.title, items)
 
 
 def number_of(text: str, parameters: Mapping[str, Any]) -> float | None:
