@@ -24,7 +24,7 @@ from plymotion.solver.signals import Recording
 from plymotion.solver.studies.design.exact import Traced, by_adjoint
 from plymotion.solver.studies.design.measures import Made, measure_of
 from plymotion.solver.studies.design.study import optimise
-from plymotion.solver.studies.design.trials import Order, Trials
+from plymotion.solver.studies.design.trials import StudySpec, Trials
 from plymotion.solver.studies.sensitivities.differentiated_run import Trace, with_sensitivities
 from plymotion.solver.studies.sensitivities.parameters import combined, design_parameter
 from plymotion.solver.workers.executors import Here
@@ -44,7 +44,7 @@ def extension_twist(folder: Path) -> dict[str, Any]:
     study = {"run": "base", "maximise": {"section": "arm", "entry": "S14"}, "verify": False}
     table = tube(parameters=one, studies={"twist": study})
     begin = perf_counter()
-    found = optimise(Order(table, Path("tube.toml"), False, "twist", folder), Here)
+    found = optimise(StudySpec(table, Path("tube.toml"), False, "twist", folder), Here)
     S11, S22, S66 = 1.0 / CARBON["E1"], 1.0 / CARBON["E2"], 1.0 / CARBON["G12"]
     S12 = -CARBON["nu12"] / CARBON["E1"]
 
@@ -67,8 +67,8 @@ def extension_twist(folder: Path) -> dict[str, Any]:
 
 def oscillating(folder: Path) -> dict[str, Any]:
     """A ball on a spring: the best stiffness is where the largest force is at its limit."""
-    order = Order(oscillator(), Path("ball.toml"), False, "stop", folder)
-    found = optimise(order, Here)
+    given = StudySpec(oscillator(), Path("ball.toml"), False, "stop", folder)
+    found = optimise(given, Here)
     return {
         "stiffness": found["optimum"]["p"][0],
         "closed_form": BEST,
@@ -81,11 +81,11 @@ def frequency_slopes(folder: Path) -> dict[str, Any]:
     """Exact derivatives of the lowest frequency by 12 angles, against rebuilt designs."""
     study = {"run": "base", "maximise": {"frequency": "arm"}, "difference": 1e-4}
     table = tube(PLIES, parameters=angles(PLIES), studies={"f": study})
-    order = Order(table, Path("tube.toml"), False, "f", folder)
+    given = StudySpec(table, Path("tube.toml"), False, "f", folder)
     p = 70.0 * np.random.default_rng(34).uniform(-1.0, 1.0, PLIES)
     slopes, seconds = [], []
     for exact in (True, False):
-        trials = Trials(replace(order, exact=exact))
+        trials = Trials(replace(given, exact=exact))
         trials.values(p)
         begin = perf_counter()
         trials.values(p)
@@ -135,8 +135,8 @@ def actuated_beam(folder: Path) -> dict[str, Any]:
     for rtol in (1e-6, 1e-10):
         table = beam(rtol=rtol)
         table["solver"]["rtol"] = rtol
-        order = Order(table, BEAM, False, "tip", folder)
-        exact, plain = Trials(replace(order, exact=True)), Trials(order)
+        given = StudySpec(table, BEAM, False, "tip", folder)
+        exact, plain = Trials(replace(given, exact=True)), Trials(given)
         for each in (exact, plain):
             each.values(p)  # loads what it needs
         slopes = np.array(exact.slopes(p)[0][0])
@@ -160,8 +160,8 @@ def ringing_beam(folder: Path) -> dict[str, Any]:
         table = beam(rtol=1e-6, plies=count // 2)
         table["bodies"]["beam"].pop("damping_ratio")
         table["solver"] |= {"rtol": 1e-6, "t_end": 1.0}
-        order = Order(table, BEAM, False, "tip", folder)
-        exact, plain = Trials(replace(order, exact=True)), Trials(order)
+        given = StudySpec(table, BEAM, False, "tip", folder)
+        exact, plain = Trials(replace(given, exact=True)), Trials(given)
         rng, seconds = np.random.default_rng(35), dict[str, float]()
         p, q, r, s = (60.0 * rng.uniform(-1.0, 1.0, count) for _ in range(4))
         for each, start in ((exact, p), (plain, q)):
@@ -186,7 +186,7 @@ def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
     table = beam(rtol=1e-6)
     table["bodies"]["beam"].pop("damping_ratio")
     table["solver"] |= {"rtol": 1e-6, "t_end": 1.0}
-    trials = Trials(Order(table, BEAM, False, "tip", folder))
+    trials = Trials(StudySpec(table, BEAM, False, "tip", folder))
     trials.values(30.0 * np.ones(PLIES))
     spec = trials._last[1].spec
     ((name, package),) = spec.packages.items()
@@ -226,9 +226,9 @@ def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
 def random_designs(folder: Path) -> dict[str, Any]:
     """The best of 16 starts of the actuated beam, against the best of random designs."""
     begin = time.process_time()
-    found = optimise(Order(beam(starts=16), BEAM, False, "tip", folder), Here)
+    found = optimise(StudySpec(beam(starts=16), BEAM, False, "tip", folder), Here)
     study = time.process_time() - begin
-    trials = Trials(Order(beam(), BEAM, False, "tip", folder / "random"))
+    trials = Trials(StudySpec(beam(), BEAM, False, "tip", folder / "random"))
     rng, begin, values = np.random.default_rng(36), _processor_time(), []
     for _ in range(RANDOM):
         values += trials.values(rng.uniform(-90.0, 90.0, PLIES)).shown[:1]

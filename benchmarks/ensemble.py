@@ -24,7 +24,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import RunResult
 from plymotion.solver.run.inputs import RunSpec
-from plymotion.solver.studies.sweep.sweep_members import read_plan
+from plymotion.solver.studies.sweep.sweep_members import read_sweep_spec
 
 CASE = "double-pendulum"
 SWEEP = "masses"
@@ -83,7 +83,7 @@ def _set(file: Path, solver: dict[str, Any]) -> None:
 
 def _tolerance(file: Path) -> tuple[float, list[float]]:
     """The largest rtol at which the probed members are accurate enough, and their errors [m]."""
-    plan = read_plan(file)
+    plan = read_sweep_spec(file)
     specs = []
     for number in np.unique(np.linspace(0, len(plan.members) - 1, PROBED).astype(int)).tolist():
         packages = {b: plan.package(k) for b, k in plan.members[number].packages.items()}

@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 
 from plymotion.solver.studies.sweep.file import believed_rows, result_of, write_sweep
-from plymotion.solver.studies.sweep.sweep_members import read_plan
+from plymotion.solver.studies.sweep.sweep_members import read_sweep_spec
 from plymotion.solver.workers.executors import Task, distribute
 
 DIFFERENT = ("cost/solve_s", "members/sha256")  # between two computations
@@ -44,7 +44,7 @@ def data_sha256(file: Path) -> str:
 def steps(file: Path, h5: Path) -> dict[str, Any]:
     """Return the CPU time of each step of the command [s], and portions per second of its loop."""
     begin = time.process_time()
-    plan = read_plan(file)
+    plan = read_sweep_spec(file)
     read = time.process_time()
     keys = plan.keys()
     identified = time.process_time()

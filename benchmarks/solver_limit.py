@@ -21,7 +21,7 @@ from solver_problems import Problem, chain, double_pendulum
 from plymotion.solver.dynamics.evaluation.accelerations import derivative_into
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import rates_into
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.run.preparation import prepare
@@ -108,7 +108,7 @@ def operations(name: str) -> dict[str, dict[str, int]]:
     """Operations of an evaluation of the equations, and of one with the accelerations."""
     spec = PROBLEMS[name]().with_solver(DEFAULT, RTOL)
     prepared = prepare(spec.mechanism, spec.packages)
-    model, work, y = map(_counting, (prepared.model, new_work(prepared.model), prepared.y0))
+    model, work, y = map(_counting, (prepared.model, new_workspace(prepared.model), prepared.y0))
     out = _counting(np.zeros(prepared.y0.size))
     found = {}
     for what, call in (
@@ -137,7 +137,7 @@ def _measured(name: str) -> dict[str, Any]:
     spec = PROBLEMS[name]().with_solver(DEFAULT, RTOL)
     prepared = prepare(spec.mechanism, spec.packages)
     model, y0 = prepared.model, prepared.y0
-    work, out = new_work(model), np.zeros(y0.size)
+    work, out = new_workspace(model), np.zeros(y0.size)
     empty = model._replace(n_body=0)
     steps = []
     for _ in range(REPEATED):

@@ -34,8 +34,8 @@ from samples.stiffening_samples import (  # noqa: E402
 from plymotion.solver.dynamics.evaluation.accelerations import derivative_into  # noqa: E402
 from plymotion.solver.dynamics.model.model import (  # noqa: E402
     Model,
-    Work,
-    new_work,
+    Workspace,
+    new_workspace,
 )
 from plymotion.solver.math.arrays import Array  # noqa: E402
 from plymotion.solver.math.compiled import COMPILED, jit  # noqa: E402
@@ -54,7 +54,7 @@ CASES = (
 
 
 @jit
-def _many(model: Model, work: Work, y: Array, out: Array, count: int) -> None:
+def _many(model: Model, work: Workspace, y: Array, out: Array, count: int) -> None:
     for k in range(count):
         derivative_into(model, work, 1e-6 * k, y, out)
 
@@ -91,7 +91,7 @@ def cost(stiffened: Model, y: Array) -> tuple[float, float]:
     times: dict[int, list[float]] = {0: [], 1: []}
     out = np.empty_like(y)
     y[linear.n_pos :] += 0.1 * np.random.default_rng(0).normal(size=y.size - linear.n_pos)
-    works = [new_work(linear), new_work(stiffened)]
+    works = [new_workspace(linear), new_workspace(stiffened)]
     for _ in range(BATCHES):
         for k, model in enumerate((linear, stiffened)):
             begin = time.process_time()

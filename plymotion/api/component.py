@@ -10,7 +10,7 @@ from ..solver.errors import InputError
 from ..solver.studies.design.starts import Known
 from ..solver.studies.design.study import ready
 from .case import Case
-from .optimising import order_of
+from .optimising import study_spec
 
 
 def openmdao_component(
@@ -43,18 +43,18 @@ def openmdao_component(
     Traceback (most recent call last):
     plymotion.solver.errors.InputError: pendulum: expected the name of a study; known: light
     """
-    order = order_of(case, study, out, coarse=coarse)
+    given = study_spec(case, study, out, coarse=coarse)
     try:
         om: Any = import_module("openmdao.api")
     except ImportError as error:
         raise InputError(
             f"openmdao_component: needs openmdao ({error}): pip install 'plymotion[openmdao]'"
         ) from error
-    _, trials, memory = ready(order)
+    _, trials, memory = ready(given)
     own, known = trials.study, Known(trials, memory)
     first = known.values(own.start)
     if first.why:
-        raise InputError(f"{order.file}: the design of the start is invalid: {first.why}")
+        raise InputError(f"{given.file}: the design of the start is invalid: {first.why}")
     words = [q.words().replace(" ", "_") for q in own.table.quantities()]
     outputs = [w if words.count(w) == 1 else f"{w}_{k}" for k, w in enumerate(words)]
 

@@ -14,7 +14,7 @@ from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.design_text import outcome_lines
 from ..solver.studies.design.study import RESULT
 from ..solver.studies.design.study import optimise as computed
-from ..solver.studies.design.trials import Order
+from ..solver.studies.design.trials import StudySpec
 from ..solver.studies.exit_codes import shown
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
@@ -166,15 +166,15 @@ def optimise(
     Traceback (most recent call last):
     plymotion.solver.errors.InputError: pendulum: expected the name of a study; known: light
     """
-    order = order_of(case, study, out, coarse=coarse)
-    with shown(steps=progress), named(out), folder_lock(order.folder.parent.parent):
-        computed(order, Here if jobs == 1 else partial(Local, jobs), fresh=fresh, show=progress)
-        return Optimum(order.folder)
+    given = study_spec(case, study, out, coarse=coarse)
+    with shown(steps=progress), named(out), folder_lock(given.folder.parent.parent):
+        computed(given, Here if jobs == 1 else partial(Local, jobs), fresh=fresh, show=progress)
+        return Optimum(given.folder)
 
 
-def order_of(
+def study_spec(
     case: Case | str | Path, study: str | None, out: str | Path | None, *, coarse: bool
-) -> Order:
+) -> StudySpec:
     """Return a study of a case. Raises InputError: the case has no such study, or several.
 
     Parameters
@@ -193,4 +193,4 @@ def order_of(
         hint = nearest(study, studies) if study and studies else known
         raise InputError(f"{case.name}: expected the name of a study{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    return Order(plain(case.table), case._path, coarse, study, folder / "studies" / study)
+    return StudySpec(plain(case.table), case._path, coarse, study, folder / "studies" / study)

@@ -22,8 +22,8 @@ from ..solver.studies.sweep.file import (
     result_of,
     sweep_csv,
 )
-from ..solver.studies.sweep.portions import Work, settled
-from ..solver.studies.sweep.sweep_members import read_plan
+from ..solver.studies.sweep.portions import RowFile, settled
+from ..solver.studies.sweep.sweep_members import read_sweep_spec
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
 from .keys import plain
@@ -285,12 +285,12 @@ def _compute(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
     """Compute a sweep, in this process or in others, which do not import the script of the user."""
     target = file.with_suffix("")
     target.mkdir(parents=True, exist_ok=True)
-    plan = read_plan(file)
-    settled(plan)
-    work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
+    sweep = read_sweep_spec(file)
+    settled(sweep)
+    work = RowFile(sweep, target / FILE, [] if fresh else [target / FILE], show=progress)
     if not work.compute(Here if jobs == 1 else partial(Local, jobs)):
         raise KeyboardInterrupt
-    write_text(target / CSV, sweep_csv(result_of(plan, work.rows)))
+    write_text(target / CSV, sweep_csv(result_of(sweep, work.rows)))
 
 
 def _listed(vary: Mapping[str, Any]) -> dict[str, object]:

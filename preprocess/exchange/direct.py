@@ -26,19 +26,19 @@ SMALLEST = 180  # dofs of a part that is not bisected
 SOFT = 1e-9  # shift of a singular stiffness relative to the mean of K_ii / M_ii
 
 
-class Part(NamedTuple):
+class Supernode(NamedTuple):
     """Dofs that are eliminated together, and the numbers of the parts below it."""
 
     rows: IntArray
     below: tuple[int, ...]
 
 
-def dissection(A: Any, places: Array) -> list[Part]:
+def dissection(A: Any, places: Array) -> list[Supernode]:
     """Parts of the dofs of A at `places` (n, 3) in the order of elimination."""
     pattern = sp.csr_matrix(
         (np.ones(A.nnz, dtype=np.int8), A.tocsr().indices, A.tocsr().indptr), shape=A.shape
     )
-    parts: list[Part] = []
+    parts: list[Supernode] = []
     mark = np.zeros(A.shape[0], dtype=np.int32)
 
     def divide(rows: IntArray) -> int:
@@ -46,26 +46,26 @@ def dissection(A: Any, places: Array) -> list[Part]:
         axis = int(np.argmax(np.ptp(x, axis=0)))
         left = x[:, axis] < np.median(x[:, axis])
         if len(rows) < SMALLEST or not left.any():
-            parts.append(Part(rows, ()))
+            parts.append(Supernode(rows, ()))
             return len(parts) - 1
         mark[rows[left]] = 1
         touching = pattern[rows[~left]] @ mark > 0
         mark[rows[left]] = 0
         right = rows[~left]
         below = tuple(divide(half) for half in (rows[left], right[~touching]) if len(half))
-        parts.append(Part(right[touching], below))
+        parts.append(Supernode(right[touching], below))
         return len(parts) - 1
 
     divide(np.arange(A.shape[0]))
     return parts
 
 
-def order_of(parts: list[Part]) -> IntArray:
+def order_of(parts: list[Supernode]) -> IntArray:
     """Order of elimination of the dofs, (n,)."""
     return np.concatenate([part.rows for part in parts])
 
 
-def negative_eigenvalues(A: sp.csr_matrix, parts: list[Part]) -> int:
+def negative_eigenvalues(A: sp.csr_matrix, parts: list[Supernode]) -> int:
     """Count the negative eigenvalues of a symmetric matrix (n, n).
 
     Raises ArithmeticError for a matrix that is singular in a front.
@@ -163,7 +163,7 @@ class Direct:
 
     def __init__(self, places: Array) -> None:
         self._places = {len(places): places}
-        self._parts: dict[int, list[Part]] = {}
+        self._parts: dict[int, list[Supernode]] = {}
         self._last: tuple[Any, _Factors] | None = None
 
     def add_subset(self, kept: IntArray) -> None:
@@ -201,7 +201,7 @@ class Direct:
             self._last = A, _Factors(A, order_of(self._dissected(A)))
         return self._last[1]
 
-    def _dissected(self, A: Any) -> list[Part]:
+    def _dissected(self, A: Any) -> list[Supernode]:
         n = A.shape[0]
         if n not in self._parts:
             self._parts[n] = dissection(A, self._places[n])

@@ -15,7 +15,7 @@ from ..dynamics.analysis.rank import (
     smallest_at,
 )
 from ..dynamics.evaluation.evaluation import energies_into, evaluate
-from ..dynamics.model.model import Model, Work, new_work
+from ..dynamics.model.model import Model, Workspace, new_workspace
 from ..integrators.generic.base import Dense, Integrator
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
@@ -27,7 +27,7 @@ LOW, HIGH = 0, 1  # entries of `limits`
 class Observation(NamedTuple):
     """Memory of a run that is watched."""
 
-    work: Work
+    work: Workspace
     rows: Independence
     energy: Array  # (k, 3) kinetic, strain, potential, at ends of steps noted one by one [J]
     pivots: Array  # (k,) of their certificates
@@ -40,7 +40,7 @@ class Observation(NamedTuple):
 def new_observation(model: Model, most: int) -> Observation:
     """Return memory for a model, and `most` steps noted one by one; spins need no look."""
     return Observation(
-        new_work(model),
+        new_workspace(model),
         new_independence(model),
         np.zeros((most, 3)),
         np.zeros(most),

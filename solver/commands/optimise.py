@@ -13,7 +13,7 @@ from ..studies.cases import build_folder, folder_lock
 from ..studies.design.design_text import outcome_lines
 from ..studies.design.problem import FEASIBLE
 from ..studies.design.study import optimise
-from ..studies.design.trials import Order
+from ..studies.design.trials import StudySpec
 from ..studies.exit_codes import INCOMPLETE
 from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
@@ -32,11 +32,11 @@ def run_optimise(options: argparse.Namespace) -> int:
         known = f"--study: expected one of {few(studies)}" if studies else ""
         raise InputError(known or f"{file}: expected [design.studies.NAME] (docs/design.md)")
     folder: Path = options.out or build_folder(file, coarse=options.coarse)
-    order = Order(table, file, options.coarse, name, folder / "studies" / name)
+    given = StudySpec(table, file, options.coarse, name, folder / "studies" / name)
     with folder_lock(folder):
         try:
             found = optimise(
-                order, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
+                given, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
             )
         except KeyboardInterrupt:
             words = "interrupted: designs that were computed are kept; the same command continues"
@@ -45,6 +45,6 @@ def run_optimise(options: argparse.Namespace) -> int:
     if options.json:
         print(json_text(found))
     else:
-        print("\n".join([*outcome_lines(found, order.folder), str(order.folder / PAGE)]))
+        print("\n".join([*outcome_lines(found, given.folder), str(given.folder / PAGE)]))
     refused = found.get("verified", {}).get("why")
     return INCOMPLETE if refused or found["optimum"]["violation"] > FEASIBLE else 0

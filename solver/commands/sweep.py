@@ -20,8 +20,8 @@ from ..studies.sweep.file import (
     result_of,
     sweep_csv,
 )
-from ..studies.sweep.portions import Work, settled
-from ..studies.sweep.sweep_members import read_plan
+from ..studies.sweep.portions import RowFile, settled
+from ..studies.sweep.sweep_members import read_sweep_spec
 from ..studies.sweep.sweep_outcome import draw_sweep, outcome_lines
 from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
@@ -37,27 +37,27 @@ def run_sweep(options: argparse.Namespace) -> int:
             if getattr(options, name):
                 raise InputError(f"--{name}: expected without --merge, which computes nothing")
         return merged(options)
-    plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
+    sweep = read_sweep_spec(options.sweep, allow_doubtful=options.allow_doubtful)
     folder = _folder(options)
     for name in (FILE, CSV):
         refuse_foreign(folder / name)  # before the work
-    planned = settled(plan)
+    planned = settled(sweep)
     file, known = folder / FILE, [folder / FILE, *sorted(folder.glob(SHARDS))]
     if options.shard:
-        members = share(plan.members, options.shard)
+        members = share(sweep.members, options.shard)
         if not members:
             raise InputError(
                 "--shard {}/{}: expected at most {} shares, one for each member".format(
-                    *options.shard, len(plan.members)
+                    *options.shard, len(sweep.members)
                 )
             )
-        plan = plan.part(members)
+        sweep = sweep.part(members)
         file = folder / "sweep-{}-of-{}.h5".format(*options.shard)
         known = [folder / FILE, file]
-    work = Work(plan, file, [] if options.fresh else known, show=not options.quiet)
+    work = RowFile(sweep, file, [] if options.fresh else known, show=not options.quiet)
     begin = time.perf_counter()
     through = work.compute(lambda: executor_of(options))
-    result = result_of(plan, work.rows)
+    result = result_of(sweep, work.rows)
     seconds = time.perf_counter() - begin
     try:
         if through:
@@ -76,21 +76,21 @@ def run_sweep(options: argparse.Namespace) -> int:
 
 def merged(options: argparse.Namespace) -> int:
     """Merge the files of shards into one; return 0, or 3 if members are missing or incomplete."""
-    plan = read_plan(options.sweep, allow_doubtful=True)
+    sweep = read_sweep_spec(options.sweep, allow_doubtful=True)
     folder = _folder(options)
     shards = sorted(folder.glob(SHARDS))
     if not shards:
         raise InputError(f"{folder}: no files {SHARDS}; expected those of `sweep --shard k/N`")
     file = folder / FILE
-    work = Work(plan, file, [file, *shards], show=False)
+    work = RowFile(sweep, file, [file, *shards], show=False)
     work.save()
-    result = result_of(plan, work.rows)
+    result = result_of(sweep, work.rows)
     missing = result.count(PENDING)
     lines = outcome_lines(result, work.kept, 0.0)
     code = _told(result, lines, file, options, table=not missing)
     if missing:
         print(
-            f"{plan.name}: {missing} of {len(plan.members)} members are in none of {len(shards)} "
+            f"{sweep.name}: {missing} of {len(sweep.members)} members are in none of {len(shards)} "
             f"shards; `plymotion sweep {options.sweep}` computes them",
             file=sys.stderr,
         )

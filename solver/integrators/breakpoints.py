@@ -19,7 +19,7 @@ from ..dynamics.model.model import Model, Quantities
 from ..math.arrays import Array
 from ..math.expressions import operations as op
 from ..math.expressions.operations import TIME
-from ..math.expressions.ranges import Part, curve_ranges, parts
+from ..math.expressions.ranges import TermRange, curve_ranges, parts
 
 MOST_BREAKS = 2000  # of a table at which steps end; one with more is looked at in cells
 ROUNDING = 1e-13  # of the largest value: a point on the curve through its neighbours
@@ -132,12 +132,12 @@ def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array
     return at[within & ~leap], at[within & leap]
 
 
-def _of_time(quantities: Quantities, p: int, low: Array, high: Array) -> list[Part]:
+def _of_time(quantities: Quantities, p: int, low: Array, high: Array) -> list[TermRange]:
     return parts(quantities.programs, p, low, high, quantities.stack)
 
 
 def _of_program(
-    parts_over: Callable[[Array, Array], list[Part]], t_end: float, *, drive: bool
+    parts_over: Callable[[Array, Array], list[TermRange]], t_end: float, *, drive: bool
 ) -> tuple[Array, Array, Array] | None:
     """Return kinks, narrow parts and jumps of an expression, of what reads the time alone in it.
 

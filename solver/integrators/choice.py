@@ -166,6 +166,6 @@ def make_integrator(
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = found.unsearched
     made.vibrates = bool(
-        model.n_mode.any() or model.plan.element_row.size or (model.quantities.along >= 0).any()
+        model.n_mode.any() or model.layout.element_row.size or (model.quantities.along >= 0).any()
     )
     return made

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..dynamics.evaluation.accelerations import derivative_into
-from ..dynamics.model.model import Model, new_work
+from ..dynamics.model.model import Model, new_workspace
 from ..math.arrays import Array
 from ..math.compiled import rebound
 from ..math.laws import Nested, Powers
@@ -187,7 +187,7 @@ class ExplicitLoop(Explicit, ClosingLoop):
     def _begin(self) -> Any:
         sizes = self._model.n_vel, self._model.n_pos
         made = new_explicit_workspace(self.tableau, self.t, self.y, self._f_start, sizes)
-        made.clock[codes.NEXT], self._work = self._h_next, new_work(self._model)
+        made.clock[codes.NEXT], self._work = self._h_next, new_workspace(self._model)
         return made
 
     def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 from ..dynamics.analysis.recovery import scales
 from ..dynamics.evaluation.evaluation import evaluate
 from ..dynamics.evaluation.series import driven_speeds
-from ..dynamics.model.model import Model, new_work
+from ..dynamics.model.model import Model, new_workspace
 from ..math.arrays import Array
 from ..math.catalogue import Number
 from ..math.laws import Powers
@@ -39,7 +39,7 @@ def ringing(model: Model, workspace: RadauWorkspace) -> tuple[int, float]:
     cubic, n_pos, M = workspace.Q[2], model.n_pos, workspace.frozen.M
     size = np.zeros(model.n_vel)
     for i, j in enumerate(model.vel_start):
-        for k in range(int(model.plan.size[i])):
+        for k in range(int(model.layout.size[i])):
             size[j + k] = M[i, k, k] * cubic[n_pos + j + k] ** 2
     most = int(np.argmax(size))
     i = int(np.searchsorted(model.vel_start, most, side="right")) - 1
@@ -68,7 +68,7 @@ def kinetic_energies(
     y : state (n,), as in dynamics/model/model.py
     cutoff : frequency above which a vibration counts [rad/s]
     """
-    work, frozen = new_work(model), new_frozen(model)
+    work, frozen = new_workspace(model), new_frozen(model)
     evaluate(model, work, t, y)
     freeze(model, work, t, y, frozen)
     memory = new_cutoff(model, frozen, least.copy())
@@ -76,7 +76,7 @@ def kinetic_energies(
     filter_error(model, memory, cutoff, y)
     found = np.zeros(2)
     for i, j in enumerate(np.asarray(model.vel_start) + model.n_pos):
-        size, lead = int(model.plan.size[i]), int(model.plan.lead[i])
+        size, lead = int(model.layout.size[i]), int(model.layout.lead[i])
         M = frozen.M[i, :size, :size]
         lower = np.tril(M, -1)
         lower[:, lead:] = 0.0

@@ -23,7 +23,7 @@ from ..dynamics.evaluation.evaluation import (
     reads_reactions,
     sampled,
 )
-from ..dynamics.model.model import Model, spare_work, state_size
+from ..dynamics.model.model import Model, spare_workspace, state_size
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from .compiled import step_control as codes
@@ -36,7 +36,7 @@ from .generic.drive import Steps
 
 def right_hand_side(model: Model) -> Derivative:
     """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
-    work, out = spare_work(model), np.empty(state_size(model))
+    work, out = spare_workspace(model), np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
 
     def rate(t: float, y: Array) -> Array:
@@ -48,7 +48,7 @@ def right_hand_side(model: Model) -> Derivative:
 
 def projection(model: Model) -> Callable[[float, Array], Array | None]:
     """Return project(t, y) -> state on the constraints; None if none is near."""
-    work = spare_work(model)
+    work = spare_workspace(model)
 
     def nearest(t: float, y: Array) -> Array | None:
         out, reached = projected(model, t, y, work)
@@ -85,7 +85,7 @@ class StrideMemory(Integrator):
 
     def _room(self, count: int) -> Ends:
         """Return memory for `count` steps."""
-        kept, rows = (count, self._model.plan.newton.place.size) if self.keeps_stages else (0, 0)
+        kept, rows = (count, self._model.layout.newton.place.size) if self.keeps_stages else (0, 0)
         return Ends(
             np.empty(count),
             np.empty((count, self.n)),

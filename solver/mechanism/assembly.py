@@ -17,8 +17,8 @@ from ..dynamics.elements.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.elements.forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
 from ..dynamics.elements.joints.table import CONSTRAINTS, COUPLED, KINDS, NAMES, ROWS
 from ..dynamics.elements.joints.table import N_PARAMETER as N_JOINT_PARAMETER
+from ..dynamics.model.layout import make_layout
 from ..dynamics.model.model import GROUND, Model
-from ..dynamics.model.plan import make_plan
 from ..math.arrays import Array, IntArray
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
@@ -390,7 +390,7 @@ def assemble_model(
         pair_used=np.array([pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
         added_inertia=inertia_of(added, scale, starts(6 + n_mode)),
         added_direction=of_one_length(added),
-        plan=make_plan(
+        layout=make_layout(
             n_mode,
             marker_body,
             joint_marker,

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
-from ..package.common.dataset import Data, Part
+from ..package.common.dataset import Data, Nested
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class BodyView:
     mass: float  # [kg]
     centre_B: Annotated[Array, Data("3", "m", "B")]  # mass centre
     draw: Callable[[], Surface]  # makes the surface: a run that shows none has no cost of it
-    sites: Annotated[Sites | None, Part("sites")] = None
+    sites: Annotated[Sites | None, Nested("sites")] = None
     provenance: dict[str, Any] = field(default_factory=dict)  # of the package
 
     @cached_property

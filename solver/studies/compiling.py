@@ -23,7 +23,7 @@ from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
 from ..dynamics.evaluation.laws import law_at
 from ..dynamics.evaluation.variations import along_directions, residuals
 from ..dynamics.model.coordinates import move_rows, moved, position_rates
-from ..dynamics.model.model import Model, spare_work, state_size
+from ..dynamics.model.model import Model, spare_workspace, state_size
 from ..inputs.case.record import solver_sha256
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit import RungeKutta8, RungeKutta8Loop
@@ -131,7 +131,7 @@ def _compile_others() -> None:
     model, y = _hinge()
     projected(model, 0.0, y)
     reads_reactions(model)
-    measure_into(model, spare_work(model), y)
+    measure_into(model, spare_workspace(model), y)
     _step_loop(RungeKutta8Loop)
     for made in (
         RungeKutta8Loop(model, 0.0, y, 1e-3),

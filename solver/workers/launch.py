@@ -186,7 +186,7 @@ class Preprocessor:
         end(self._process)
 
     def end(self, timeout: float) -> None:
-        """Hand out no more work, wait for the process for `timeout` [s], then kill it."""
+        """Hand out no more queue, wait for the process for `timeout` [s], then kill it."""
         assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):
             self._process.stdin.close()
@@ -381,7 +381,7 @@ def _home() -> Path:
 MOST_CRASHES = 3  # number of crashes without a result in between after which the batch is aborted
 
 
-class Work:
+class SpecificationQueue:
     """Remaining files, in groups of equal mesh."""
 
     def __init__(self, groups: Sequence[Sequence[Path]]) -> None:
@@ -406,13 +406,15 @@ class Work:
 class _Specifications:
     """The source of an executor (executors.py)."""
 
-    def __init__(self, work: Work, start: Start, done: Callable[[Path, Line], None]) -> None:
-        self._work, self._start, self._done = work, start, done
+    def __init__(
+        self, queue: SpecificationQueue, start: Start, done: Callable[[Path, Line], None]
+    ) -> None:
+        self._queue, self._start, self._done = queue, start, done
         self._crashes = 0
 
     def next(self, lane: int, width: int) -> Task | None:
         """Return the next specification for a lane."""
-        spec = self._work.next(lane)
+        spec = self._queue.next(lane)
         return None if spec is None else Task(make, (self._start, spec.resolve()), spec)
 
     def took(self, task: Task, result: Any) -> None:
@@ -492,4 +494,4 @@ def make_all(
     InputError : the preprocessor does not start.
     """
     with preprocessors(progress):
-        distribute(executor, _Specifications(Work(groups), start, done))
+        distribute(executor, _Specifications(SpecificationQueue(groups), start, done))

@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 import plymotion as pm
 from plymotion.solver.errors import InputError
 from plymotion.solver.studies.design.memory import FILE
-from plymotion.solver.studies.design.trials import Order, Trials
+from plymotion.solver.studies.design.trials import StudySpec, Trials
 from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, swung, tube
 from tests.samples.exchange_routes import PROGRAMS
 
@@ -237,7 +237,7 @@ def test_tube_that_twists_most_under_tension(fenicsx: str) -> None:
     best = minimize_scalar(lambda t: _coupling(t), bounds=(0.1, 1.4), method="bounded")
     R, t = 0.025 - 0.25e-3, 0.5e-3
     twist = -float(best.fun) / (2.0 * np.pi * R**2 * t)
-    # The wall has 1 % of the radius: angle and twist to that order.
+    # The wall has 1 % of the radius: angle and twist to that given.
     assert found.parameters["a"] == pytest.approx(np.degrees(best.x), abs=0.7)
     assert found.data["optimum"]["shown"][0] == pytest.approx(twist, rel=0.02)
     ends = [start["best"]["p"][0] for start in found.data["starts"]]
@@ -260,15 +260,15 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
     load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}
     parameters = {"p0": angles(1)["p0"], "load": load}
     table = swung(parameters=parameters, studies={"s": study})
-    order = Order(table, Path("tube.toml"), False, "s", tmp_path)
-    exact, p = Trials(replace(order, exact=True)), np.array([31.0, 1.0])
+    given = StudySpec(table, Path("tube.toml"), False, "s", tmp_path)
+    exact, p = Trials(replace(given, exact=True)), np.array([31.0, 1.0])
     values, found = exact.values(p), exact.slopes(p)
     assert not values.why
     assert "tangent" in exact.words_of_gradient()
     assert not exact.values(np.array([90.0, 2.0])).why  # at bounds that the case may not pass
     exact.values(p)
     # Packages without derivatives keep 21 bits of the strains of recovery (5e-7).
-    plain = Trials(order)
+    plain = Trials(given)
     for one, other in zip(plain.values(p).values, values.values, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-6)
     # A larger change of the angle moves the point of a ply that governs, of the mass a peak.
@@ -288,9 +288,9 @@ def test_packages_without_derivatives_have_differences(
     """Half of a pair of modes turns with the angle of one ply: the design is valid all the same."""
     study = {"run": "base", "maximise": {"section": "arm", "entry": "K14"}, "verify": False}
     table = tube(4, parameters=angles(4), studies={"f": study})
-    order = Order(table, Path("t.toml"), False, "f", Path("f"), exact=True)
+    given = StudySpec(table, Path("t.toml"), False, "f", Path("f"), exact=True)
     at = np.zeros(4)
-    exact, plain = Trials(order), Trials(replace(order, exact=False))
+    exact, plain = Trials(given), Trials(replace(given, exact=False))
     assert not exact.values(at).why
     assert exact.slopes(at) == plain.slopes(at)
     assert "couples a selected mode with one of the same frequency" in caplog.text

@@ -12,7 +12,7 @@ import numpy as np
 
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import position_rates
-from plymotion.solver.dynamics.model.model import GAMMA, PHI_T, Model, new_work
+from plymotion.solver.dynamics.model.model import GAMMA, PHI_T, Model, new_workspace
 from plymotion.solver.studies.linearisation.state_space import linearise, turning_axes
 from plymotion.solver.studies.modes.place import at_of
 from plymotion.solver.studies.modes.state import States, read_spec
@@ -34,12 +34,12 @@ def complex_work(work):
 
 def accelerations_and_rates(model: Model, t: float, y: np.ndarray):
     """Accelerations (n_vel,) and Phidot (n_c,) in a complex state, constraints independent."""
-    work = complex_work(new_work(model))
+    work = complex_work(new_workspace(model))
     evaluate(model, work, t, y)
     n, n_c = model.n_vel, model.n_constraint
     K, f = np.zeros((n + n_c, n + n_c), dtype=complex), np.zeros(n + n_c, dtype=complex)
     for i in range(model.n_body):
-        j, size = int(model.vel_start[i]), int(model.plan.size[i])
+        j, size = int(model.vel_start[i]), int(model.layout.size[i])
         M = np.tril(work.M[i, :size, :size])
         K[j : j + size, j : j + size] = M + np.tril(M, -1).T
         f[j : j + size] = work.f[i, :size]
@@ -48,8 +48,8 @@ def accelerations_and_rates(model: Model, t: float, y: np.ndarray):
         for side in range(2):
             body = int(model.marker_body[model.joint_marker[k, side]])
             if body >= 0:
-                j, size = int(model.vel_start[body]), int(model.plan.size[body])
-                first = int(model.plan.side_row[k, side])
+                j, size = int(model.vel_start[body]), int(model.layout.size[body])
+                first = int(model.layout.side_row[k, side])
                 J = work.J[body, :size, first : first + len(rows)]
                 K[n + rows[:, None], np.arange(j, j + size)] += J.T
     K[:n, n:] = K[n:, :n].T

@@ -45,7 +45,7 @@ assert ELEMENTS["cubic_spring"].parameters == ("strength",)
 body = rigid_body("ball", 1.0, np.zeros(3), np.eye(3))
 markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
 model = assemble_model([body], markers, [], forces=[ForceTable("s", "cubic_spring", 0, 1, (1e8,))])
-assert model.plan.newton.place.size == 1
+assert model.layout.newton.place.size == 1
 y0 = np.zeros(14)
 y0[0], y0[3], y0[8] = 1.0, 1.0, 0.5
 made = Radau(model, 0.0, y0, 0.005, rtol=1e-6, atol=np.full(14, 0.1))

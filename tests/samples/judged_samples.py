@@ -13,7 +13,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep.member import Packages, Row, compute
-from plymotion.solver.studies.sweep.sweep_members import Plan, read_plan
+from plymotion.solver.studies.sweep.sweep_members import SweepSpec, read_sweep_spec
 
 SWEEP = """
 [sweeps.s]
@@ -28,7 +28,7 @@ class Judged:
     """A run twice."""
 
     summary: dict[str, Any]  # of the single run
-    plan: Plan  # of the sweep
+    plan: SweepSpec  # of the sweep
 
     @cached_property
     def row(self) -> Row:
@@ -90,7 +90,7 @@ def judged_case(
 def _twice(file: Path, run: str, packages: Path | None) -> Judged:
     build = file.parent / "build"
     write_case(load_case(file), build, packages)
-    plan = read_plan(build / "sweeps/s.json")
+    plan = read_sweep_spec(build / "sweeps/s.json")
     # The mechanism of the sweep: variants of the sweep are not those of the run.
     table = json.loads((build / "runs" / f"{run}.json").read_text())
     table["mechanism"] = plan.mechanism_of(0).model_dump()

@@ -8,7 +8,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.studies.sweep.file import SweepResult, read_sweep
-from plymotion.solver.studies.sweep.sweep_members import Plan, read_plan
+from plymotion.solver.studies.sweep.sweep_members import SweepSpec, read_sweep_spec
 
 # A ball pushed by a force c t^3: a huge c is more than any step can follow.
 BALL = (
@@ -55,9 +55,9 @@ def ball(folder: Path, vary: str, more: str = "") -> Path:
     return checked(folder, BALL + sweep) / "s.json"
 
 
-def ball_plan(folder: Path, vary: str, more: str = "") -> Plan:
+def ball_plan(folder: Path, vary: str, more: str = "") -> SweepSpec:
     """The same, read."""
-    return read_plan(ball(folder, vary, more))
+    return read_sweep_spec(ball(folder, vary, more))
 
 
 def sweep(file: Path, *options: str) -> int:

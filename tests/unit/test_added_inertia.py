@@ -16,7 +16,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import (
     dense_derivative_into,
     derivative_into,
 )
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly import assemble_model
@@ -96,9 +96,9 @@ def test_accelerations_and_multipliers_are_those_of_dense_linear_algebra(n):
     assert by_blocks(model)
     assert model.added_inertia.size == 6 * n + 1 + 3
     y[model.n_pos : -1] += 0.3  # whatever the constraints say
-    work, found, expected = new_work(model), np.empty(y.size), np.empty(y.size)
+    work, found, expected = new_workspace(model), np.empty(y.size), np.empty(y.size)
     derivative_into(model, work, 0.2, y, found)
-    dense_derivative_into(model, new_work(model), 0.2, y, expected)
+    dense_derivative_into(model, new_workspace(model), 0.2, y, expected)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
     multipliers = accelerations(model, assemble(model, 0.2, y), y)[1]
     size = np.abs(multipliers).max()
@@ -117,8 +117,8 @@ def test_a_mode_that_moves_as_the_frame_does():
     y = np.zeros(model.n_pos + model.n_vel + 1)
     y[3], y[7] = 1.0, 0.01
     found, expected = np.empty(y.size), np.empty(y.size)
-    derivative_into(model, new_work(model), 0.0, y, found)
-    dense_derivative_into(model, new_work(model), 0.0, y, expected)
+    derivative_into(model, new_workspace(model), 0.0, y, found)
+    dense_derivative_into(model, new_workspace(model), 0.0, y, expected)
     np.testing.assert_allclose(found, expected, atol=1e-12)
     assert abs(found[model.n_pos + 6]) > 0.01
 
@@ -129,7 +129,7 @@ def test_what_is_added_is_of_no_effect(added):
     found = []
     for one in (model, model._replace(added_inertia=added * model.added_inertia)):
         out = np.empty(y.size)
-        derivative_into(one, new_work(one), 0.0, y, out)
+        derivative_into(one, new_workspace(one), 0.0, y, out)
         found.append(out)
     np.testing.assert_allclose(*found, rtol=0.0, atol=1e-9 * np.abs(found[0]).max())
 

@@ -16,7 +16,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.execution import execute
-from plymotion.solver.studies.sweep.sweep_members import read_plan
+from plymotion.solver.studies.sweep.sweep_members import read_sweep_spec
 
 CASE = """
 format = 1
@@ -189,7 +189,7 @@ def test_members_of_a_sweep_vary_the_whole_body(tmp_path: Path) -> None:
     assert list(table["mechanism"]["bodies"]) == ["arm"]
     for spec in json.loads((out / "sweeps/length.json").read_text())["packages"]:
         (out / spec["file"]).write_bytes(b"")  # only their names matter here
-    plan = read_plan(out / "sweeps/length.json")
+    plan = read_sweep_spec(out / "sweeps/length.json")
     for number, length in enumerate((1.0, 2.0)):
         bodies = plan.mechanism_of(number).bodies
         assert list(bodies) == ["arm-1", "arm-2", "arm-3", "arm-4"]

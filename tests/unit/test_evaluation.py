@@ -17,7 +17,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import (
     derivative_into,
 )
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.step_loop import right_hand_side
 from plymotion.solver.mechanism.assembly import assemble_model, treated
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
@@ -35,7 +35,7 @@ PLAIN = Treatment("index1")
 def _both(model, t, y):
     """Derivative and multipliers, body by body and by dense linear algebra."""
     assert by_blocks(model)
-    work, out, expected = new_work(model), np.empty(y.size), np.empty(y.size)
+    work, out, expected = new_workspace(model), np.empty(y.size), np.empty(y.size)
     derivative_into(model, work, t, y, out)
     multipliers = work.multipliers.copy()
     dense_derivative_into(model, work, t, y, expected)
@@ -105,7 +105,7 @@ def test_an_evaluation_leaves_no_trace_in_the_next(name):
         model, one = prepared(four_bars(2, core=1e-2), Treatment("projection"))
         states = [one, one.copy()]
         states[1][: model.n_pos] = moved(model, one[: model.n_pos], np.full(model.n_vel, 0.1))
-    work, out = new_work(model), np.empty(states[0].size)
+    work, out = new_workspace(model), np.empty(states[0].size)
     found = []
     for t, y in ((0.1, states[0]), (0.7, states[1]), (0.1, states[0])):
         before = y.copy()
@@ -122,7 +122,7 @@ def test_an_evaluation_leaves_no_trace_in_the_next(name):
 
 def test_projection_leaves_no_trace_in_the_next_evaluation():
     model, y = prepared(chain(3), Treatment("projection"))
-    work, out = new_work(model), np.empty(y.size)
+    work, out = new_workspace(model), np.empty(y.size)
     off = y + 1e-3 * np.random.default_rng(1).normal(size=y.size)
     expected = derivative(model, 0.0, y)
     off, _ = projected(model, 0.0, off, work)
@@ -148,7 +148,7 @@ def test_projection_is_that_of_dense_linear_algebra(sample):
     assert np.abs(equations.Phi_q @ found[model.n_pos : -1] + equations.Phi_t).max() < 1e-9
     expected = off.copy()
     memory = np.empty(model.n_vel), np.empty(model.n_pos)
-    reached = _dense_project(model, new_work(model), 0.0, expected, *memory)
+    reached = _dense_project(model, new_workspace(model), 0.0, expected, *memory)
     assert reached
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9)
 

@@ -23,7 +23,7 @@ from plymotion.solver.report.section.section_text import (
     write_summary,
 )
 from plymotion.solver.workers.described import Entry, entries_of
-from plymotion.solver.workers.launch import Work
+from plymotion.solver.workers.launch import SpecificationQueue
 
 
 def results(name: str = "box", **changes: object) -> SectionResults:
@@ -272,13 +272,13 @@ def test_equal_meshes_stay_together() -> None:
 def test_work_is_shared_by_mesh_and_then_split() -> None:
     one, two = 0, 1
     paths = [[Path(f"a{i}") for i in range(5)], [Path("b0")]]
-    work = Work(paths)
-    first = [work.next(one), work.next(two), work.next(two)]
+    queue = SpecificationQueue(paths)
+    first = [queue.next(one), queue.next(two), queue.next(two)]
     # The second has done its mesh and takes the far half of the first one's.
     assert first == [Path("a0"), Path("b0"), Path("a3")]
-    rest = [work.next(worker) for worker in (one, two, one, one, two)]
+    rest = [queue.next(worker) for worker in (one, two, one, one, two)]
     assert sorted(map(str, filter(None, rest))) == ["a1", "a2", "a4"]
-    assert work.next(one) is None
+    assert queue.next(one) is None
 
 
 BOX = """

@@ -13,12 +13,12 @@ from plymotion.solver.dynamics.analysis.rank import (
 )
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment, scaled_jacobian
 from plymotion.solver.dynamics.evaluation.accelerations import assemble
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 
 
 def _search(model):
     """Return a function of a state: its smallest singular value, and the blocks of C."""
-    rows, work = new_independence(model), new_work(model)
+    rows, work = new_independence(model), new_workspace(model)
     memory = new_spectrum(rows)
 
     def found(y):

@@ -6,7 +6,7 @@ from samples.coordinate_samples import DEFAULT, RADAU, Raw, carriage, force, pre
 from scipy.special import gamma
 
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 
@@ -260,7 +260,7 @@ def test_newtons_matrix_against_differences(tmp_path, kind, keys):
     y, t, first = y.copy(), 0.3, model.n_pos + model.n_vel
     y[0] = 0.25
     y[first : first + model.n_aux] = 0.004 + 0.001 * np.arange(model.n_aux)
-    work, frozen = new_work(model), new_frozen(model)
+    work, frozen = new_workspace(model), new_frozen(model)
 
     def force_and_rates(k, h):
         near, out = y.copy(), np.zeros(y.size)

@@ -7,7 +7,7 @@ from samples.coordinate_samples import DEFAULT, RADAU, force, prepared, run
 from scipy.linalg import expm
 
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 
 ALPHA = 'integrator = "generalized-alpha"\nconstraints = "ggl"\nrtol = 1.26e-3'
@@ -116,7 +116,7 @@ def test_slopes_against_differences(tmp_path):
     rng = np.random.default_rng(1)
     multipliers = rng.normal(size=model.n_constraint)
     y[first : first + model.n_aux] = 0.3
-    work, frozen = new_work(model), new_frozen(model)
+    work, frozen = new_workspace(model), new_frozen(model)
 
     def found(state, mu):
         out = np.zeros(y.size)

@@ -14,7 +14,7 @@ from plymotion.solver.dynamics.elements.joints.table import DRIVES, NAMES
 from plymotion.solver.dynamics.evaluation.accelerations import derivative_into
 from plymotion.solver.dynamics.evaluation.elimination import REGULAR, is_tree
 from plymotion.solver.dynamics.evaluation.series import along_solution
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 
@@ -67,7 +67,7 @@ def test_a_joint_that_is_driven_twice_is_no_tree():
 
 def test_pivots_of_a_long_chain_are_as_small_as_those_of_dependent_rows(long_chain):
     model, y0 = long_chain
-    work = new_work(model)
+    work = new_workspace(model)
     derivative_into(model._replace(penalty=0.0), work, 0.0, y0, np.zeros(y0.size))
     assert work.factors.regular[0] < REGULAR
 

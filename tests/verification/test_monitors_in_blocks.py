@@ -12,7 +12,7 @@ from plymotion.solver.checks.singularity import SingularityMonitor
 from plymotion.solver.dynamics.analysis.rank import CERTAIN, begin, new_independence
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator
@@ -177,7 +177,7 @@ def test_the_least_pivot_bounds_the_smallest_singular_value(n):
     from plymotion.solver.dynamics.elements.constraints.treatment import scaled_jacobian
 
     model, y0 = prepared(chain(n), Treatment())
-    pivot = begin(model, new_work(model), new_independence(model), 0.0, y0)
+    pivot = begin(model, new_workspace(model), new_independence(model), 0.0, y0)
     C = scaled_jacobian(assemble(model, 0.0, y0).Phi_q, model.inertia_scale)
     least = np.linalg.svd(C, compute_uv=False)[-1] ** 2
     assert CERTAIN < least <= pivot * (1 + 1e-12) <= 1 + 1e-12

@@ -14,7 +14,7 @@ from scipy.special import hankel2
 from plymotion.solver.dynamics.analysis.recovery import Recording
 from plymotion.solver.dynamics.evaluation.accelerations import derivative
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
-from plymotion.solver.dynamics.model.model import N_SECTION_STATE, QUASI, spare_work
+from plymotion.solver.dynamics.model.model import N_SECTION_STATE, QUASI, spare_workspace
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.rotor import Polar
@@ -153,7 +153,7 @@ def test_a_step_of_pitch_passes_the_steady_load_and_returns(tmp_path):
     assert over[4] > 0.3  # once the stall has followed
     assert abs(over[-1]) < 0.2 * over[4]
     # One section by the equations as published, with the quasi-steady velocity of the run.
-    work, states, quasi, k = spare_work(model), [], [], 9
+    work, states, quasi, k = spare_workspace(model), [], [], 9
     for i in range(len(t)):
         evaluate(model, work, t[i], np.ascontiguousarray(found.y[:, i]))
         quasi.append(work.flow[k, QUASI])

@@ -16,7 +16,7 @@ from plymotion.solver.dynamics.elements.forces.table import ELEMENTS, MOST_ROWS,
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.built import Start
@@ -242,7 +242,7 @@ def test_rows_are_the_tangent_of_the_element(kind):
     step = np.zeros(model.n_vel)
     step[9:12] = (0.02, -0.01, 0.15)
     y[: model.n_pos] = moved(model, y[: model.n_pos], step)
-    work, rows = new_work(model), np.zeros((MOST_ROWS, N_ELEMENT_ROW))
+    work, rows = new_workspace(model), np.zeros((MOST_ROWS, N_ELEMENT_ROW))
     evaluate(model, work, 0.0, y)
     one, two = work.motion[model.force_marker[0]]
     element_rows(int(model.force_kind[0]), one, two, model.force_parameters[0], rows)

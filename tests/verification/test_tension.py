@@ -13,7 +13,7 @@ from samples.segment_samples import run_of
 from plymotion.solver.dynamics.evaluation.accelerations import accelerations, assemble
 from plymotion.solver.dynamics.evaluation.evaluation import evaluate
 from plymotion.solver.dynamics.model.coordinates import moved
-from plymotion.solver.dynamics.model.model import new_work
+from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 from plymotion.solver.integrators.compiled.tension import freeze_tension
 from plymotion.solver.run.preparation import prepare
@@ -56,15 +56,15 @@ def test_tension_is_the_derivative_of_the_accelerations(crane, tmp_path):
         columns.append((pair[0] - pair[1]) / (2.0 * step))
     exact = np.sort(np.linalg.eigvals(-Z.T @ np.array(columns).T).real)
 
-    work, frozen = new_work(model), new_frozen(model)
+    work, frozen = new_workspace(model), new_frozen(model)
     evaluate(model, work, 0.0, y0)
-    forces = np.zeros(model.plan.newton.place.shape[0])
+    forces = np.zeros(model.layout.newton.place.shape[0])
     forces[: model.n_constraint] = accelerations(model, equations, y0)[1]
     freeze(model, work, 0.0, y0, frozen)
     freeze_tension(model, work, 0.0, y0, forces, frozen.tension)
     K = np.zeros((model.n_vel, model.n_vel))
     for i in range(model.n_body):
-        v, n, m = model.vel_start[i], model.plan.size[i], model.n_mode[i]
+        v, n, m = model.vel_start[i], model.layout.size[i], model.n_mode[i]
         lower = np.tril(frozen.tension[i, :n, :n])
         K[v : v + n, v : v + n] = lower + lower.T - np.diag(np.diag(lower))
         modal = model.K_qq[model.square_start[i] :][: m * m].reshape(m, m)

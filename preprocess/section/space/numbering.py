@@ -151,7 +151,7 @@ def position(domain: Any, _u: Any, _k: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Part:
+class CellBlock:
     """Some cells of one kind with the same functions; `c` counts them, `k` their nodes."""
 
     kind: int
@@ -206,11 +206,13 @@ class Part:
         return np.asarray(full_basis(self.kind, reference)[0] @ self.shape)
 
 
-def lagrange_parts(mesh: CellMesh, degree: int) -> tuple[list[Part], int, sp.csr_matrix | None]:
+def lagrange_parts(
+    mesh: CellMesh, degree: int
+) -> tuple[list[CellBlock], int, sp.csr_matrix | None]:
     """Lagrange functions: the parts, the number of nodes, and `Numbering.expansion`."""
     numbering = Numbering(mesh, degree)
     parts = [
-        Part(kind, rows, shape, nodes, degree, None)
+        CellBlock(kind, rows, shape, nodes, degree, None)
         for (kind, rows), shape, nodes in zip(
             mesh.of_kinds, mesh.shapes, numbering.of_cells, strict=True
         )
@@ -218,7 +220,7 @@ def lagrange_parts(mesh: CellMesh, degree: int) -> tuple[list[Part], int, sp.csr
     return parts, numbering.n_node, numbering.expansion()
 
 
-def own_parts(mesh: CellMesh) -> tuple[list[Part], int]:
+def own_parts(mesh: CellMesh) -> tuple[list[CellBlock], int]:
     """The functions of the nodes that each cell has: the parts and the number of nodes."""
     used, compact = np.unique(mesh.nodes, return_inverse=True)
     absent = int(used[0] < 0)
@@ -228,7 +230,7 @@ def own_parts(mesh: CellMesh) -> tuple[list[Part], int]:
         nodes = table[rows, : FULL[kind]]
         for pattern, of in patterns(nodes):
             fill = filling(kind, pattern)
-            parts.append(Part(kind, rows[of], shape[of], nodes[of][:, pattern], None, fill))
+            parts.append(CellBlock(kind, rows[of], shape[of], nodes[of][:, pattern], None, fill))
     return parts, len(used) - absent
 
 

@@ -28,7 +28,7 @@ from ..elements.joints.table import JOINTS, NAMES
 from ..elements.marker import evaluate_markers, single_motion
 from ..evaluation.accelerations import dense
 from ..evaluation.evaluation import evaluate
-from ..model.model import GAMMA, GROUND, N_ROW, Model, new_work
+from ..model.model import GAMMA, GROUND, N_ROW, Model, new_workspace
 
 FRAME = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -96,7 +96,7 @@ class JointCoordinates:
         joint_names: Sequence[str],
         offsets: Mapping[str, Array],
     ) -> None:
-        self._model, self._work = model, new_work(model)
+        self._model, self._work = model, new_workspace(model)
         joints = [j for j, kind in enumerate(model.joint_kind) if NAMES[kind] in JOINTS]
         self._rows = [r for j in joints for r in range(*model.joint_row[j : j + 2])]
         self.names: list[str] = []

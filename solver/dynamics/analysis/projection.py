@@ -8,7 +8,7 @@ from ..elements.floating_frame import flatten, largest
 from ..evaluation.accelerations import by_blocks, dense, factorise_mass, solve_dense, solve_mass
 from ..evaluation.evaluation import evaluate, evaluate_rates, momenta_into
 from ..model.coordinates import move
-from ..model.model import PHI, Model, Work, spare_work
+from ..model.model import PHI, Model, Workspace, spare_workspace
 
 # Given velocities are kept by a large inertia: a change of the others moves them by about 1 / HOLD.
 # They are then reset to the given values, and the next pass removes the residual of this.
@@ -34,13 +34,13 @@ def least_energy(model: Model, t: float, y: Array, given: IntArray, values: Arra
     start[: model.n_pos] = y[: model.n_pos]
     v = start[model.n_pos : model.n_pos + model.n_vel]
     v[given] = values
-    _correct(model, spare_work(model), t, start, held, np.zeros_like(y), np.zeros(model.n_vel))
+    _correct(model, spare_workspace(model), t, start, held, np.zeros_like(y), np.zeros(model.n_vel))
     return v.copy()
 
 
 @lean
 def _correct(
-    model: Model, work: Work, t: float, y: Array, held: IntArray, moved: Array, change: Array
+    model: Model, work: Workspace, t: float, y: Array, held: IntArray, moved: Array, change: Array
 ) -> None:
     """Replace the velocities in y (n,) that are not held (n_vel,) by those of least energy.
 
@@ -50,7 +50,7 @@ def _correct(
     momenta_into(model, work, y, change)
     _load(model, work, held, -1.0, change)
     for i in range(model.n_body):
-        for k in range(model.plan.size[i]):
+        for k in range(model.layout.size[i]):
             if held[model.vel_start[i] + k] > 0:
                 work.M[i, k, k] *= HOLD
     factorise_mass(model, work)
@@ -74,11 +74,11 @@ def _correct(
 
 
 @inlined
-def _load(model: Model, work: Work, held: IntArray, sign: float, momenta: Array) -> None:
+def _load(model: Model, work: Workspace, held: IntArray, sign: float, momenta: Array) -> None:
     """Fill work.load with `momenta` (n_vel,) times `sign`; nothing where velocities are held."""
     for i in range(model.n_body):
         v = model.vel_start[i]
-        for k in range(model.plan.size[i]):
+        for k in range(model.layout.size[i]):
             work.load[i, k] = 0.0 if held[v + k] > 0 else sign * momenta[v + k]
 
 
@@ -98,7 +98,7 @@ def rounding(model: Model, y: Array) -> float:
 
 
 @lean
-def project(model: Model, work: Work, t: float, y: Array, step: Array, before: Array) -> bool:
+def project(model: Model, work: Workspace, t: float, y: Array, step: Array, before: Array) -> bool:
     """Move y (n,) onto the constraints, in place; return whether that succeeded.
 
     Positions: minimise dq' M dq / 2 subject to Phi(q + dq) = 0, by Newton's method;
@@ -146,7 +146,7 @@ def project(model: Model, work: Work, t: float, y: Array, step: Array, before: A
 
 
 @lean
-def _solve_row_change(model: Model, work: Work, step: Array) -> None:
+def _solve_row_change(model: Model, work: Workspace, step: Array) -> None:
     """Fill step (n_vel,) with the least motion that changes the constraints by work.gamma."""
     work.load[:] = 0.0
     factorise_mass(model, work)
@@ -154,7 +154,7 @@ def _solve_row_change(model: Model, work: Work, step: Array) -> None:
     flatten(model, work.acceleration, step, 0)
 
 
-def _solve_dense_row_change(model: Model, work: Work, step: Array) -> None:
+def _solve_dense_row_change(model: Model, work: Workspace, step: Array) -> None:
     """As `_solve_row_change` for any model, by dense linear algebra."""
     step[:], _ = solve_dense(model, dense(model, work), np.zeros(model.n_vel), work.gamma)
 
@@ -162,7 +162,9 @@ def _solve_dense_row_change(model: Model, work: Work, step: Array) -> None:
 _dense_project = rebound(project, _solve_row_change=_solve_dense_row_change)
 
 
-def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tuple[Array, bool]:
+def projected(
+    model: Model, t: float, y: Array, work: Workspace | None = None
+) -> tuple[Array, bool]:
     """Return the state (n,) on the constraints nearest to y, and whether it was reached.
 
     For mechanisms with constraints. `work` is memory for reuse.
@@ -177,4 +179,4 @@ def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tup
     out = y.copy()
     method = project if by_blocks(model) else _dense_project
     step, before = np.empty(model.n_vel), np.empty(model.n_pos)
-    return out, method(model, work or spare_work(model), t, out, step, before)
+    return out, method(model, work or spare_workspace(model), t, out, step, before)

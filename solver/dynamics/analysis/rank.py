@@ -31,8 +31,8 @@ from ..evaluation.accelerations import Equations, assemble
 from ..evaluation.elimination import factorise_profile, is_tree, solve_profile
 from ..evaluation.evaluation import evaluate
 from ..model.coordinates import rates_into
-from ..model.model import Model, Work, spare_work, state_size
-from ..model.plan import Order, padded, row_order
+from ..model.layout import RowOrder, padded, row_order
+from ..model.model import Model, Workspace, spare_workspace, state_size
 
 CERTAIN = 1e-10  # least pivot of a step that has no singular position
 MOST_PARTS = 64  # of a step
@@ -42,7 +42,7 @@ MOST_PARTS = 64  # of a step
 class Independence(NamedTuple):
     """Memory of the certificate, and the state that was seen last."""
 
-    order: Order  # of all constraint rows
+    order: RowOrder  # of all constraint rows
     kept: IntArray  # (n_c,) 1: one of the independent rows
     C: Array  # (nb, r, n) of each body at the last state
     C_now: Array  # and at this one
@@ -61,15 +61,15 @@ class Independence(NamedTuple):
 
 def new_independence(model: Model) -> Independence:
     """Return memory for a model; all rows are kept."""
-    plan, n_c, n = model.plan, model.n_constraint, state_size(model)
+    layout, n_c, n = model.layout, model.n_constraint, state_size(model)
     at_body = [
-        plan.body_row[plan.row_start[i] : plan.row_start[i + 1]].tolist()
+        layout.body_row[layout.row_start[i] : layout.row_start[i + 1]].tolist()
         for i in range(model.n_body)
     ]
     bodies = _bodies(model, at_body)
     every = np.ones(len(bodies), dtype=bool)
     order = row_order(bodies, model.joint_row, every, len(bodies), at_body)
-    blocks = (model.n_body, order.most_rows, plan.widest)
+    blocks = (model.n_body, order.most_rows, layout.widest)
     return Independence(
         order,
         np.ones(n_c, dtype=np.int64),
@@ -99,7 +99,7 @@ def _bodies(model: Model, at_body: Sequence[Sequence[int]]) -> IntArray:
 
 
 @lean
-def begin(model: Model, work: Work, rows: Independence, t: float, y: Array) -> float:
+def begin(model: Model, work: Workspace, rows: Independence, t: float, y: Array) -> float:
     """Take a state as the last one; return its least pivot.
 
     Parameters
@@ -119,7 +119,7 @@ def begin(model: Model, work: Work, rows: Independence, t: float, y: Array) -> f
 
 @lean
 def scaled_jacobian_into(
-    model: Model, work: Work, rows: Independence, t: float, y: Array, out: Array
+    model: Model, work: Workspace, rows: Independence, t: float, y: Array, out: Array
 ) -> None:
     """Fill out (n_c, n_vel), zeros before, with C of all rows in state y.
 
@@ -132,18 +132,18 @@ def scaled_jacobian_into(
     y : state (n,), as in dynamics/model/model.py
     out : C (n_c, n_vel), zeros before
     """
-    C, plan = rows.parts[0], model.plan
+    C, layout = rows.parts[0], model.layout
     evaluate(model, work, t, y)
     scaled_rows(model, work, rows, C)
     for i in range(model.n_body):
-        first = plan.row_start[i]
-        for p in range(plan.row_start[i + 1] - first):
-            for k in range(plan.size[i]):
-                out[plan.body_row[first + p], model.vel_start[i] + k] += C[i, p, k]
+        first = layout.row_start[i]
+        for p in range(layout.row_start[i + 1] - first):
+            for k in range(layout.size[i]):
+                out[layout.body_row[first + p], model.vel_start[i] + k] += C[i, p, k]
 
 
 @inlined
-def certificate(model: Model, work: Work, rows: Independence, t: float, y: Array) -> float:
+def certificate(model: Model, work: Workspace, rows: Independence, t: float, y: Array) -> float:
     """Return the least pivot of the step from the last state to (t, y), evaluated just now.
 
     Above CERTAIN: no singular position in the step, or in any of its parts. (t, y) becomes the
@@ -190,7 +190,7 @@ def _copy(C: Array, out: Array) -> None:
 
 @lean
 def _least_of_parts(
-    model: Model, work: Work, rows: Independence, t: float, y: Array, parts: int
+    model: Model, work: Workspace, rows: Independence, t: float, y: Array, parts: int
 ) -> float:
     """Return the least pivot of equal parts of a step; at most CERTAIN as soon as one has it."""
     least, h = 1.0, t - rows.t[0]
@@ -214,7 +214,7 @@ def _least_of_parts(
 
 
 @inlined
-def scaled_rows(model: Model, work: Work, rows: Independence, C: Array) -> None:
+def scaled_rows(model: Model, work: Workspace, rows: Independence, C: Array) -> None:
     """Fill C (nb, r, n) of the last evaluation.
 
     Parameters
@@ -224,24 +224,24 @@ def scaled_rows(model: Model, work: Work, rows: Independence, C: Array) -> None:
     rows : memory of scaled rows
     C : scaled rows by bodies (nb, r, n), to fill
     """
-    plan, length, root, J = model.plan, rows.length, rows.root, work.J
+    layout, length, root, J = model.layout, rows.length, rows.root, work.J
     length[:] = 0.0
     for i in range(model.n_body):
-        first, v = plan.row_start[i], model.vel_start[i]
-        for p in range(plan.row_start[i + 1] - first):
+        first, v = layout.row_start[i], model.vel_start[i]
+        for p in range(layout.row_start[i + 1] - first):
             s = 0.0
-            for k in range(plan.size[i]):
+            for k in range(layout.size[i]):
                 c = J[i, k, p] * root[v + k]
                 C[i, p, k] = c
                 s += c * c
-            length[plan.body_row[first + p]] += s
+            length[layout.body_row[first + p]] += s
     for row in range(length.shape[0]):
         length[row] = np.sqrt(length[row])
     for i in range(model.n_body):
-        first = plan.row_start[i]
-        for p in range(plan.row_start[i + 1] - first):
-            whole = length[plan.body_row[first + p]]
-            for k in range(plan.size[i]):
+        first = layout.row_start[i]
+        for p in range(layout.row_start[i + 1] - first):
+            whole = length[layout.body_row[first + p]]
+            for k in range(layout.size[i]):
                 C[i, p, k] = C[i, p, k] / whole if whole > 0.0 else 0.0
 
 
@@ -276,7 +276,7 @@ def least_pivot(model: Model, rows: Independence, A: Array, B: Array) -> float:
 
 
 @inlined
-def gram_into(model: Model, order: Order, kept: IntArray, A: Array, B: Array, H: Array) -> None:
+def gram_into(model: Model, order: RowOrder, kept: IntArray, A: Array, B: Array, H: Array) -> None:
     """Fill the profile H of (C_a C_b' + C_b C_a') / 2, A and B (nb, r, n).
 
     Rows with kept (n_c,) = 0 are those of the identity.
@@ -290,17 +290,17 @@ def gram_into(model: Model, order: Order, kept: IntArray, A: Array, B: Array, H:
     B : C_b by bodies (nb, r, n)
     H : profile, to fill
     """
-    plan, place, profile = model.plan, order.place, order.profile_start
+    layout, place, profile = model.layout, order.place, order.profile_start
     for k in range(H.shape[0]):
         H[k] = 0.0
     for i in range(model.n_body):
-        first, n = plan.row_start[i], plan.size[i]
-        r = plan.row_start[i + 1] - first
+        first, n = layout.row_start[i], layout.size[i]
+        r = layout.row_start[i + 1] - first
         for p in range(r):
-            row = plan.body_row[first + p]
+            row = layout.body_row[first + p]
             start = profile[place[row] + 1] - 1 - place[row]
             for q in range(r):
-                other = plan.body_row[first + q]
+                other = layout.body_row[first + q]
                 if place[other] <= place[row] and kept[row] * kept[other] > 0:
                     s = 0.0
                     for k in range(n):
@@ -419,7 +419,7 @@ def new_spectrum(rows: Independence) -> Spectrum:
 @lean
 def smallest_at(
     model: Model,
-    work: Work,
+    work: Workspace,
     rows: Independence,
     memory: Spectrum,
     null: int,
@@ -505,16 +505,16 @@ def difference(model: Model, memory: Spectrum, A: Array, B: Array) -> float:
     A : C_a by bodies (nb, r, n)
     B : C_b by bodies (nb, r, n)
     """
-    plan, across, widest = model.plan, memory.across, 0.0
+    layout, across, widest = model.layout, memory.across, 0.0
     across[:] = 0.0
     for i in range(model.n_body):
-        first = plan.row_start[i]
-        for k in range(plan.size[i]):
+        first = layout.row_start[i]
+        for k in range(layout.size[i]):
             s = 0.0
-            for p in range(plan.row_start[i + 1] - first):
+            for p in range(layout.row_start[i + 1] - first):
                 d = abs(A[i, p, k] - B[i, p, k])
                 s += d
-                across[plan.body_row[first + p]] += d
+                across[layout.body_row[first + p]] += d
             widest = max(widest, s)
     most = 0.0
     for row in range(across.shape[0]):
@@ -537,13 +537,13 @@ def _normalised(x: Array) -> float:
 @inlined
 def _along(model: Model, rows: Independence, C: Array, x: Array) -> float:
     """Return |C' x|^2, x (n_c,) by place and of length one."""
-    plan, place, found = model.plan, rows.order.place, 0.0
+    layout, place, found = model.layout, rows.order.place, 0.0
     for i in range(model.n_body):
-        first = plan.row_start[i]
-        for k in range(plan.size[i]):
+        first = layout.row_start[i]
+        for k in range(layout.size[i]):
             s = 0.0
-            for p in range(plan.row_start[i + 1] - first):
-                s += C[i, p, k] * x[place[plan.body_row[first + p]]]
+            for p in range(layout.row_start[i + 1] - first):
+                s += C[i, p, k] * x[place[layout.body_row[first + p]]]
             found += s * s
     return found
 
@@ -611,4 +611,4 @@ def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
         return True
     rows = new_independence(model)
     C, memory = np.zeros_like(rows.C), new_spectrum(rows)
-    return smallest_at(model, spare_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT
+    return smallest_at(model, spare_workspace(model), rows, memory, 0, t, y, C) > _INDEPENDENT

@@ -13,7 +13,7 @@ from ..elements.joints.table import position_rows
 from ..evaluation import series
 from ..evaluation.evaluation import evaluate, first_moments, stored_energies
 from ..evaluation.series import along_solution, driven_speeds, marker_places
-from ..model.model import GROUND, Model, modal_matrix, spare_work
+from ..model.model import GROUND, Model, modal_matrix, spare_workspace
 from ..model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
 
 SAMPLES = 65  # times at which drives are looked at
@@ -75,13 +75,13 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER)
     fall = float(np.linalg.norm(model.gravity_G)) * length
     mass = max(float(model.mass.sum()), 1e-300)
-    work = spare_work(model)
+    work = spare_workspace(model)
     evaluate(model, work, 0.0, y0)
     energies = np.zeros(3)
     stored_energies(model, y0, work.P, energies)
     stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
-    if model.plan.element_row.shape[0] == 0:
+    if model.layout.element_row.shape[0] == 0:
         gain = max(
             gain,
             _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,

@@ -25,7 +25,7 @@ from ...math.rotations import (
     turned,
     turned_back,
 )
-from ..model.model import Model, Work
+from ..model.model import Model, Workspace
 from ..model.motion import bend_marker, contract
 
 
@@ -40,13 +40,13 @@ def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
     a : velocities or accelerations by bodies (nb, n)
     out : products (n_c,), to fill
     """
-    plan = model.plan
+    layout = model.layout
     out[:] = 0.0
-    for i in range(plan.size.shape[0]):
-        first = plan.row_start[i]
-        for p in range(plan.row_start[i + 1] - first):
-            row = plan.body_row[first + p]
-            for j in range(plan.size[i]):
+    for i in range(layout.size.shape[0]):
+        first = layout.row_start[i]
+        for p in range(layout.row_start[i + 1] - first):
+            row = layout.body_row[first + p]
+            for j in range(layout.size[i]):
                 out[row] += J[i, j, p] * a[i, j]
 
 
@@ -63,7 +63,7 @@ def flatten(model: Model, x: Array, out: Array, first: int) -> None:
     """
     for i in range(model.n_body):
         j = first + model.vel_start[i]
-        for k in range(model.plan.size[i]):
+        for k in range(model.layout.size[i]):
             out[j + k] = x[i, k]
 
 
@@ -80,7 +80,7 @@ def inflate(model: Model, a: Array, first: int, x: Array) -> None:
     """
     for i in range(model.n_body):
         j = first + model.vel_start[i]
-        for k in range(model.plan.size[i]):
+        for k in range(model.layout.size[i]):
             x[i, k] = a[j + k]
 
 
@@ -148,7 +148,7 @@ add_elastic = _looped_add_elastic if COMPILED else _add_elastic
 
 
 @inlined
-def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+def add_moments(model: Model, work: Workspace, i: int, q: Array, q_d: Array) -> None:
     """Add the second-order terms to the moments of body i, which have the linear terms.
 
     Parameters
@@ -180,7 +180,7 @@ def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
 
 
 @inlined
-def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+def add_carried(model: Model, work: Workspace, i: int, q: Array, q_d: Array) -> None:
     """Add terms of point masses and pieces that `add_moments` neglects to the moments of body i.
 
     The position of a point is x + u + e, u = phi q, e = 1/2 q' H q. The previous sums contain its
@@ -243,7 +243,7 @@ def _shape(model: Model, s: int, m: int, n: int) -> Triple:
 
 
 @inlined
-def add_modal_inertia(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+def add_modal_inertia(model: Model, work: Workspace, i: int, q: Array, q_d: Array) -> None:
     """Add the second-order terms to M_qq and f of body i, which have the linear terms.
 
     Parameters
@@ -309,7 +309,7 @@ def stiffening_matrices(
 
 
 @inlined
-def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
+def evaluate_bodies(model: Model, work: Workspace, y: Array) -> None:
     """Fill A, the lower triangles of M, and f of all bodies in state y.
 
     f has quadratic velocity terms, gravity, elastic and damping forces; work.power has the power
@@ -350,7 +350,7 @@ def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
 
 
 @inlined
-def _moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+def _moments(model: Model, work: Workspace, i: int, q: Array, q_d: Array) -> None:
     """Fill the moments of mass of body i, with linear displacements, for `_inertia`.
 
     D = sum m b_a phi_bk and R = sum m bdot_a phi_bk, rows 3 a + b; B = sum m b b',
@@ -396,7 +396,7 @@ def _axial(T: Array, k: int) -> Triple:
 @inlined
 def _inertia(
     model: Model,
-    work: Work,
+    work: Workspace,
     i: int,
     A: Array,
     q_d: Array,

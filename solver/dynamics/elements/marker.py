@@ -24,7 +24,7 @@ from ...math.rotations import (
     triple,
     turned,
 )
-from ..model.model import Model, Work
+from ..model.model import Model, Workspace
 from ..model.motion import (
     ACCELERATION,
     AXES,
@@ -53,7 +53,7 @@ class Marker(NamedTuple):
 
 
 @inlined
-def evaluate_markers(model: Model, work: Work, y: Array) -> None:
+def evaluate_markers(model: Model, work: Workspace, y: Array) -> None:
     """Fill the motions of all markers of joints and force elements in state y.
 
     Parameters
@@ -62,8 +62,8 @@ def evaluate_markers(model: Model, work: Work, y: Array) -> None:
     work : memory of one evaluation
     y : state (n,), as in dynamics/model/model.py
     """
-    for n in range(model.plan.marker_used.shape[0]):
-        k = model.plan.marker_used[n]
+    for n in range(model.layout.marker_used.shape[0]):
+        k = model.layout.marker_used[n]
         move_marker(model, k, y, work.A[model.marker_body[k]], work.motion[k], work.J_m[k])
 
 

@@ -17,7 +17,7 @@ from ..elements.constraints.minimum_norm import minimum_norm
 from ..elements.constraints.saddle_point import saddle_point
 from ..elements.floating_frame import flatten, row_products
 from ..model.coordinates import rates_into
-from ..model.model import GAMMA, PHI, PHI_T, Model, Work, spare_work, state_size
+from ..model.model import GAMMA, PHI, PHI_T, Model, Workspace, spare_workspace, state_size
 from .elimination import REGULAR, factorise, rows_depend, solve
 from .evaluation import (
     MOST_PASSES,
@@ -32,7 +32,7 @@ from .evaluation import (
 
 
 @inlined
-def factorise_mass(model: Model, work: Work) -> None:
+def factorise_mass(model: Model, work: Workspace) -> None:
     """Factorise the mass matrix of the last evaluation with its constraints.
 
     If constraint rows are dependent, or nearly so, the penalty of the augmented
@@ -42,7 +42,7 @@ def factorise_mass(model: Model, work: Work) -> None:
     work.softness[:] = 0.0
     _factorise_blocks(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
-        depend = rows_depend(model, model.plan.mass, work.factors, work.J, work.softness)
+        depend = rows_depend(model, model.layout.mass, work.factors, work.J, work.softness)
         work.softness[:] = 0.0
         if depend:
             soften(model, work.J, work.softness)
@@ -61,36 +61,36 @@ def soften(model: Model, J: Array, softness: Array) -> None:
     J : Jacobians by bodies (nb, n, r)
     softness : softness of the rows (n_r,), to fill for constraints
     """
-    plan = model.plan
+    layout = model.layout
     for k in range(model.n_constraint):
         softness[k] = 0.0
     for i in range(model.n_body):
-        v, first = model.vel_start[i], plan.row_start[i]
-        for p in range(plan.row_start[i + 1] - first):
+        v, first = model.vel_start[i], layout.row_start[i]
+        for p in range(layout.row_start[i + 1] - first):
             mobility = 0.0
-            for k in range(plan.size[i]):
+            for k in range(layout.size[i]):
                 mobility += J[i, k, p] ** 2 / model.inertia_scale[v + k]
-            softness[plan.body_row[first + p]] += mobility
+            softness[layout.body_row[first + p]] += mobility
     for k in range(model.n_constraint):
         softness[k] = (softness[k] if softness[k] > 0.0 else 1.0) / model.penalty
 
 
 @inlined
-def _factorise_blocks(model: Model, work: Work) -> None:
+def _factorise_blocks(model: Model, work: Workspace) -> None:
     for i in range(model.n_body):
-        n = model.plan.size[i]
+        n = model.layout.size[i]
         for a in range(n):
             for b in range(a + 1):
                 work.factors.L[i, a, b] = work.M[i, a, b]
         add_inertia(model, i, 1.0, work.factors.L[i], work.softness)
-    factorise(model.plan, model.plan.mass, work.factors, work.J, work.softness)
+    factorise(model.layout, model.layout.mass, work.factors, work.J, work.softness)
 
 
 @inlined
 def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) -> None:
     """Add what body i has of added inertia, times `mass`, to L (n, n), and fill its rows' softness.
 
-    Softness is that of the rows of either order of the plan.
+    Softness is that of the rows of either order of the layout.
 
     Parameters
     ----------
@@ -100,16 +100,16 @@ def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) 
     L : matrix of the body (n, n), lower triangle
     softness : softness of the rows (n_r,)
     """
-    for a in range(model.plan.added_start[i], model.plan.added_start[i + 1]):
+    for a in range(model.layout.added_start[i], model.layout.added_start[i + 1]):
         sigma, g = mass * model.added_inertia[a], model.added_direction[a]
-        for k in range(model.plan.size[i]):
+        for k in range(model.layout.size[i]):
             for j in range(k + 1):
                 L[k, j] += sigma * g[k] * g[j]
         softness[model.n_constraint + a] = -1.0 / sigma
 
 
 @inlined
-def solve_mass(model: Model, work: Work) -> None:
+def solve_mass(model: Model, work: Workspace) -> None:
     """Fill work.acceleration and multipliers with the solution for work.load and work.gamma.
 
     After `factorise_mass`. With a penalty in use the multipliers are iterated,
@@ -118,8 +118,8 @@ def solve_mass(model: Model, work: Work) -> None:
     rows have least norm.
     """
     a, left = work.acceleration, work.left
-    plan = model.plan
-    solve(plan, plan.mass, work.factors, work.load, work.gamma, a, work.multipliers)
+    layout = model.layout
+    solve(layout, layout.mass, work.factors, work.load, work.gamma, a, work.multipliers)
     if model.n_constraint == 0 or not work.softness[0] > 0.0:
         return
     change, multipliers = work.change, work.change_multipliers
@@ -128,13 +128,13 @@ def solve_mass(model: Model, work: Work) -> None:
         row_products(model, work.J, a, left)
         for k in range(left.shape[0]):
             left[k] = work.gamma[k] - left[k]
-        solve(plan, plan.mass, work.factors, work.load, left, change, multipliers)
+        solve(layout, layout.mass, work.factors, work.load, left, change, multipliers)
         for k in range(left.shape[0]):
             work.multipliers[k] += multipliers[k]
         size, whole = 0.0, 0.0
         for i in range(model.n_body):
             v = model.vel_start[i]
-            for k in range(model.plan.size[i]):
+            for k in range(model.layout.size[i]):
                 a[i, k] += change[i, k]
                 size += model.inertia_scale[v + k] * change[i, k] ** 2
                 whole += model.inertia_scale[v + k] * a[i, k] ** 2
@@ -165,13 +165,13 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
     """
-    work = spare_work(model)
+    work = spare_workspace(model)
     work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
     return dense(model, work)
 
 
-def dense(model: Model, work: Work) -> Equations:
+def dense(model: Model, work: Workspace) -> Equations:
     """Return the last evaluation as dense arrays."""
     n_vel, n_c = model.n_vel, model.n_constraint
     M, f, Phi_q = np.zeros((n_vel, n_vel)), np.empty(n_vel), np.zeros((n_c, n_vel))
@@ -191,18 +191,18 @@ def dense(model: Model, work: Work) -> Equations:
 
 
 @lean
-def _dense_into(model: Model, work: Work, M: Array, f: Array, Phi_q: Array) -> None:
+def _dense_into(model: Model, work: Workspace, M: Array, f: Array, Phi_q: Array) -> None:
     """Fill the mass matrix, the loads and the Jacobian, which is zero before."""
-    plan = model.plan
+    layout = model.layout
     for i in range(model.n_body):
-        j, begin = model.vel_start[i], plan.row_start[i]
-        for a in range(plan.size[i]):
+        j, begin = model.vel_start[i], layout.row_start[i]
+        for a in range(layout.size[i]):
             f[j + a] = work.f[i, a]
             for b in range(a + 1):
                 M[j + a, j + b] = M[j + b, j + a] = work.M[i, a, b]
-        for p in range(begin, plan.row_start[i + 1]):
-            for a in range(plan.size[i]):
-                Phi_q[plan.body_row[p], j + a] += work.J[i, a, p - begin]
+        for p in range(begin, layout.row_start[i + 1]):
+            for a in range(layout.size[i]):
+                Phi_q[layout.body_row[p], j + a] += work.J[i, a, p - begin]
 
 
 def masses_and_jacobians(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
@@ -216,7 +216,7 @@ def masses_and_jacobians(model: Model, t: Array, y: Array) -> tuple[Array, Array
     """
     k, n = len(t), model.n_vel
     M, Phi_q = np.zeros((k, n, n)), np.zeros((k, model.n_constraint, n))
-    work = spare_work(model)
+    work = spare_workspace(model)
     work.multipliers[:] = 0.0
     t, y = np.ascontiguousarray(t, dtype=float), np.ascontiguousarray(y, dtype=float)
     _all_dense(model, work, t, y, M, np.empty(n), Phi_q)
@@ -225,7 +225,7 @@ def masses_and_jacobians(model: Model, t: Array, y: Array) -> tuple[Array, Array
 
 @lean
 def _all_dense(
-    model: Model, work: Work, t: Array, y: Array, M: Array, f: Array, Phi_q: Array
+    model: Model, work: Workspace, t: Array, y: Array, M: Array, f: Array, Phi_q: Array
 ) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
@@ -323,7 +323,7 @@ def by_blocks(model: Model) -> bool:
 
 
 @inlined
-def accelerate(model: Model, work: Work, t: float, y: Array) -> None:
+def accelerate(model: Model, work: Workspace, t: float, y: Array) -> None:
     """Fill work.acceleration and multipliers after an evaluation at t in state y. Paper: Eq. (13).
 
     For models that are solved `by_blocks`. Forces that read reactions agree with the multipliers;
@@ -356,15 +356,15 @@ def accelerate(model: Model, work: Work, t: float, y: Array) -> None:
 
 
 @lean
-def _solve_forces(model: Model, work: Work) -> None:
+def _solve_forces(model: Model, work: Workspace) -> None:
     for i in range(model.n_body):
-        for k in range(model.plan.size[i]):
+        for k in range(model.layout.size[i]):
             work.load[i, k] = work.f[i, k]
     solve_mass(model, work)
 
 
 @lean
-def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> None:
+def derivative_into(model: Model, work: Workspace, t: float, y: Array, out: Array) -> None:
     """Fill out (n,) with dy/dt: the index-1 system. Paper: Eq. (14).
 
     The last entry is the power of drives and dampers, so that the energy
@@ -392,7 +392,7 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
 
 
 @lean
-def sample_into(model: Model, work: Work, t: float, y: Array, rate: Array) -> None:
+def sample_into(model: Model, work: Workspace, t: float, y: Array, rate: Array) -> None:
     """Sample the periodic states of y (n,) whose instant t [s] is; fill rate (n,) with dy/dt.
 
     All updates read the state before: those of a controller do not see each other's.
@@ -414,7 +414,7 @@ def sample_into(model: Model, work: Work, t: float, y: Array, rate: Array) -> No
     derivative_into(model, work, t, y, rate)
 
 
-def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> Array:
+def dense_derivative_into(model: Model, work: Workspace, t: float, y: Array, out: Array) -> Array:
     """As `derivative_into` for any model, by dense linear algebra; return the multipliers.
 
     Parameters
@@ -457,5 +457,5 @@ def derivative(model: Model, t: float, y: Array) -> Array:
     """
     out = np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
-    fill(model, spare_work(model), t, y, out)
+    fill(model, spare_workspace(model), t, y, out)
     return out

@@ -1,12 +1,12 @@
 """Solution of [K J'; J -e] [a; mu] = [f; gamma], body by body, e diagonal.
 
 Rows J are constraints, with e = 0 or the reciprocal of a penalty, and other rows that stand for
-a part of K: mu = (J a - gamma) / e adds J' (1 / e) J (`Plan`). Their e is called softness.
+a part of K: mu = (J a - gamma) / e adds J' (1 / e) J (`Layout`). Their e is called softness.
 
 K has one symmetric block per body. Each is factorised alone from its last coordinate to its
 first, K_i = L' D L, so that modes go before the frame: modes of diagonal matrices are coupled
 with the frame only and cost little. What the bodies leave is S = J K^-1 J' + e of the rows, in a
-profile below its diagonal (model/plan.py):
+profile below its diagonal (model/layout.py):
 
     W_i = L_i^-T J_i',   S = sum W_i' D_i^-1 W_i + e,   S mu = sum W_i' D_i^-1 z_i - gamma,
     z_i = L_i^-T f_i,    a_i = L_i^-1 D_i^-1 (z_i - W_i mu).
@@ -27,19 +27,19 @@ which two rows hold almost as one. Only the first leaves forces undetermined.
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from ..elements.joints.table import DRIVES, KINDS
+from ..model.layout import Layout, RowOrder
 from ..model.model import Factors, Model
-from ..model.plan import Order, Plan
 
 
 @lean
-def factorise(plan: Plan, order: Order, factors: Factors, J: Array, softness: Array) -> None:
+def factorise(layout: Layout, order: RowOrder, factors: Factors, J: Array, softness: Array) -> None:
     """Factorise: L holds the lower triangles of K on entry; J (nb, n, r) is transposed.
 
     `softness` (n_r,), by row of `order`, is added to the diagonal of S.
 
     Parameters
     ----------
-    plan : structure of the model (model/plan.py)
+    layout : structure of the model (model/layout.py)
     order : order of the rows, and their profile
     factors : K on entry, the factors on return
     J : Jacobians by bodies (nb, n, r)
@@ -51,15 +51,15 @@ def factorise(plan: Plan, order: Order, factors: Factors, J: Array, softness: Ar
     for row in range(softness.shape[0]):
         if place[row] >= 0:
             S[profile[place[row] + 1] - 1] = softness[row]
-    for i in range(plan.size.shape[0]):
-        n, base, lead = plan.size[i], plan.base[i], plan.lead[i]
+    for i in range(layout.size.shape[0]):
+        n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
         columns = order.free_column[start[i] : start[i + 1]]
         places = order.free_place[start[i] : start[i + 1]]
         L, pivot, W = factors.L[i], factors.pivot[i], factors.W[i]
         _factorise_body(n, base, lead, L, pivot)
         _reduce_body(n, base, lead, columns, places, profile, L, pivot, J[i], W, S)
         if base > 0:
-            _factorise_frame(plan.driven_column[plan.driven_start[i] :], J[i], factors.P[i])
+            _factorise_frame(layout.driven_column[layout.driven_start[i] :], J[i], factors.P[i])
     factors.regular[0] = factorise_profile(order, S, factors.S_pivot)
 
 
@@ -137,7 +137,7 @@ def _factorise_frame(columns: IntArray, J: Array, P: Array) -> None:
 
 
 @inlined
-def factorise_profile(order: Order, S: Array, pivot: Array) -> float:
+def factorise_profile(order: RowOrder, S: Array, pivot: Array) -> float:
     """L D L' of a symmetric profile, in place.
 
     Returns the least pivot of a constraint over its diagonal entry before: small where
@@ -174,7 +174,7 @@ def factorise_profile(order: Order, S: Array, pivot: Array) -> float:
 
 
 @inlined
-def solve_profile(order: Order, S: Array, pivot: Array, mu: Array) -> None:
+def solve_profile(order: RowOrder, S: Array, pivot: Array, mu: Array) -> None:
     """Replace mu (n_p,), by place, by the solution of L D L' x = mu (`factorise_profile`).
 
     Parameters
@@ -202,8 +202,8 @@ def solve_profile(order: Order, S: Array, pivot: Array, mu: Array) -> None:
 
 @lean
 def solve(
-    plan: Plan,
-    order: Order,
+    layout: Layout,
+    order: RowOrder,
     factors: Factors,
     f: Array,
     gamma: Array,
@@ -216,7 +216,7 @@ def solve(
 
     Parameters
     ----------
-    plan : structure of the model (model/plan.py)
+    layout : structure of the model (model/layout.py)
     order : order of the rows, and their profile
     factors : factors of `factorise`
     f : right-hand sides by bodies (nb, n)
@@ -229,27 +229,27 @@ def solve(
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
             mu[place[row]] = -gamma[row]
-    for i in range(plan.size.shape[0]):
-        n, base, lead = plan.size[i], plan.base[i], plan.lead[i]
+    for i in range(layout.size.shape[0]):
+        n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
         places = order.free_place[start[i] : start[i + 1]]
         L, D, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
         if base > 0:
-            rows = plan.driven_row[plan.driven_start[i] :]
-            columns = plan.driven_column[plan.driven_start[i] :]
+            rows = layout.driven_row[layout.driven_start[i] :]
+            columns = layout.driven_column[layout.driven_start[i] :]
             _drive(rows, columns, factors.P[i], gamma, a[i])
         _eliminate(n, base, lead, places, L, D, W, f[i], a[i], z, mu)
     solve_profile(order, factors.S, factors.S_pivot, mu)
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
             multipliers[row] = mu[place[row]]
-    for i in range(plan.size.shape[0]):
-        n, base, lead = plan.size[i], plan.base[i], plan.lead[i]
+    for i in range(layout.size.shape[0]):
+        n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
         places = order.free_place[start[i] : start[i + 1]]
         L, D, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
         _restore(n, base, lead, places, L, D, W, z, mu, a[i])
         if base > 0:
-            rows = plan.driven_row[plan.driven_start[i] :]
-            columns = plan.driven_column[plan.driven_start[i] :]
+            rows = layout.driven_row[layout.driven_start[i] :]
+            columns = layout.driven_column[layout.driven_start[i] :]
             _react(n, rows, columns, places, L, W, f[i], a[i], mu, factors.P[i], z, multipliers)
 
 
@@ -407,7 +407,7 @@ def is_tree(model: Model) -> bool:
 
 
 @lean
-def rows_depend(model: Model, order: Order, factors: Factors, J: Array, softness: Array) -> bool:
+def rows_depend(model: Model, order: RowOrder, factors: Factors, J: Array, softness: Array) -> bool:
     """Return whether constraint rows depend on each other; overwrites `factors` and `softness`.
 
     Every body counts as one of unit mass with its own radius of gyration and its own modes, so
@@ -423,11 +423,11 @@ def rows_depend(model: Model, order: Order, factors: Factors, J: Array, softness
     """
     for i in range(model.n_body):
         L, v = factors.L[i], model.vel_start[i]
-        for a in range(model.plan.size[i]):
+        for a in range(model.layout.size[i]):
             for b in range(a):
                 L[a, b] = 0.0
             L[a, a] = model.inertia_scale[v + a] / model.inertia_scale[v]
     for k in range(softness.shape[0]):
         softness[k] = 0.0 if k < model.n_constraint else ABSENT
-    factorise(model.plan, order, factors, J, softness)
+    factorise(model.layout, order, factors, J, softness)
     return bool(factors.regular[0] < CLEARLY * REGULAR)

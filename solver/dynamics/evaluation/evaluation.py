@@ -25,14 +25,24 @@ from ..elements.forces.contract import Wrench
 from ..elements.forces.table import FIRST_LOAD, element_wrench
 from ..elements.joints.table import joint_rows
 from ..elements.marker import evaluate_markers
-from ..model.model import AXIAL, BENDING, GAMMA, PHI, PHI_T, RADIAL, Model, Work, spare_work
+from ..model.model import (
+    AXIAL,
+    BENDING,
+    GAMMA,
+    PHI,
+    PHI_T,
+    RADIAL,
+    Model,
+    Workspace,
+    spare_workspace,
+)
 from ..model.motion import axis, place
 from .laws import acceleration_of, auxiliary_rate, force_size, law_at, measure
 from .rotor import PASSES, move_inflow, section_rates_into, section_wrench, wind_into
 
 
 @inlined
-def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
+def energies_into(model: Model, work: Workspace, y: Array, out: Array) -> None:
     """Fill out (3,) with the energies of state y, after an evaluation there; see `energies`.
 
     Parameters
@@ -44,8 +54,8 @@ def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
     """
     kinetic = 0.0
     for i in range(model.n_body):
-        j, M, lead = model.n_pos + model.vel_start[i], work.M[i], model.plan.lead[i]
-        for a in range(model.plan.size[i]):
+        j, M, lead = model.n_pos + model.vel_start[i], work.M[i], model.layout.lead[i]
+        for a in range(model.layout.size[i]):
             momentum = 0.5 * M[a, a] * y[j + a]
             for b in range(min(a, lead)):
                 momentum += M[a, b] * y[j + b]
@@ -56,7 +66,7 @@ def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
 
 
 @inlined
-def momenta_into(model: Model, work: Work, y: Array, out: Array) -> None:
+def momenta_into(model: Model, work: Workspace, y: Array, out: Array) -> None:
     """Fill out (n_vel,) with M v of state y, after an evaluation there.
 
     Parameters
@@ -69,7 +79,7 @@ def momenta_into(model: Model, work: Work, y: Array, out: Array) -> None:
     for i in range(model.n_body):
         first, M = model.vel_start[i], work.M[i]
         j = model.n_pos + first
-        for a in range(model.plan.size[i]):
+        for a in range(model.layout.size[i]):
             out[first + a] = 0.0
             for b in range(a + 1):
                 out[first + a] += M[a, b] * y[j + b]
@@ -135,7 +145,7 @@ def first_moments(model: Model, i: int, q: Array) -> Array:
 
 
 @lean
-def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
+def force_wrench(model: Model, work: Workspace, k: int, t: float) -> Wrench:
     """Wrench of force element k at time t, with the quantities and markers of `work`.
 
     Parameters
@@ -161,7 +171,7 @@ def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
 
 
 @inlined
-def coordinate_wrench(model: Model, work: Work, k: int, size: float) -> Wrench:
+def coordinate_wrench(model: Model, work: Workspace, k: int, size: float) -> Wrench:
     """Wrench of force element k of a size along its coordinate.
 
     By the row of the coordinate: virtual work size g (v_1, w_1, v_2, w_2).
@@ -180,7 +190,7 @@ def coordinate_wrench(model: Model, work: Work, k: int, size: float) -> Wrench:
 
 
 @inlined
-def add_forces(model: Model, work: Work, t: float) -> None:
+def add_forces(model: Model, work: Workspace, t: float) -> None:
     """Add the force elements to f, their power and their stored energy.
 
     Parameters
@@ -198,7 +208,7 @@ def add_forces(model: Model, work: Work, t: float) -> None:
 
 
 @inlined
-def add_wrench(model: Model, work: Work, k: int, wrench: Wrench) -> None:
+def add_wrench(model: Model, work: Workspace, k: int, wrench: Wrench) -> None:
     """Add a wrench of force element k to f, its power and its stored energy.
 
     Parameters
@@ -220,19 +230,21 @@ def add_wrench(model: Model, work: Work, k: int, wrench: Wrench) -> None:
 
 
 @inlined
-def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign: float) -> None:
+def _push(
+    model: Model, work: Workspace, k: int, force: Triple, moment: Triple, sign: float
+) -> None:
     """Add force and moment, global components, times `sign` at marker k to f."""
     body = model.marker_body[k]
     if body < 0:
         return
-    for j in range(model.plan.size[body]):
+    for j in range(model.layout.size[body]):
         for a in range(3):
             push = work.J_m[k, a, j] * force[a] + work.J_m[k, 3 + a, j] * moment[a]
             work.f[body, j] += sign * push
 
 
 @inlined
-def evaluate_joints(model: Model, work: Work, t: float) -> None:
+def evaluate_joints(model: Model, work: Workspace, t: float) -> None:
     """Fill the rows of all joints and the Jacobians at the bodies.
 
     Parameters
@@ -241,7 +253,7 @@ def evaluate_joints(model: Model, work: Work, t: float) -> None:
     work : memory of one evaluation
     t : time [s]
     """
-    rows, plan = work.rows, model.plan
+    rows, layout = work.rows, model.layout
     for k in range(model.joint_kind.shape[0] - n_coupling(model)):
         one = work.motion[model.joint_marker[k, 0]]
         two = work.motion[model.joint_marker[k, 1]]
@@ -263,7 +275,7 @@ def evaluate_joints(model: Model, work: Work, t: float) -> None:
         for side in range(2):
             body = model.marker_body[model.joint_marker[k, side]]
             if body >= 0:
-                first, n = plan.side_row[k, side], plan.size[body]
+                first, n = layout.side_row[k, side], layout.size[body]
                 J_m = work.J_m[model.joint_marker[k, side]]
                 fill_jacobian(work.J[body], first, rows[begin:end], 6 * side, J_m, n)
 
@@ -275,12 +287,12 @@ def n_coupling(model: Model) -> int:
 
 
 @lean
-def evaluate_couplings(model: Model, work: Work) -> None:
+def evaluate_couplings(model: Model, work: Workspace) -> None:
     """Fill the rows of couplings, sum r e = 0, and their columns of the Jacobians.
 
     The coefficients C of a row are those of its first coordinate.
     """
-    q, plan, rows = model.quantities, model.plan, work.rows
+    q, layout, rows = model.quantities, model.layout, work.rows
     first = model.joint_kind.shape[0] - n_coupling(model)
     for c in range(n_coupling(model)):
         row, begin, end = model.joint_row[first + c], q.coupling_start[c], q.coupling_start[c + 1]
@@ -290,11 +302,11 @@ def evaluate_couplings(model: Model, work: Work) -> None:
             m = q.coupling_coordinate[term]
             for side in range(2):
                 column, body = (
-                    plan.coupling_column[term, side],
+                    layout.coupling_column[term, side],
                     model.marker_body[q.marker[m, side]],
                 )
                 if column >= 0:
-                    for b in range(plan.size[body]):
+                    for b in range(layout.size[body]):
                         work.J[body, b, column] = 0.0
         for term in range(begin, end):
             m, r = q.coupling_coordinate[term], q.coupling_ratio[term]
@@ -305,10 +317,10 @@ def evaluate_couplings(model: Model, work: Work) -> None:
                 for j in range(12):
                     rows[row, j] = r * work.g[m, j]
             for side in range(2):
-                column, marker = plan.coupling_column[term, side], q.marker[m, side]
+                column, marker = layout.coupling_column[term, side], q.marker[m, side]
                 if column >= 0:
                     body = model.marker_body[marker]
-                    for b in range(plan.size[body]):
+                    for b in range(layout.size[body]):
                         for a in range(6):
                             push = r * work.g[m, 6 * side + a]
                             work.J[body, b, column] += push * work.J_m[marker, a, b]
@@ -357,7 +369,7 @@ SETTLED, ROUNDING = 1e-11, 1e-14
 
 
 @inlined
-def reaction_slope(model: Model, work: Work, r: int, row: int) -> float:
+def reaction_slope(model: Model, work: Workspace, r: int, row: int) -> float:
     """Return the derivative of size r of a reaction by multiplier `row` of its joint.
 
     Parameters
@@ -377,7 +389,7 @@ def reaction_slope(model: Model, work: Work, r: int, row: int) -> float:
 
 
 @lean
-def reactions_into(model: Model, work: Work) -> None:
+def reactions_into(model: Model, work: Workspace) -> None:
     """Fill the sizes of reactions in work.quantity from the rows and work.multipliers."""
     q = model.quantities
     first = work.quantity.shape[0] - q.reaction_kind.shape[0]
@@ -387,7 +399,7 @@ def reactions_into(model: Model, work: Work) -> None:
 
 
 @inlined
-def _load(model: Model, work: Work, r: int) -> Triple:
+def _load(model: Model, work: Workspace, r: int) -> Triple:
     """Return the force or moment of reaction r at work.multipliers."""
     joint, load = model.quantities.reaction_joint[r], (0.0, 0.0, 0.0)
     for row in range(model.joint_row[joint], model.joint_row[joint + 1]):
@@ -396,14 +408,14 @@ def _load(model: Model, work: Work, r: int) -> Triple:
 
 
 @inlined
-def _load_of(model: Model, work: Work, r: int, row: int) -> Triple:
+def _load_of(model: Model, work: Workspace, r: int, row: int) -> Triple:
     """Return the force or moment of reaction r of a unit of multiplier `row`."""
     begin = 6 if model.quantities.reaction_kind[r] in (RADIAL, AXIAL) else 9
     return times3(-1.0, triple(work.rows[row, begin:]))
 
 
 @inlined
-def _axis(model: Model, work: Work, r: int) -> Triple:
+def _axis(model: Model, work: Workspace, r: int) -> Triple:
     """Return the axis of the joint of reaction r."""
     joint = model.quantities.reaction_joint[r]
     return axis(work.motion[model.joint_marker[joint, 0]], 2)
@@ -420,7 +432,7 @@ def _size(kind: int, load: Triple, n: Triple) -> float:
 
 
 @lean
-def move_forces(model: Model, work: Work, t: float, passed: int) -> bool:
+def move_forces(model: Model, work: Workspace, t: float, passed: int) -> bool:
     """Move forces that read reactions to those at work.multipliers; return whether they differ.
 
     Their sizes, work.f and the power follow. `passed` is the number of calls before, for the same
@@ -465,7 +477,7 @@ def move_forces(model: Model, work: Work, t: float, passed: int) -> bool:
 
 
 @lean
-def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
+def evaluate(model: Model, work: Workspace, t: float, y: Array) -> None:
     """Fill mass matrices, forces and constraints at time t and state y; nothing is allocated.
 
     Forces that read reactions are those at work.multipliers.
@@ -499,7 +511,7 @@ def reads_reactions(model: Model) -> bool:
 
 
 @inlined
-def measure_into(model: Model, work: Work, y: Array) -> None:
+def measure_into(model: Model, work: Workspace, y: Array) -> None:
     """Fill the quantities that expressions read, in state y with these markers.
 
     Parameters
@@ -514,7 +526,7 @@ def measure_into(model: Model, work: Work, y: Array) -> None:
 
 
 @inlined
-def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None:
+def auxiliary_rates_into(model: Model, work: Workspace, t: float, out: Array) -> None:
     """Fill the rates of the auxiliary states of the last evaluation in out (n,).
 
     Parameters
@@ -531,7 +543,7 @@ def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None
 
 
 @inlined
-def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
+def largest_left(model: Model, work: Workspace, J: Array, x: Array) -> float:
     """Largest row of Phi + Phi_q x: above round-off if rows contradict each other.
 
     Parameters
@@ -548,7 +560,7 @@ def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
 
 
 @inlined
-def evaluate_rates(model: Model, work: Work, y: Array) -> None:
+def evaluate_rates(model: Model, work: Workspace, y: Array) -> None:
     """Fill work.left with Phidot (n_c,) in state y, of the last evaluation.
 
     Parameters
@@ -576,7 +588,7 @@ def beyond(model: Model, t: float, y: Array) -> Array:
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
     """
-    q, work = model.quantities, spare_work(model)
+    q, work = model.quantities, spare_workspace(model)
     evaluate(model, work, t, y)
     at, sign = q.event_coordinate, q.event_sign
     gap = sign * (work.quantity[2 * at] - q.event_level)
@@ -646,7 +658,7 @@ def started(model: Model, t: float, y: Array) -> Array:
     """
     if model.n_aux == 0:
         return y
-    y, work, q = y.copy(), spare_work(model), model.quantities
+    y, work, q = y.copy(), spare_workspace(model), model.quantities
     first = model.n_pos + model.n_vel
     evaluate(model, work, t, y)
     for m in np.flatnonzero(q.turn >= 0):
@@ -676,7 +688,7 @@ def sampled(
     functions : of the states `quantities.called`, of time and inputs (k,); without them these keep
         their values
     """
-    q, work, after = model.quantities, spare_work(model), y.copy()
+    q, work, after = model.quantities, spare_workspace(model), y.copy()
     first = model.n_pos + model.n_vel
     evaluate(model, work, t, y)
 

@@ -50,7 +50,7 @@ from ..model.model import (
     UP,
     WIDTH,
     Model,
-    Work,
+    Workspace,
 )
 from ..model.motion import axis, place, spin, velocity
 
@@ -66,7 +66,7 @@ LIFT, DRAG = 0, 1  # columns of a polar, before those of model.py
 
 
 @lean
-def wind_into(model: Model, work: Work, speed: float, turned: float) -> None:
+def wind_into(model: Model, work: Workspace, speed: float, turned: float) -> None:
     """Fill work.wind (3,) with a wind at the reference height, turned about `up`, global [m/s].
 
     Parameters
@@ -90,7 +90,7 @@ def _three(numbers: Array, first: int) -> Triple:
 
 
 @inlined
-def wind_at(model: Model, work: Work, x: Triple) -> Triple:
+def wind_at(model: Model, work: Workspace, x: Triple) -> Triple:
     """Return the wind at a point: by height, a power law [m/s].
 
     Parameters
@@ -107,7 +107,7 @@ def wind_at(model: Model, work: Work, x: Triple) -> Triple:
 
 
 @lean
-def section_wrench(model: Model, work: Work, k: int, s: int) -> Wrench:
+def section_wrench(model: Model, work: Workspace, k: int, s: int) -> Wrench:
     """Wrench of section s, force element k; fills work.flow[s] with the rates of its states.
 
     Parameters
@@ -190,7 +190,7 @@ def _skew(wind: Triple, n: Triple, out: Triple, a: float, share: float) -> float
 @inlined
 def _rates(
     model: Model,
-    work: Work,
+    work: Workspace,
     s: int,
     first: int,
     force: Triple,
@@ -235,7 +235,7 @@ def _rates(
 
 
 @inlined
-def section_rates_into(model: Model, work: Work, out: Array) -> None:
+def section_rates_into(model: Model, work: Workspace, out: Array) -> None:
     """Fill the rates of the sections' states in out (n,), after an evaluation.
 
     Parameters

@@ -14,7 +14,7 @@ from ...math.rotations import cross3, minus3, rotation_into, triple, turned
 from ..elements.floating_frame import evaluate_bodies
 from ..elements.forces.table import FIRST_LOAD
 from ..elements.marker import move_marker
-from ..model.model import PHI, PHI_T, Model, Work, spare_work, state_size
+from ..model.model import PHI, PHI_T, Model, Workspace, spare_workspace, state_size
 from ..model.motion import N_MOTION, PLACE, place, stand
 from .accelerations import by_blocks, dense_derivative_into, derivative_into
 from .elimination import REGULAR, is_tree
@@ -86,7 +86,7 @@ def along(model: Model, t: Array, y: Array, regular_above: float = REGULAR) -> A
         doubtful[:] = False
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
-    work, spare = spare_work(model), np.zeros(state_size(model))
+    work, spare = spare_workspace(model), np.zeros(state_size(model))
     for k in np.flatnonzero(doubtful).tolist():
         into = found.rates[k] if model.penalty == 0.0 else spare
         found.multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
@@ -114,7 +114,7 @@ def momenta(model: Model, y: Array) -> tuple[Array, Array]:
     """
     y = np.ascontiguousarray(y, dtype=float)
     own, found = np.zeros((len(y), model.n_vel)), np.zeros((len(y), model.n_body, 6))
-    _momenta(model, spare_work(model), y, own, found)
+    _momenta(model, spare_workspace(model), y, own, found)
     return own, found
 
 
@@ -128,7 +128,7 @@ def driven_speeds(model: Model, t: Array, y: Array) -> Array:
     y : one state (n,)
     """
     found = np.zeros((t.size, model.n_constraint))
-    _driven_speeds(model, spare_work(model), t, np.ascontiguousarray(y), found)
+    _driven_speeds(model, spare_workspace(model), t, np.ascontiguousarray(y), found)
     return found
 
 
@@ -143,9 +143,9 @@ def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
     y : states (k, n)
     """
     t, y = _contiguous(t, y)
-    n = int(model.plan.size[i])
+    n = int(model.layout.size[i])
     found = np.zeros((t.size, n, n))
-    _masses(model, spare_work(model), i, t, y, found)
+    _masses(model, spare_workspace(model), i, t, y, found)
     return found
 
 
@@ -176,7 +176,7 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
 def marker_places(model: Model, y: Array) -> Array:
     """Return the origins of all markers (nk, 3) in one state y (n,), global [m]."""
     found = np.array(model.marker_x)  # those of the ground
-    J_m = np.zeros((6, model.plan.widest))
+    J_m = np.zeros((6, model.layout.widest))
     _places(model, np.ascontiguousarray(y), np.zeros((3, 3)), np.zeros(N_MOTION), J_m, found)
     return found
 
@@ -195,7 +195,7 @@ def loads_of_markers(model: Model, t: Array, y: Array, multipliers: Array) -> tu
     markers = loaded_markers(model)
     loads, origins = np.zeros((t.size, markers.size, 6)), np.zeros((t.size, markers.size, 3))
     multipliers = np.ascontiguousarray(multipliers)
-    _loads(model, spare_work(model), markers, t, y, multipliers, loads, origins)
+    _loads(model, spare_workspace(model), markers, t, y, multipliers, loads, origins)
     return loads, origins
 
 
@@ -214,7 +214,7 @@ def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array
     """
     t, y = _contiguous(t, y)
     found = np.zeros(t.size)
-    _sizes(model, spare_work(model), force, t, y, np.ascontiguousarray(multipliers), found)
+    _sizes(model, spare_workspace(model), force, t, y, np.ascontiguousarray(multipliers), found)
     return found
 
 
@@ -228,7 +228,7 @@ def quantities(model: Model, t: Array, y: Array) -> Array:
     y : states (k, n)
     """
     t, y = _contiguous(t, y)
-    work = spare_work(model)
+    work = spare_workspace(model)
     found = np.zeros((t.size, work.quantity.size))
     _quantities(model, work, t, y, found)
     return found
@@ -260,7 +260,7 @@ def _evaluated(model: Model, t: Array, y: Array, *, solve: bool) -> tuple[Along,
     k, n_c = t.size, model.n_constraint
     rates, multipliers, regular = np.zeros(y.shape), np.zeros((k, n_c)), np.zeros(k)
     terms = Balance(np.zeros((k, n_c)), np.zeros((k, n_c)), np.zeros((k, 3)))
-    work = spare_work(model)
+    work = spare_workspace(model)
     _evaluations(model, work, t, y, solve, rates, multipliers, regular, *terms)
     return Along(rates, multipliers, terms), regular
 
@@ -272,7 +272,7 @@ def _contiguous(t: Array, y: Array) -> tuple[Array, Array]:
 @lean
 def _evaluations(
     model: Model,
-    work: Work,
+    work: Workspace,
     t: Array,
     y: Array,
     solve: bool,
@@ -299,7 +299,7 @@ def _evaluations(
 
 @lean
 def _sizes(
-    model: Model, work: Work, force: int, t: Array, y: Array, multipliers: Array, found: Array
+    model: Model, work: Workspace, force: int, t: Array, y: Array, multipliers: Array, found: Array
 ) -> None:
     law, expression = model.force_law[force], model.quantities.force[force]
     for k in range(t.shape[0]):
@@ -313,7 +313,7 @@ def _sizes(
 
 
 @lean
-def _momenta(model: Model, work: Work, y: Array, own: Array, found: Array) -> None:
+def _momenta(model: Model, work: Workspace, y: Array, own: Array, found: Array) -> None:
     for k in range(y.shape[0]):
         evaluate_bodies(model, work, y[k])
         momenta_into(model, work, y[k], own[k])
@@ -327,7 +327,7 @@ def _momenta(model: Model, work: Work, y: Array, own: Array, found: Array) -> No
 
 
 @lean
-def _driven_speeds(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
+def _driven_speeds(model: Model, work: Workspace, t: Array, y: Array, found: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y)
         for i in range(model.n_constraint):
@@ -335,7 +335,7 @@ def _driven_speeds(model: Model, work: Work, t: Array, y: Array, found: Array) -
 
 
 @lean
-def _quantities(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
+def _quantities(model: Model, work: Workspace, t: Array, y: Array, found: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
         for j in range(found.shape[1]):
@@ -343,10 +343,10 @@ def _quantities(model: Model, work: Work, t: Array, y: Array, found: Array) -> N
 
 
 @lean
-def _masses(model: Model, work: Work, i: int, t: Array, y: Array, found: Array) -> None:
+def _masses(model: Model, work: Workspace, i: int, t: Array, y: Array, found: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
-        for a in range(model.plan.size[i]):
+        for a in range(model.layout.size[i]):
             for b in range(a + 1):
                 found[k, a, b] = found[k, b, a] = work.M[i, a, b]
 
@@ -354,7 +354,7 @@ def _masses(model: Model, work: Work, i: int, t: Array, y: Array, found: Array) 
 @lean
 def _loads(
     model: Model,
-    work: Work,
+    work: Workspace,
     markers: IntArray,
     t: Array,
     y: Array,

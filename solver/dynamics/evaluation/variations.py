@@ -12,7 +12,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.compiled import lean
 from ..model.coordinates import move
-from ..model.model import GAMMA, PHI, Model, Work, spare_work
+from ..model.model import GAMMA, PHI, Model, Workspace, spare_workspace
 from .evaluation import auxiliary_rates_into, evaluate, evaluate_rates
 
 
@@ -30,7 +30,7 @@ def terms(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Arr
     """
     found = np.zeros((t.size, width(model)))
     t, y, a, multipliers = (np.ascontiguousarray(part) for part in (t, y, a, multipliers))
-    _terms(model, spare_work(model), t, y, a, multipliers, np.empty(y.shape[1]), found)
+    _terms(model, spare_workspace(model), t, y, a, multipliers, np.empty(y.shape[1]), found)
     return found
 
 
@@ -62,14 +62,21 @@ def along_directions(
     k, d = step.shape
     found = np.zeros((k, d, width(model)))
     memory, base = np.empty(y.shape[1]), np.empty(width(model))
-    work = spare_work(model)
+    work = spare_workspace(model)
     _along(model, work, t, y, a, multipliers, directions, step, memory, base, found)
     return found
 
 
 @lean
 def _terms(
-    model: Model, work: Work, t: Array, y: Array, a: Array, multipliers: Array, r: Array, out: Array
+    model: Model,
+    work: Workspace,
+    t: Array,
+    y: Array,
+    a: Array,
+    multipliers: Array,
+    r: Array,
+    out: Array,
 ) -> None:
     for k in range(t.shape[0]):
         _terms_into(model, work, t[k], y[k], a[k], multipliers[k], r, out[k])
@@ -78,7 +85,7 @@ def _terms(
 @lean
 def _along(
     model: Model,
-    work: Work,
+    work: Workspace,
     t: Array,
     y: Array,
     a: Array,
@@ -111,7 +118,7 @@ def _along(
 @lean
 def _terms_into(
     model: Model,
-    work: Work,
+    work: Workspace,
     t: float,
     y: Array,
     a: Array,
@@ -121,7 +128,7 @@ def _terms_into(
 ) -> None:
     """Fill out (w,) with the terms of one state; memory (n,) may be y, which is lost then."""
     n_vel, n_c, n_aux = model.n_vel, model.n_constraint, model.n_aux
-    plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
+    layout, row_start, body_row = model.layout, model.layout.row_start, model.layout.body_row
     for k in range(n_c):
         work.multipliers[k] = multipliers[k]
     evaluate(model, work, t, y)
@@ -133,11 +140,11 @@ def _terms_into(
     for i in range(model.n_body):
         j, begin = model.vel_start[i], row_start[i]
         M, J = work.M[i], work.J[i]
-        for c in range(plan.size[i]):
+        for c in range(layout.size[i]):
             out[j + c] = work.f[i, c]
-        for c in range(plan.size[i]):
+        for c in range(layout.size[i]):
             own = M[c, c] * a[j + c]
-            for b in range(min(c, plan.lead[i])):
+            for b in range(min(c, layout.lead[i])):
                 own += M[c, b] * a[j + b]
                 out[j + b] -= M[c, b] * a[j + c]
             for p in range(row_start[i + 1] - begin):

@@ -11,7 +11,7 @@ State: y = [positions | velocities | auxiliary states | work]
   auxiliary states      of controllers, friction, angles over many turns
   work                  done on the system by drives, dampers, actuators and loads [J]
 
-`Work` is the memory of one evaluation: allocated once, filled every time.
+`Workspace` is the memory of one evaluation: allocated once, filled every time.
 """
 
 from typing import Any, NamedTuple
@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from ...math.arrays import Array
 from ...math.compiled import lean, structure
 from ...math.expressions.operations import Programs
+from .layout import Layout, RowOrder
 from .motion import N_ELEMENT_ROW, N_MOTION, stand
-from .plan import Order, Plan
 
 IntArray = NDArray[np.int64]
 
@@ -181,7 +181,7 @@ class Model(NamedTuple):
     pair_used: NDArray[np.int8]  # (nb, 9) which pairs 3 a + b of T01 and T11 do not vanish
     added_inertia: Array  # (n_a,) what bodies without inertia of their own get  [kg, kg m2]
     added_direction: Array  # (n_a, widest) and where: rdot_G, w_B, qdot (bodies/added_inertia.py)
-    plan: Plan  # structure of the linear algebra
+    layout: Layout  # structure of the linear algebra
     # geometric stiffening (dynamics/elements/floating_frame.py): empty for linear bodies
     second_start: IntArray  # (nb + 1,) running sum of n_mode squared of stiffened bodies
     third_start: IntArray  # (nb + 1,) the same cubed
@@ -229,13 +229,13 @@ class Factors(NamedTuple):
 
 
 @structure
-class Work(NamedTuple):
+class Workspace(NamedTuple):
     """Arrays that an evaluation fills; arrays of bodies have the size of the largest body."""
 
     A: Array  # (nb, 3, 3) rotation matrices A_GB
     M: Array  # (nb, n, n) mass matrices, lower triangles
     f: Array  # (nb, n) loads, quadratic velocity terms, elastic and damping forces
-    J: Array  # (nb, n, r) Jacobian of the rows of plan.mass at each body, transposed
+    J: Array  # (nb, n, r) Jacobian of the rows of layout.mass at each body, transposed
     power: Array  # (2,) of dampers, actuators and loads [W]; energy in force elements [J]
     rows: Array  # (n_c, N_ROW) of the constraints, laid out as above
     # markers (nk)
@@ -253,7 +253,7 @@ class Work(NamedTuple):
     gamma: Array  # (n_c,) right-hand side of the constraint rows
     multipliers: Array  # (n_c,)
     left: Array  # (n_c,) residual of the constraint rows after a solution
-    softness: Array  # (n_r,) of the rows of plan.mass: reciprocals of the penalties in use
+    softness: Array  # (n_r,) of the rows of layout.mass: reciprocals of the penalties in use
     change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
     change_multipliers: Array  # (n_c,)
     # of one body at a time
@@ -274,7 +274,7 @@ class Work(NamedTuple):
     flow: Array  # (ns, N_FLOW) of the sections of a rotor
 
 
-def new_factors(model: Model, order: Order, one: Any) -> Factors:
+def new_factors(model: Model, order: RowOrder, one: Any) -> Factors:
     """Return memory for factors with the rows of `order`, of the type of `one`.
 
     Parameters
@@ -283,7 +283,7 @@ def new_factors(model: Model, order: Order, one: Any) -> Factors:
     order : order of the rows, and their profile
     one : 1.0 or 1.0 + 0.0j: real or complex factors
     """
-    nb, n, r = model.n_body, model.plan.widest, order.most_rows
+    nb, n, r = model.n_body, model.layout.widest, order.most_rows
     n_p = order.first.shape[0]
     return Factors(
         np.zeros((nb, n, n)) * one,
@@ -298,15 +298,15 @@ def new_factors(model: Model, order: Order, one: Any) -> Factors:
     )
 
 
-def new_work(model: Model) -> Work:
+def new_workspace(model: Model) -> Workspace:
     """Return the memory for evaluations of a model.
 
     Ground markers and the rows of added inertia are filled once for all.
     """
-    plan = model.plan
-    nb, n, r, m = model.n_body, plan.widest, plan.mass.most_rows, plan.most_modes
+    layout = model.layout
+    nb, n, r, m = model.n_body, layout.widest, layout.mass.most_rows, layout.most_modes
     n_c, nk = model.n_constraint, model.marker_body.shape[0]
-    work = Work(
+    work = Workspace(
         np.zeros((nb, 3, 3)),
         np.zeros((nb, n, n)),
         np.zeros((nb, n)),
@@ -319,20 +319,20 @@ def new_work(model: Model) -> Work:
         np.zeros((9, m)),
         np.zeros((3, 3)),
         np.zeros((3, 3)),
-        new_factors(model, plan.mass, 1.0),
+        new_factors(model, layout.mass, 1.0),
         np.zeros((nb, n)),
         np.zeros((nb, n)),
         np.zeros(n_c),
         np.zeros(n_c),
         np.zeros(n_c),
-        np.zeros(plan.mass.place.shape[0]),
+        np.zeros(layout.mass.place.shape[0]),
         np.zeros((nb, n)),
         np.zeros(n_c),
         np.zeros((3, m)),
         np.zeros((3, 3)),
         np.zeros(3),
-        np.zeros((plan.most_element_rows, N_ELEMENT_ROW)),
-        np.zeros((plan.most_element_rows, N_ELEMENT_ROW)),
+        np.zeros((layout.most_element_rows, N_ELEMENT_ROW)),
+        np.zeros((layout.most_element_rows, N_ELEMENT_ROW)),
         np.zeros(
             2 * model.quantities.kind.shape[0]
             + model.n_aux
@@ -351,15 +351,15 @@ def new_work(model: Model) -> Work:
     return work
 
 
-def spare_work(model: Model) -> Work:
+def spare_workspace(model: Model) -> Workspace:
     """Return memory for evaluations that are over when the caller returns.
 
-    One for each plan: models that differ in numbers only share it.
+    One for each layout: models that differ in numbers only share it.
     """
-    own = model.marker_x, model.marker_A, model.added_direction  # what `new_work` fills in
-    known = model.plan.__dict__.get("_spare")
+    own = model.marker_x, model.marker_A, model.added_direction  # what `new_workspace` fills in
+    known = model.layout.__dict__.get("_spare")
     if known is None or any(one is not other for one, other in zip(known[0], own, strict=True)):
-        known = model.plan.__dict__["_spare"] = own, new_work(model)
+        known = model.layout.__dict__["_spare"] = own, new_workspace(model)
     return known[1]  # type: ignore[no-any-return]
 
 
@@ -379,9 +379,9 @@ def modal_matrix(model: Model, flat: Array, i: int) -> Array:
 @lean
 def place_added_rows(model: Model, J: Array) -> None:
     """Fill the columns of J (nb, n, r) that belong to added inertia."""
-    plan = model.plan
+    layout = model.layout
     for i in range(model.n_body):
-        begin = plan.row_start[i + 1] - plan.row_start[i] - plan.added_start[i]
-        for a in range(plan.added_start[i], plan.added_start[i + 1]):
-            for k in range(plan.size[i]):
+        begin = layout.row_start[i + 1] - layout.row_start[i] - layout.added_start[i]
+        for a in range(layout.added_start[i], layout.added_start[i + 1]):
+            for k in range(layout.size[i]):
                 J[i, k, begin + a] = model.added_direction[a, k]

@@ -306,7 +306,7 @@ def _correct(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float) 
 def _solve_matrix(model: Model, workspace: AlphaWorkspace, s: float, load: Array) -> None:
     """Solve Newton's equations for load and gamma into x and mu; `s` is that of feedback [1/s]."""
     real = workspace.real
-    solve(model.plan, model.plan.newton, real.factors, load, real.gamma, real.x, real.mu)
+    solve(model.layout, model.layout.newton, real.factors, load, real.gamma, real.x, real.mu)
     if model.quantities.feedback.shape[0] > 0:
         fed_back(model, workspace.frozen, real, s, real.x, workspace.zero)
 

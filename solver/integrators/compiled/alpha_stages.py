@@ -9,7 +9,7 @@ from ...dynamics.evaluation.accelerations import accelerate, derivative_into
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.coordinates import move, rates_into
-from ...dynamics.model.model import Model, Work, new_work
+from ...dynamics.model.model import Model, Workspace, new_workspace
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
@@ -110,7 +110,7 @@ def _scheme(
 class AlphaWorkspace(NamedTuple):
     """Memory of a run. Rates are laid out as y: their velocity entries are accelerations."""
 
-    work: Work
+    work: Workspace
     frozen: Frozen
     real: Pencil
     y: Array  # (n,) state
@@ -118,7 +118,7 @@ class AlphaWorkspace(NamedTuple):
     y_old: Array  # (n,) at the beginning of the last step
     rate_old: Array  # (n,)
     a: Array  # (n_vel,) the algorithm's acceleration, which runs behind
-    multipliers: Array  # (n_r,) by row of plan.newton: of constraints, and forces of elements
+    multipliers: Array  # (n_r,) by row of layout.newton: of constraints, and forces of elements
     v_dd: Array  # (n_vel,) rate of the acceleration over the last step
     # the end of the step, under Newton's iteration
     stage: Array  # (n,)
@@ -149,9 +149,9 @@ def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> 
     first_step : size of the first step [s]
     """
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
-    n_r = model.plan.newton.place.shape[0]
+    n_r = model.layout.newton.place.shape[0]
     workspace = AlphaWorkspace(
-        new_work(model),
+        new_workspace(model),
         new_frozen(model),
         new_pencil(model, 1.0),
         y.copy(),
@@ -171,7 +171,7 @@ def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> 
         np.zeros(n_vel),
         np.zeros(n),
         np.zeros(n),
-        np.zeros((model.n_body, model.plan.widest)),
+        np.zeros((model.n_body, model.layout.widest)),
         np.zeros(n_c),
         np.zeros(N_CLOCK),
         np.zeros(N_COUNT, dtype=np.int64),
@@ -317,7 +317,7 @@ def local_error(
     h : step size [s]
     """
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, workspace.clock[TAKEN], workspace.real
-    frozen, factors, plan = workspace.frozen, workspace.real.factors, model.plan
+    frozen, factors, layout = workspace.frozen, workspace.real.factors, model.layout
     both, s, feeds = workspace.both, scheme.to_v / h, model.quantities.feedback.shape[0] > 0
     for i in range(n_vel):
         v_dd = (workspace.stage_rate[n_pos + i] - workspace.rate[n_pos + i]) / h
@@ -329,7 +329,7 @@ def local_error(
         model, frozen.M, frozen.J, both, workspace.no_load, workspace.zero, real.load, real.gamma
     )
     real.gamma[:] = 0.0
-    solve(plan, plan.newton, factors, real.load, real.gamma, real.x, real.mu)
+    solve(layout, layout.newton, factors, real.load, real.gamma, real.x, real.mu)
     if feeds:
         fed_back(model, frozen, real, s, real.x, workspace.zero)
     flatten(model, real.x, workspace.step, 0)
@@ -348,17 +348,17 @@ def local_error(
     # what the constraints prescribe is exact at the end, but a cubic within the step
     inflate(model, workspace.change, 0, real.x)
     real.gamma[:] = 0.0
-    solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
+    solve(layout, layout.newton, factors, real.load, real.gamma, real.rho, real.mu)
     if feeds:
         fed_back(model, frozen, real, s, real.rho, workspace.zero)
     row_products(model, frozen.J, real.x, real.gamma)
     flatten(model, real.rho, workspace.change, 0)
-    solve(plan, plan.newton, factors, workspace.zero, real.gamma, real.x, real.mu)
+    solve(layout, layout.newton, factors, workspace.zero, real.gamma, real.x, real.mu)
     if feeds:
         fed_back(model, frozen, real, s, real.x, workspace.zero)
     for i in range(model.n_body):
         j = model.vel_start[i]
-        for k in range(plan.size[i]):
+        for k in range(layout.size[i]):
             prescribed = abs(real.x[i, k]) * h**4 / 384.0
             workspace.step[j + k] = abs(workspace.step[j + k]) + prescribed
     set_weights(options, workspace.y, workspace.stage, workspace.weight)

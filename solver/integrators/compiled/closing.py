@@ -13,7 +13,7 @@ from ...dynamics.elements.floating_frame import flatten, largest
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
 from ...dynamics.model.coordinates import move
-from ...dynamics.model.model import PHI, Model, Work
+from ...dynamics.model.model import PHI, Model, Workspace
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
@@ -27,7 +27,7 @@ SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 @lean
 def close(
     model: Model,
-    work: Work,
+    work: Workspace,
     frozen: Frozen,
     real: Pencil,
     s: float,
@@ -98,7 +98,7 @@ def close(
 @inlined
 def _answered(model: Model, real: Pencil) -> float:
     """Fill delta[:n_vel] with the least motion that changes rows by gamma; return its size."""
-    plan = model.plan
-    solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
+    layout = model.layout
+    solve(layout, layout.newton, real.factors, real.load, real.gamma, real.x, real.mu)
     flatten(model, real.x, real.delta, 0)
     return largest(real.delta[: model.n_vel])

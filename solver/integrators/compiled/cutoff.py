@@ -19,7 +19,7 @@ import numpy as np
 
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import energies_into, evaluate
-from ...dynamics.model.model import Model, Work, state_size
+from ...dynamics.model.model import Model, Workspace, state_size
 from ...math.arrays import Array
 from ...math.compiled import lean, structure
 from ...math.rotations import along_parameters
@@ -85,7 +85,7 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
     w_c : cutoff frequency [rad/s]; below 0: of velocities alone
     e : error (n,)
     """
-    plan, pencil, held, out = model.plan, cutoff.pencil, cutoff.held, cutoff.error
+    layout, pencil, held, out = model.layout, cutoff.pencil, cutoff.held, cutoff.error
     x, load, n_pos = pencil.x, pencil.load, model.n_pos
     for k in range(n_pos + model.n_vel, out.shape[0] - 1):
         out[k] = e[k]  # auxiliary states
@@ -97,7 +97,7 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
         for i in range(model.n_body):
             a, j = model.pos_start[i], n_pos + model.vel_start[i]
             if part == 1:
-                for k in range(plan.size[i]):
+                for k in range(layout.size[i]):
                     x[i, k] = e[j + k]
             else:
                 spin_of(held.p[i], e, a + 3, x[i])
@@ -107,8 +107,8 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
                     x[i, 6 + k] = e[a + 7 + k]
         for _ in range(PASSES):
             for i in range(model.n_body):
-                M, lead = held.M[i], plan.lead[i]
-                for k in range(plan.size[i]):
+                M, lead = held.M[i], layout.lead[i]
+                for k in range(layout.size[i]):
                     z = w_c * w_c * x[i, k]
                     s = M[k, k] * z
                     for b in range(min(k, lead)):
@@ -116,11 +116,11 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
                         load[i, b] += M[k, b] * z
                     load[i, k] = s
             pencil.gamma[:] = 0.0
-            solve(plan, plan.newton, pencil.factors, load, pencil.gamma, x, pencil.mu)
+            solve(layout, layout.newton, pencil.factors, load, pencil.gamma, x, pencil.mu)
         for i in range(model.n_body):
             a, j = model.pos_start[i], n_pos + model.vel_start[i]
             if part == 1:
-                for k in range(plan.size[i]):
+                for k in range(layout.size[i]):
                     out[j + k] = x[i, k]
             else:
                 turn = 0.5 * x[i, 3], 0.5 * x[i, 4], 0.5 * x[i, 5]
@@ -134,7 +134,7 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
 
 
 @lean
-def energy(model: Model, work: Work, t: float, y: Array, parts: Array) -> float:
+def energy(model: Model, work: Workspace, t: float, y: Array, parts: Array) -> float:
     """Return the energy of state y (n,) at t [J]; `parts` (3,) is filled with its parts.
 
     Parameters

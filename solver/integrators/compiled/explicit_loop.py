@@ -6,7 +6,7 @@ import numpy as np
 
 from ...dynamics.analysis.projection import project
 from ...dynamics.evaluation.accelerations import derivative_into, sample_into
-from ...dynamics.model.model import Model, Work
+from ...dynamics.model.model import Model, Workspace
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
 from ..generic.dormand_prince import Tableau
@@ -132,7 +132,12 @@ def step_to(y: Array, weights: Array, count: int, h: float, K: Array, out: Array
 
 @lean
 def fill_stages(
-    model: Model, work: Work, tableau: Tableau, workspace: ExplicitWorkspace, t: float, h: float
+    model: Model,
+    work: Workspace,
+    tableau: Tableau,
+    workspace: ExplicitWorkspace,
+    t: float,
+    h: float,
 ) -> None:
     """Fill K[1:s] with the derivatives at the stages of a step h from t; K[0] is there.
 
@@ -156,7 +161,7 @@ def fill_stages(
 @inlined
 def attempt_step(
     model: Model,
-    work: Work,
+    work: Workspace,
     options: Options,
     tableau: Tableau,
     workspace: ExplicitWorkspace,
@@ -256,7 +261,7 @@ def accept_step(
 @lean
 def advance_explicit(
     model: Model,
-    work: Work,
+    work: Workspace,
     options: Options,
     tableau: Tableau,
     workspace: ExplicitWorkspace,
@@ -380,7 +385,7 @@ def _test_stiffness(
 
 @lean
 def fill_polynomial(
-    model: Model, work: Work, tableau: Tableau, workspace: ExplicitWorkspace
+    model: Model, work: Workspace, tableau: Tableau, workspace: ExplicitWorkspace
 ) -> None:
     """Fill F with the polynomial of the last step, after the extra stages that it needs.
 
@@ -440,7 +445,7 @@ def _interpolate(tableau: Tableau, workspace: ExplicitWorkspace, x: float, out: 
 
 @inlined
 def _close_row(
-    model: Model, work: Work, workspace: ExplicitWorkspace, t: float, row: Array
+    model: Model, work: Workspace, workspace: ExplicitWorkspace, t: float, row: Array
 ) -> None:
     """Bring a row (n,) of the output onto the constraints; left as it is where none are near."""
     copy(row, workspace.point)

@@ -27,7 +27,7 @@ import numpy as np
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import reaction_slope
 from ...dynamics.evaluation.laws import auxiliary_rate
-from ...dynamics.model.model import Factors, Model, Work
+from ...dynamics.model.model import Factors, Model, Workspace
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.expressions.program import NO_SEED, evaluated
@@ -36,7 +36,9 @@ OF_FORCE, OF_VALUE, OF_RATE = 0, 1, 2  # F_z, phi_e, phi_v
 
 
 @lean
-def freeze_states(model: Model, work: Work, t: float, auxiliary: Array, coupled: Array) -> None:
+def freeze_states(
+    model: Model, work: Workspace, t: float, auxiliary: Array, coupled: Array
+) -> None:
     """Fill auxiliary (na,) with phi_z and coupled (n, 3) with F_z, phi_e, phi_v at time t.
 
     Parameters
@@ -84,7 +86,7 @@ def hold_states(
     """
     q = model.quantities
     for p in range(coupled.shape[0]):
-        row = first + model.plan.element_start[q.coupled_force[p]]
+        row = first + model.layout.element_start[q.coupled_force[p]]
         moved = coupled[p, OF_VALUE] + s * coupled[p, OF_RATE]
         rate = s - auxiliary[q.coupled_state[p]]
         hold[row] += stiffness * coupled[p, OF_FORCE] * moved / rate
@@ -119,14 +121,14 @@ def left_of_states(
     q = model.quantities
     for p in range(coupled.shape[0]):
         k, j = q.coupled_force[p], q.coupled_state[p]
-        row, left = first + model.plan.element_start[k], r[model.n_pos + model.n_vel + j]
+        row, left = first + model.layout.element_start[k], r[model.n_pos + model.n_vel + j]
         c = coupled[p, OF_FORCE] / (s - auxiliary[j])
         gamma[row] -= c * left
         for side in range(2):
-            at = model.plan.element_side[k, side]
+            at = model.layout.element_side[k, side]
             if at >= 0:
                 body = model.marker_body[model.force_marker[k, side]]
-                for b in range(model.plan.size[body]):
+                for b in range(model.layout.size[body]):
                     gamma[row] += c * coupled[p, OF_RATE] * J[body, b, at] * rho[body, b]
 
 
@@ -164,10 +166,10 @@ def move_states(
         by_x = (coupled[p, OF_VALUE] + s * coupled[p, OF_RATE]) / (s - auxiliary[j])
         by_rho = coupled[p, OF_RATE] / (s - auxiliary[j])
         for side in range(2):
-            at = model.plan.element_side[k, side]
+            at = model.layout.element_side[k, side]
             if at >= 0:
                 body = model.marker_body[model.force_marker[k, side]]
-                for b in range(model.plan.size[body]):
+                for b in range(model.layout.size[body]):
                     moved = by_x * x[body, b] - by_rho * rho[body, b]
                     delta[first + j] += J[body, b, at] * moved
 
@@ -199,15 +201,15 @@ def new_feedback(model: Model) -> Feedback:
     r, n_coupled = model.quantities.feedback.shape[0], model.quantities.coupled_force.shape[0]
     rows = r + n_coupled if r else 0
     return Feedback(
-        np.zeros((rows, 2, model.n_body, model.plan.widest)), np.zeros((r, model.n_constraint))
+        np.zeros((rows, 2, model.n_body, model.layout.widest)), np.zeros((r, model.n_constraint))
     )
 
 
 def new_answers(model: Model, one: Any) -> Answers:
     """Return memory of the type of `one`."""
-    r, n_r = model.quantities.feedback.shape[0], model.plan.newton.place.shape[0]
+    r, n_r = model.quantities.feedback.shape[0], model.layout.newton.place.shape[0]
     return Answers(
-        np.zeros((r, model.n_body, model.plan.widest)) * one,
+        np.zeros((r, model.n_body, model.layout.widest)) * one,
         np.zeros((r, n_r)) * one,
         np.zeros((r, 2 * r)) * one,
         np.zeros(r) * one,
@@ -215,7 +217,7 @@ def new_answers(model: Model, one: Any) -> Answers:
 
 
 @lean
-def freeze_feedback(model: Model, work: Work, t: float, feedback: Feedback) -> None:
+def freeze_feedback(model: Model, work: Workspace, t: float, feedback: Feedback) -> None:
     """Fill the slopes at the last evaluation, at time t.
 
     Parameters
@@ -240,7 +242,7 @@ def freeze_feedback(model: Model, work: Work, t: float, feedback: Feedback) -> N
             marker = q.marker[m, side]
             body = model.marker_body[marker]
             if body >= 0:
-                for b in range(model.plan.size[body]):
+                for b in range(model.layout.size[body]):
                     moved = 0.0
                     for a in range(6):
                         moved += work.g[m, 6 * side + a] * work.J_m[marker, a, b]
@@ -359,15 +361,15 @@ def answer_forces(
     s : rate per change, of the method over the step size [1/s]
     answers : answers to a unit of each force, to fill
     """
-    q, plan = model.quantities, model.plan
+    q, layout = model.quantities, model.layout
     n = q.feedback.shape[0]
-    first = model.n_constraint + plan.added_start[model.n_body]
+    first = model.n_constraint + layout.added_start[model.n_body]
     load[:] = 0.0
     for i in range(n):
-        row = first + plan.element_start[q.feedback[i]]
+        row = first + layout.element_start[q.feedback[i]]
         gamma[:] = 0.0
         gamma[row] = -softness[row]
-        solve(plan, plan.newton, factors, load, gamma, answers.x[i], answers.mu[i])
+        solve(layout, layout.newton, factors, load, gamma, answers.x[i], answers.mu[i])
     gamma[:] = 0.0
     both = answers.inverse
     both[:] = 0.0

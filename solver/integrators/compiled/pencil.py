@@ -29,7 +29,14 @@ import numpy as np
 
 from ...dynamics.evaluation.accelerations import add_inertia, soften
 from ...dynamics.evaluation.elimination import REGULAR, factorise, rows_depend, solve
-from ...dynamics.model.model import Factors, Model, Work, new_factors, place_added_rows, state_size
+from ...dynamics.model.model import (
+    Factors,
+    Model,
+    Workspace,
+    new_factors,
+    place_added_rows,
+    state_size,
+)
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
@@ -65,7 +72,7 @@ class Pencil(NamedTuple):
     x: Array  # (nb, n)
     delta: Array  # (n,) answer in the coordinates of y
     mu: Array  # (n_r,)
-    softness: Array  # (n_r,) of the rows of plan.newton
+    softness: Array  # (n_r,) of the rows of layout.newton
     answers: Answers  # to forces that read other coordinates (feedback.py)
 
 
@@ -74,7 +81,7 @@ class Frozen(NamedTuple):
     """Mass matrix, Jacobian, stiffness of elements and Euler parameters at one place of a step."""
 
     M: Array  # (nb, n, n) lower triangles
-    J: Array  # (nb, n, r) of the rows of plan.newton
+    J: Array  # (nb, n, r) of the rows of layout.newton
     softness: Array  # (n_c,) of constraints
     p: Array  # (nb, 4)
     stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
@@ -87,10 +94,10 @@ class Frozen(NamedTuple):
 
 def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
-    nb, n, n_r = model.n_body, model.plan.widest, model.plan.newton.place.shape[0]
+    nb, n, n_r = model.n_body, model.layout.widest, model.layout.newton.place.shape[0]
     n_y = state_size(model)
     return Pencil(
-        new_factors(model, model.plan.newton, one),
+        new_factors(model, model.layout.newton, one),
         np.zeros((nb, n)) * one,
         np.zeros(n_r) * one,
         np.zeros(n_y) * one,
@@ -105,11 +112,11 @@ def new_pencil(model: Model, one: Any) -> Pencil:
 
 def new_frozen(model: Model) -> Frozen:
     """Return memory; the rows of added inertia are filled once for all."""
-    plan = model.plan
-    nb, n, n_e = model.n_body, plan.widest, plan.element_row.shape[0]
+    layout = model.layout
+    nb, n, n_e = model.n_body, layout.widest, layout.element_row.shape[0]
     frozen = Frozen(
         np.zeros((nb, n, n)),
-        np.zeros((nb, n, plan.newton.most_rows)),
+        np.zeros((nb, n, layout.newton.most_rows)),
         np.zeros(model.n_constraint),
         np.zeros((nb, 4)),
         np.zeros(n_e),
@@ -124,7 +131,7 @@ def new_frozen(model: Model) -> Frozen:
 
 
 @inlined
-def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None:
+def freeze(model: Model, work: Workspace, t: float, y: Array, frozen: Frozen) -> None:
     """Keep what the last evaluation, at time t in state y, has filled.
 
     Parameters
@@ -135,20 +142,20 @@ def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None
     y : state (n,), as in dynamics/model/model.py
     frozen : matrices, to fill
     """
-    plan, row_start = model.plan, model.plan.row_start
+    layout, row_start = model.layout, model.layout.row_start
     frozen.softness[:] = 0.0
-    for i in range(plan.size.shape[0]):
-        n, r = plan.size[i], row_start[i + 1] - row_start[i]
+    for i in range(layout.size.shape[0]):
+        n, r = layout.size[i], row_start[i + 1] - row_start[i]
         M, J, M_0, J_0 = work.M[i], work.J[i], frozen.M[i], frozen.J[i]
         for a in range(n):
             M_0[a, a] = M[a, a]
-            for b in range(min(a, plan.lead[i])):
+            for b in range(min(a, layout.lead[i])):
                 M_0[a, b] = M[a, b]
             for p in range(r):
                 J_0[a, p] = J[a, p]
         for k in range(4):
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
-    if plan.element_row.shape[0] > 0:
+    if layout.element_row.shape[0] > 0:
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
     if model.n_aux > 0:
         freeze_states(model, work, t, frozen.auxiliary, frozen.coupled)
@@ -175,7 +182,7 @@ def factorise_pencil(
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
-        if rows_depend(model, model.plan.newton, pencil.factors, frozen.J, pencil.softness):
+        if rows_depend(model, model.layout.newton, pencil.factors, frozen.J, pencil.softness):
             soften(model, frozen.J, frozen.softness)
         _factorise(model, frozen, pencil, mass, damping, stiffness)
 
@@ -184,25 +191,25 @@ def factorise_pencil(
 def _factorise(
     model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
 ) -> None:
-    plan, softness, n_c = model.plan, pencil.softness, model.n_constraint
-    for i in range(plan.size.shape[0]):
-        n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
+    layout, softness, n_c = model.layout, pencil.softness, model.n_constraint
+    for i in range(layout.size.shape[0]):
+        n, m, two = layout.size[i], model.n_mode[i], model.square_start[i]
         L, M = pencil.factors.L[i], frozen.M[i]
         for a in range(n):
             L[a, a] = mass * M[a, a]
-            for b in range(min(a, plan.lead[i])):
+            for b in range(min(a, layout.lead[i])):
                 L[a, b] = mass * M[a, b]
         for a in range(m):
-            for b in range(0 if plan.lead[i] > 6 else a, a + 1):
+            for b in range(0 if layout.lead[i] > 6 else a, a + 1):
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
         s_squared = abs(mass / stiffness)
-        add_tension(frozen.tension[i], M, n, plan.lead[i], s_squared, stiffness, L)
+        add_tension(frozen.tension[i], M, n, layout.lead[i], s_squared, stiffness, L)
         add_inertia(model, i, mass, L, softness)
     fed = mass + 2.0 * model.alpha * damping + model.beta**2 * stiffness
     for k in range(n_c):
         softness[k] = frozen.softness[k] / fed
-    first = n_c + plan.added_start[model.n_body]
+    first = n_c + layout.added_start[model.n_body]
     for k in range(frozen.stiffness.shape[0]):
         softness[first + k] = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
     s = damping / stiffness if abs(damping) > 0.0 else abs(mass / stiffness) ** 0.5
@@ -210,7 +217,7 @@ def _factorise(
     for k in range(first, first + frozen.stiffness.shape[0]):
         hold = softness[k]
         softness[k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
-    factorise(plan, plan.newton, pencil.factors, frozen.J, softness)
+    factorise(layout, layout.newton, pencil.factors, frozen.J, softness)
 
 
 @inlined
@@ -288,13 +295,13 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
         pencil.r,
         pencil.delta,
     )
-    n_pos, plan = model.n_pos, model.plan
-    row_start, body_row = plan.row_start, plan.body_row
+    n_pos, layout = model.n_pos, model.layout
+    row_start, body_row = layout.row_start, layout.body_row
     fed = s + 2.0 * model.alpha
     n_c = model.n_constraint
-    e = n_c + plan.added_start[model.n_body]  # first row of the force elements
-    for i in range(plan.size.shape[0]):
-        n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
+    e = n_c + layout.added_start[model.n_body]  # first row of the force elements
+    for i in range(layout.size.shape[0]):
+        n, m, two = layout.size[i], model.n_mode[i], model.square_start[i]
         a = model.pos_start[i]
         spin_of(frozen.p[i], r, a + 3, rho[i])
         for k in range(3):
@@ -306,7 +313,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
         for k in range(n):
             z = s * rho[i, k]
             w = load[i, k] + M[k, k] * z
-            for b in range(min(k, plan.lead[i])):
+            for b in range(min(k, layout.lead[i])):
                 w += M[k, b] * s * rho[i, b]
                 load[i, b] += M[k, b] * z
             load[i, k] = w
@@ -321,20 +328,20 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     for k in range(n_c):
         gamma[k] *= c
     for k in range(model.force_kind.shape[0]):
-        begin, end = plan.element_start[k], plan.element_start[k + 1]
+        begin, end = layout.element_start[k], layout.element_start[k + 1]
         for side in range(2):
-            first = plan.element_side[k, side]
+            first = layout.element_side[k, side]
             if first >= 0:
                 body = model.marker_body[model.force_marker[k, side]]
                 J = frozen.J[body]
                 for p in range(end - begin):
-                    for b in range(plan.size[body]):
+                    for b in range(layout.size[body]):
                         lost = frozen.damping[begin + p] * rho[body, b]
                         gamma[e + begin + p] += J[b, first + p] * lost
     left_of_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, s, e, gamma)
     for k in range(frozen.damping.shape[0]):
         gamma[e + k] *= pencil.softness[e + k]
-    solve(plan, plan.newton, pencil.factors, load, gamma, x, pencil.mu)
+    solve(layout, layout.newton, pencil.factors, load, gamma, x, pencil.mu)
     for k in range(n_c, gamma.shape[0]):
         gamma[k] = 0.0
     feeds = model.quantities.feedback.shape[0] > 0
@@ -344,10 +351,10 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     if feeds:
         move_fed_states(model, frozen.feedback, frozen.auxiliary, s, x, rho, delta)
     c = 1.0 / s
-    for i in range(plan.size.shape[0]):
+    for i in range(layout.size.shape[0]):
         m = model.n_mode[i]
         a, j = model.pos_start[i], n_pos + model.vel_start[i]
-        for k in range(plan.size[i]):
+        for k in range(layout.size[i]):
             delta[j + k] = s * x[i, k] - rho[i, k]
         for k in range(3):
             delta[a + k] = x[i, k]

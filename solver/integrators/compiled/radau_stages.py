@@ -18,7 +18,7 @@ import numpy as np
 
 from ...dynamics.evaluation.accelerations import derivative_into
 from ...dynamics.evaluation.elimination import solve
-from ...dynamics.model.model import Model, Work, new_work
+from ...dynamics.model.model import Model, Workspace, new_workspace
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
 from .cutoff import Cutoff, new_cutoff
@@ -70,7 +70,7 @@ ERROR = np.array([-13.0 - 7.0 * ROOT, -13.0 + 7.0 * ROOT, -1.0]) / 3.0
 class RadauWorkspace(NamedTuple):
     """Memory of a run, which a call takes up where the last one left it."""
 
-    work: Work
+    work: Workspace
     frozen: Frozen
     real: Pencil
     pair: Pencil
@@ -79,7 +79,7 @@ class RadauWorkspace(NamedTuple):
     y_old: Array  # (n,) state at the beginning of the last step
     Q: Array  # (3, n) polynomial of the last step
     Z: Array  # (3, n) changes at the stages
-    multipliers: Array  # (3, n_r) at the stages, by row of plan.newton
+    multipliers: Array  # (3, n_r) at the stages, by row of layout.newton
     multipliers_old: Array  # (3, n_r) at those of the last step
     predicted: Array  # (3, n_r) at the stages, before the iteration
     power: Array  # (3,) at the stages [W]
@@ -108,11 +108,11 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
     y : state (n,), as in dynamics/model/model.py
     first_step : size of the first step [s]
     """
-    n, nb, widest = y.shape[0], model.n_body, model.plan.widest
-    n_r = model.plan.newton.place.shape[0]
-    frozen, least = new_frozen(model), np.full(model.plan.element_row.shape[0], np.inf)
+    n, nb, widest = y.shape[0], model.n_body, model.layout.widest
+    n_r = model.layout.newton.place.shape[0]
+    frozen, least = new_frozen(model), np.full(model.layout.element_row.shape[0], np.inf)
     workspace = RadauWorkspace(
-        new_work(model),
+        new_workspace(model),
         frozen,
         new_pencil(model, 1.0),
         new_pencil(model, 1.0 + 0.0j),
@@ -400,7 +400,7 @@ def reduce_multipliers(model: Model, workspace: RadauWorkspace) -> None:
     """
     real, J, L = workspace.real, workspace.frozen.J, workspace.multipliers
     idle = workspace.predicted  # memory that the next prediction fills
-    plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
+    layout, row_start, body_row = model.layout, model.layout.row_start, model.layout.body_row
     n_c = model.n_constraint
     for k in range(3):
         for i in range(n_c):
@@ -408,14 +408,14 @@ def reduce_multipliers(model: Model, workspace: RadauWorkspace) -> None:
         for _ in range(PASSES):
             real.gamma[:] = 0.0
             real.load[:] = 0.0
-            for i in range(plan.size.shape[0]):
+            for i in range(layout.size.shape[0]):
                 first = row_start[i]
                 for p in range(row_start[i + 1] - first):
                     row = body_row[first + p]
                     if row < n_c:
-                        for a in range(plan.size[i]):
+                        for a in range(layout.size[i]):
                             real.load[i, a] += J[i, a, p] * idle[k, row]
-            solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
+            solve(layout, layout.newton, real.factors, real.load, real.gamma, real.x, real.mu)
             for i in range(n_c):
                 idle[k, i] -= real.mu[i]
         for i in range(n_c):

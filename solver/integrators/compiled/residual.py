@@ -24,7 +24,7 @@ from ...dynamics.model.model import (
     PHI,
     PHI_T,
     Model,
-    Work,
+    Workspace,
 )
 from ...dynamics.model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 from ...math.arrays import Array
@@ -32,7 +32,7 @@ from ...math.compiled import inlined, lean
 
 
 @inlined
-def element_rows_at(model: Model, work: Work, e: int) -> int:
+def element_rows_at(model: Model, work: Workspace, e: int) -> int:
     """Fill work.element_used with the rows of element e at the last evaluation; return how many.
 
     Parameters
@@ -41,8 +41,8 @@ def element_rows_at(model: Model, work: Work, e: int) -> int:
     work : memory of one evaluation
     e : number of the force element
     """
-    plan = model.plan
-    begin, end = plan.element_start[e], plan.element_start[e + 1]
+    layout = model.layout
+    begin, end = layout.element_start[e], layout.element_start[e + 1]
     if begin < end:
         along = model.quantities.along[e]
         if along >= 0:  # a force along a coordinate: -g'F with F = -size
@@ -57,12 +57,14 @@ def element_rows_at(model: Model, work: Work, e: int) -> int:
             element_rows(model.force_kind[e], one, two, model.force_parameters[e], work.element)
         for k in range(begin, end):
             for j in range(N_ELEMENT_ROW):
-                work.element_used[k - begin, j] = work.element[plan.element_row[k], j]
+                work.element_used[k - begin, j] = work.element[layout.element_row[k], j]
     return int(end - begin)
 
 
 @lean
-def freeze_elements(model: Model, work: Work, stiffness: Array, damping: Array, J: Array) -> None:
+def freeze_elements(
+    model: Model, work: Workspace, stiffness: Array, damping: Array, J: Array
+) -> None:
     """Fill stiffness and damping (n_e,) and the columns of elements in J (nb, n, r).
 
     Parameters
@@ -73,33 +75,35 @@ def freeze_elements(model: Model, work: Work, stiffness: Array, damping: Array, 
     damping : damping of the element rows (n_e,), to fill
     J : Jacobians by bodies (nb, n, r), columns of elements included
     """
-    plan = model.plan
+    layout = model.layout
     for e in range(model.force_kind.shape[0]):
-        count, begin = element_rows_at(model, work, e), plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), layout.element_start[e]
         for k in range(count):
             stiffness[begin + k] = work.element_used[k, STIFFNESS]
             damping[begin + k] = work.element_used[k, DAMPING]
         for side in range(2):
-            first, marker = plan.element_side[e, side], model.force_marker[e, side]
+            first, marker = layout.element_side[e, side], model.force_marker[e, side]
             if first >= 0:
                 body, rows = model.marker_body[marker], work.element_used[:count]
-                J_m, n = work.J_m[marker], plan.size[body]
+                J_m, n = work.J_m[marker], layout.size[body]
                 fill_jacobian(J[body], first, rows, 6 * side, J_m, n)
 
 
 @lean
-def element_residual(model: Model, work: Work, forces: Array, load: Array, gamma: Array) -> None:
+def element_residual(
+    model: Model, work: Workspace, forces: Array, load: Array, gamma: Array
+) -> None:
     """Replace the forces k e + c edot of the last evaluation in load (nb, n) by `forces`.
 
     Parameters
     ----------
-    forces : (n_r,) by row of plan.newton; only those of elements are used
+    forces : (n_r,) by row of layout.newton; only those of elements are used
     gamma : (n_r,), of which elements: forces - (k e + c edot)
     """
-    plan = model.plan
-    first = model.n_constraint + plan.added_start[model.n_body]
+    layout = model.layout
+    first = model.n_constraint + layout.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
-        count, begin = element_rows_at(model, work, e), first + plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), first + layout.element_start[e]
         for k in range(count):
             gamma[begin + k] = forces[begin + k] - work.element_used[k, FORCE]
         for side in range(2):
@@ -110,12 +114,12 @@ def element_residual(model: Model, work: Work, forces: Array, load: Array, gamma
                     push = 0.0
                     for k in range(count):
                         push += work.element_used[k, 6 * side + j] * gamma[begin + k]
-                    for b in range(plan.size[body]):
+                    for b in range(layout.size[body]):
                         load[body, b] -= work.J_m[marker, j, b] * push
 
 
 @lean
-def start_forces(model: Model, work: Work, forces: Array) -> None:
+def start_forces(model: Model, work: Workspace, forces: Array) -> None:
     """Fill the entries of elements in forces (n_r,) with k e + c edot of the last evaluation.
 
     Parameters
@@ -124,9 +128,9 @@ def start_forces(model: Model, work: Work, forces: Array) -> None:
     work : memory of one evaluation
     forces : multipliers and element forces (n_r,), filled at the elements
     """
-    first = model.n_constraint + model.plan.added_start[model.n_body]
+    first = model.n_constraint + model.layout.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
-        count, begin = element_rows_at(model, work, e), first + model.plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), first + model.layout.element_start[e]
         for k in range(count):
             forces[begin + k] = work.element_used[k, FORCE]
 
@@ -134,7 +138,7 @@ def start_forces(model: Model, work: Work, forces: Array) -> None:
 @lean
 def residual(
     model: Model,
-    work: Work,
+    work: Workspace,
     t: float,
     y: Array,
     rate: Array,
@@ -171,7 +175,7 @@ def residual(
             feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
             gamma[k] -= feedback
     inertia_residual(model, work.M, work.J, rate, multipliers, work.f, load, gamma)
-    if model.plan.element_row.shape[0] > 0:
+    if model.layout.element_row.shape[0] > 0:
         element_residual(model, work, multipliers, load, gamma)
     power = work.power[0]
     for k in range(model.n_constraint):
@@ -203,15 +207,15 @@ def inertia_residual(
     load : residual of the motion by bodies (nb, n), to fill
     gamma : right-hand sides of the rows (n_r,), reduced
     """
-    plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
-    for i in range(plan.size.shape[0]):
-        n, j = plan.size[i], model.n_pos + model.vel_start[i]
+    layout, row_start, body_row = model.layout, model.layout.row_start, model.layout.body_row
+    for i in range(layout.size.shape[0]):
+        n, j = layout.size[i], model.n_pos + model.vel_start[i]
         first = row_start[i]
         count = row_start[i + 1] - first
         for k in range(n):
             a = rate[j + k]
             s = f[i, k] - M[i, k, k] * a
-            for b in range(min(k, plan.lead[i])):
+            for b in range(min(k, layout.lead[i])):
                 s -= M[i, k, b] * rate[j + b]
                 load[i, b] -= M[i, k, b] * a
             for p in range(count):

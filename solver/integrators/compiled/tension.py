@@ -23,7 +23,7 @@ K is in use while the run advances faster with it: `judge`.
 
 from ...dynamics.elements.forces.table import FIRST_LOAD
 from ...dynamics.evaluation.evaluation import force_wrench, n_coupling
-from ...dynamics.model.model import Model, Work
+from ...dynamics.model.model import Model, Workspace
 from ...dynamics.model.motion import place
 from ...math.arrays import Array, Triple
 from ...math.compiled import inlined, lean
@@ -41,11 +41,11 @@ WINDOW, SHARE, FASTER = 50.0, 0.13, 2.0
 
 @lean
 def freeze_tension(
-    model: Model, work: Work, t: float, y: Array, forces: Array, tension: Array
+    model: Model, work: Workspace, t: float, y: Array, forces: Array, tension: Array
 ) -> None:
     """Fill the lower triangles of tension (nb, n, n) after an evaluation at t in state y (n,).
 
-    `forces` (n_r,) are multipliers of constraints and forces of elements, by row of plan.newton.
+    `forces` (n_r,) are multipliers of constraints and forces of elements, by row of layout.newton.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def freeze_tension(
     work : memory of one evaluation
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
-    forces : multipliers of constraints and forces of elements (n_r,), by row of plan.newton
+    forces : multipliers of constraints and forces of elements (n_r,), by row of layout.newton
     tension : stiffness by tension by bodies (nb, n, n), lower triangles, to fill
     """
     tension[:] = 0.0
@@ -62,9 +62,9 @@ def freeze_tension(
         rows, push = work.rows[begin:end], forces[begin:end]
         for side in range(2):
             _push(model, work, y, model.joint_marker[k, side], side, rows, push, tension)
-    first = model.n_constraint + model.plan.added_start[model.n_body]
+    first = model.n_constraint + model.layout.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
-        count, begin = element_rows_at(model, work, e), first + model.plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), first + model.layout.element_start[e]
         rows, push = work.element_used[:count], forces[begin : begin + count]
         for side in range(2):
             _push(model, work, y, model.force_marker[e, side], side, rows, push, tension)
@@ -78,7 +78,7 @@ def freeze_tension(
 @inlined
 def _push(
     model: Model,
-    work: Work,
+    work: Workspace,
     y: Array,
     marker: int,
     side: int,
@@ -97,7 +97,9 @@ def _push(
 
 
 @lean
-def _pull(model: Model, work: Work, y: Array, marker: int, f_G: Triple, tension: Array) -> None:
+def _pull(
+    model: Model, work: Workspace, y: Array, marker: int, f_G: Triple, tension: Array
+) -> None:
     """Add a force f_G [N], global components, at a marker: f x' in T, and its part in modes."""
     i = model.marker_body[marker]
     x, a, A, M, T = place(work.motion[marker]), model.pos_start[i], work.A[i], work.M[i], tension[i]
@@ -169,7 +171,7 @@ def _exceeds(K: Array, M: Array, n: int, s_squared: float) -> bool:
 @inlined
 def update_tension(
     model: Model,
-    work: Work,
+    work: Workspace,
     t: float,
     y: Array,
     forces: Array,
@@ -217,7 +219,7 @@ def count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_square
     """
     taut = False
     for i in range(model.n_body):
-        taut = taut or _exceeds(tension[i], M[i], model.plan.size[i], TAUT * s_squared)
+        taut = taut or _exceeds(tension[i], M[i], model.layout.size[i], TAUT * s_squared)
     if taut:
         clock[REFUSALS] += 1.0
 

@@ -22,7 +22,7 @@ FLAT, STEEP = 4.0, 1.0
 PLACES = 5  # of a piece of a curve at which its values are looked at
 
 
-class Part(NamedTuple):
+class TermRange(NamedTuple):
     """A part of an expression over k intervals."""
 
     code: int
@@ -31,7 +31,7 @@ class Part(NamedTuple):
     breaks: NDArray[np.bool_]  # (k,) whether it may break inside
 
 
-def parts(programs: Programs, p: int, low: Array, high: Array, stack: Array) -> list[Part]:
+def parts(programs: Programs, p: int, low: Array, high: Array, stack: Array) -> list[TermRange]:
     """Return the parts of an expression that read the time alone, over [low, high] (k,) [s].
 
     Parameters
@@ -50,7 +50,7 @@ def parts(programs: Programs, p: int, low: Array, high: Array, stack: Array) -> 
     with np.errstate(all="ignore"):
         _over_intervals(programs, p, low, high, box, none, stack, bounds, breaks)
     return [
-        Part(int(code[j]), bounds[:, j, 0], bounds[:, j, 1], breaks[:, j] > 0)
+        TermRange(int(code[j]), bounds[:, j, 0], bounds[:, j, 1], breaks[:, j] > 0)
         for j in range(len(code))
         if len(low) and not np.isnan(bounds[0, j, 0])
     ]

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, get_args
 
 from ...math.arrays import Array, IntArray
-from ..common.dataset import Attribute, Data, Named, Part, Rows
+from ..common.dataset import Attribute, Data, Named, Nested, Rows
 from ..common.design import Derivative
 from ..section.section_schema import SectionRecovery
 from ..shell.shell_schema import ShellPly
@@ -78,7 +78,7 @@ class SecondOrder:
     Z1_B: Annotated[Array, Data("3, 3, m, m", "kg m2", "B", "sum m x_a h_b,ij")]
     G3: Annotated[Array, Data("m, m, m", "kg m2", "-", "sum m phi_i . h_jk")]
     G4: Annotated[Array, Data("m, m, m, m", "kg m2", "-", "sum m h_ij . h_kl")]
-    pieces: Annotated[Pieces | None, Part("pieces", packed=True)] = None
+    pieces: Annotated[Pieces | None, Nested("pieces", packed=True)] = None
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class SectionData:
     ]
     M: Annotated[Array, Data("6, 6", "kg/m, kg, kg m", "section", "mass per length, same order")]
     ply_table: Annotated[str, Data(text="material and lay-up as TOML text")] = ""
-    recovery: Annotated[SectionRecovery | None, Part(packed=True)] = None
+    recovery: Annotated[SectionRecovery | None, Nested(packed=True)] = None
     end_compliance: Annotated[
         Array | None,
         Data(
@@ -265,19 +265,19 @@ class ModalPackage:
         Array,
         Data("n, 3, 3", "kg m2", "B", "lumped rotary inertia about each node", "nodal/inertia_B"),
     ]
-    invariants: Annotated[Invariants, Part("invariants")]
+    invariants: Annotated[Invariants, Nested("invariants")]
     interfaces: Annotated[tuple[Interface, ...], Named("interfaces")]
     reference_condition: Annotated[str, Attribute()]
     sections: Annotated[tuple[SectionData, ...], Named("sections")] = ()
-    recovery: Annotated[BodyRecovery | None, Part("recovery", packed=True)] = None
+    recovery: Annotated[BodyRecovery | None, Nested("recovery", packed=True)] = None
     laminates: Annotated[tuple[LaminateData, ...], Named("laminates", packed=True)] = ()
-    cell_resultants: Annotated[CellResultants | None, Part("cell_resultants", packed=True)] = None
-    face_stresses: Annotated[FaceStresses | None, Part("face_stresses", packed=True)] = None
+    cell_resultants: Annotated[CellResultants | None, Nested("cell_resultants", packed=True)] = None
+    face_stresses: Annotated[FaceStresses | None, Nested("face_stresses", packed=True)] = None
     mode_labels: Annotated[
         tuple[str, ...],
         Data("m", text="a name for each mode, for people", path="modes/labels", optional=True),
     ] = ()
-    second_order: Annotated[SecondOrder | None, Part("second_order", packed=True)] = None
+    second_order: Annotated[SecondOrder | None, Nested("second_order", packed=True)] = None
     compliance: Annotated[
         Array | None,
         Data(

@@ -81,7 +81,7 @@ class Attribute:
 
 
 @dataclass(frozen=True)
-class Part:
+class Nested:
     """A dataclass of its own, in a group or without one; `via` has the form in which it is stored.
 
     `via` is a dataclass with the classmethod `of`, which takes the value, and `value`, the inverse.
@@ -164,7 +164,7 @@ def layout(kind: Any, at: str = "", packed: bool = False) -> tuple[Data, ...]:
             found.append(replace(mark, path=path, type=kind_, optional=optional, packed=packed))
         elif isinstance(mark, Attribute):
             found.append(Data(path=at + field.name, type="attribute", optional=True))
-        elif isinstance(mark, Part):
+        elif isinstance(mark, Nested):
             specs = layout(mark.via or field.base, _below(at, mark.path), packed or mark.packed)
             group = specs[0].place if field.optional else ""
             found += [replace(s, within=s.within or group) for s in specs]
@@ -201,7 +201,7 @@ def field_values(item: Any, at: str = "") -> dict[str, Any]:
         if isinstance(mark, Data):  # first: there are many
             if not mark.optional or len(value):
                 found[at + (mark.path or field.name)] = value
-        elif isinstance(mark, Part):
+        elif isinstance(mark, Nested):
             stored = value if mark.via is None else mark.via.of(value)
             found |= field_values(stored, _below(at, mark.path))
         elif isinstance(mark, Rows):
@@ -257,7 +257,7 @@ def build(
                 given[field.name] = None
         elif isinstance(mark, Attribute):
             given[field.name] = str(data.get(at + field.name, mark.default))
-        elif isinstance(mark, Part):
+        elif isinstance(mark, Nested):
             below, stored = _below(at, mark.path), mark.via or base
             there = not field.optional or layout(stored, below)[0].path in data
             found = build(stored, data, below) if there else None

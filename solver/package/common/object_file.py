@@ -311,7 +311,7 @@ def _value_of(value: Any, data: bytes) -> Any:
 
 
 Object = TypeVar("Object")
-Part = TypeVar("Part")
+Loaded = TypeVar("Loaded")
 
 
 @dataclass(frozen=True)
@@ -344,7 +344,7 @@ class ObjectFormat(FileFormat, Generic[Object]):
         """Check that ParaView shows the mesh that this reader reads."""
         return view_findings(file, f"{self.group}/mesh", self.nodes)
 
-    def load(self, file: h5py.File, kind: type[Part]) -> Part:
+    def load(self, file: h5py.File, kind: type[Loaded]) -> Loaded:
         """Read the object of a file with a checked layout, or a part of it, of this kind."""
         provenance = get_text(file, "provenance", "{}")
         own: dict[str, Any] = {

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from ...math.arrays import Array, IntArray
-from ..common.dataset import Data, Part, Reported, Rows
+from ..common.dataset import Data, Nested, Reported, Rows
 from ..common.design import Derivative
 
 SECTION_FORMAT = "plymotion section"
@@ -135,7 +135,7 @@ class SectionProperties:
             "absent: not computed",
         ),
     ] = None
-    warnings: Annotated[tuple[dict[str, str], ...], Part("warnings", via=Reported)] = ()
+    warnings: Annotated[tuple[dict[str, str], ...], Nested("warnings", via=Reported)] = ()
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...
     design: tuple[Derivative, ...] = ()  # of all datasets by design parameters
 
@@ -144,8 +144,8 @@ class SectionProperties:
 class SectionFile(SectionProperties):
     """The content of a section file."""
 
-    mesh: Annotated[SectionMeshData, Part("mesh")]
+    mesh: Annotated[SectionMeshData, Nested("mesh")]
     warping: Annotated[  # without rigid motion
         Array, Data("6, n, 3", "m/N, 1/N", "section", "displacement of nodes per unit resultant")
     ]
-    recovery: Annotated[SectionRecovery, Part()]
+    recovery: Annotated[SectionRecovery, Nested()]

@@ -19,7 +19,7 @@ import numpy as np
 from ...errors import PackageError
 from ...math.arrays import Array, IntArray
 from ..common.cells import QUADRILATERAL, TRIANGLE, cell_table, vtk_cells
-from ..common.dataset import Data, Part, Reported, Rows
+from ..common.dataset import Data, Nested, Reported, Rows
 
 SHELL_FORMAT = "plymotion shell"
 SHELL_FORMAT_VERSION = (1, 2)
@@ -63,7 +63,7 @@ class ShellMeshData:
 
     nodes_G: Annotated[Array, Data("n, 3", "m", "G", "rest positions of the nodes")]
     node_ids: Annotated[IntArray, Data("n", text="numbers of the nodes in the mesh file, unique")]
-    cells: Annotated[IntArray, Part(via=CellRows)]  # (c, 3), (c, 4): see cells.py
+    cells: Annotated[IntArray, Nested(via=CellRows)]  # (c, 3), (c, 4): see cells.py
     region: Annotated[IntArray, Data("c", text="region of each cell, as row of regions")]
     regions: Annotated[tuple[str, ...], Data("r", text="names of the regions, unique")]
     laminate: Annotated[IntArray, Data("r", text="laminate of each region, as row of laminates")]
@@ -255,16 +255,16 @@ class ShellFile:
     """The content of a shell results file."""
 
     name: str
-    mesh: Annotated[ShellMeshData, Part("mesh")]
-    laminates: Annotated[tuple[ShellLaminate, ...], Part(via=LaminateRows)]
+    mesh: Annotated[ShellMeshData, Nested("mesh")]
+    laminates: Annotated[tuple[ShellLaminate, ...], Nested(via=LaminateRows)]
     materials: Annotated[
         dict[str, dict[str, object]], Data(text="constants and strengths by name, as JSON text")
     ]
-    supports: Annotated[ShellPlaces, Part("supports")]
-    links: Annotated[ShellLinks, Part("links")]
-    cases: Annotated[ShellCases, Part("cases")]
-    probes: Annotated[ShellProbes, Part("probes")]
-    modes: Annotated[ShellModes | None, Part("modes")] = None
-    buckling: Annotated[ShellBuckling | None, Part("buckling")] = None
-    warnings: Annotated[tuple[dict[str, str], ...], Part("warnings", via=Reported)] = ()
+    supports: Annotated[ShellPlaces, Nested("supports")]
+    links: Annotated[ShellLinks, Nested("links")]
+    cases: Annotated[ShellCases, Nested("cases")]
+    probes: Annotated[ShellProbes, Nested("probes")]
+    modes: Annotated[ShellModes | None, Nested("modes")] = None
+    buckling: Annotated[ShellBuckling | None, Nested("buckling")] = None
+    warnings: Annotated[tuple[dict[str, str], ...], Nested("warnings", via=Reported)] = ()
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...

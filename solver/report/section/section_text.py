@@ -217,7 +217,7 @@ def _margin(reserve: Reserve | None) -> str:
 
 
 @dataclass(frozen=True)
-class Order:
+class ComponentNames:
     """Names of rows and columns in one code's order."""
 
     resultants: tuple[str, ...]
@@ -225,19 +225,19 @@ class Order:
     keys: tuple[str, ...]  # in JSON
 
 
-_BEAM_FIRST = Order(
+_BEAM_FIRST = ComponentNames(
     RESULTANTS,
     ("extension", "shear 2", "shear 3", "twist", "bending 2", "bending 3"),
     ("extension", "shear2", "shear3", "twist", "bend2", "bend3"),
 )
-_BEAM_LAST = Order(
+_BEAM_LAST = ComponentNames(
     ("Fx", "Fy", "Fz", "Mx", "My", "Mz"),
     ("shear x", "shear y", "extension", "bending x", "bending y", "twist"),
     ("shear_x", "shear_y", "extension", "bend_x", "bend_y", "twist"),
 )
 
 
-def order_of(code: str) -> Order:
+def component_names(code: str) -> ComponentNames:
     """Names in the order of a code of `package.section.codes.CODES`."""
     return _BEAM_FIRST if code in ("plymotion", "vabs") else _BEAM_LAST
 
@@ -251,7 +251,7 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
     return {
         "K": convert(results.K, code).tolist(),
         "M": convert(results.M, code, "mass").tolist(),
-        "order": list(order_of(code).keys),
+        "order": list(component_names(code).keys),
         "shear_centre": results.shear_centre.tolist(),
         "tension_centre": results.tension_centre.tolist(),
         "mass_centre": results.mass_centre.tolist(),
@@ -286,7 +286,7 @@ def _derivatives(results: SectionResults, code: str) -> dict[str, object]:
 
 
 def _derivative_text(results: SectionResults, code: str) -> list[str]:
-    order, size = order_of(code), np.sqrt(np.diag(results.K))
+    order, size = component_names(code), np.sqrt(np.diag(results.K))
     lines = []
     for one in results.design:
         unit = {"angle": "deg", "thickness": "m"}.get(one.kind, "unit")
@@ -312,7 +312,7 @@ def section_text(results: SectionResults, title: str = "", code: str = "plymotio
     title : title of its description
     code : program whose order and signs the matrices have
     """
-    order = order_of(code)
+    order = component_names(code)
     signs = (
         "axes x1 along the beam, x2, x3" if code == "plymotion" else f"order and signs of {code}"
     )
@@ -330,7 +330,7 @@ def section_text(results: SectionResults, title: str = "", code: str = "plymotio
     return "\n".join([*lines, *warning_lines(results.warnings)])
 
 
-def stiffness_text(K: Array, order: Order) -> str:
+def stiffness_text(K: Array, order: ComponentNames) -> str:
     """Return a stiffness with units and names of rows and columns."""
     names = [f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in order.resultants]
     units = ["[1/m]" if name[0] in "tb" else "[-]" for name in order.strains]  # twist, bending

@@ -10,7 +10,7 @@ from ...math.arrays import Array
 from ...package import ModalPackage
 from ...run.execution import package_of
 from ...run.inputs import RunSpec
-from .trials import Order, Trials
+from .trials import StudySpec, Trials
 
 PLAN = "plan.toml"
 
@@ -27,8 +27,8 @@ def designed_bodies(trials: Trials) -> list[str]:
     return [n for n, s in own.items() if any(o[n].inputs_sha256 != s.inputs_sha256 for o in others)]
 
 
-def with_plan(trials: Trials) -> Order:
-    """Return the order with the plan of its run, if that has `[fidelity]`.
+def with_plan(trials: Trials) -> StudySpec:
+    """Return the study with the plan of its run, if that has `[fidelity]`.
 
     Raises
     ------
@@ -36,8 +36,8 @@ def with_plan(trials: Trials) -> Order:
         All bodies that are designed are rigid, in the case or by the plan: no objective would
         depend on them.
     """
-    order, study = trials.order, trials.study
-    where = f"{order.file}: design.studies.{study.name}"
+    given, study = trials.given, trials.study
+    where = f"{given.file}: design.studies.{study.name}"
     names = designed_bodies(trials)
     rigid = [name for name in names if getattr(study.base.bodies.get(name), "rigid", False)]
     if names and len(rigid) == len(names):
@@ -47,17 +47,17 @@ def with_plan(trials: Trials) -> Order:
         )
     fidelity = study.base.fidelity
     if fidelity is None or not trials.runs:
-        return order
+        return given
     from ..fidelity.checked_run import shared_plan
     from ..fidelity.choice import kept_plan, write_plan  # most studies need no planner
     from ..fidelity.plan import known_vibrations
 
     spec, check = _specs(trials, study.start)
     digest = trials.digest()
-    plan = kept_plan(order.folder / PLAN, known_vibrations(spec), digest)
+    plan = kept_plan(given.folder / PLAN, known_vibrations(spec), digest)
     if plan is None:
         plan = replace(shared_plan(spec, check).plan, inputs_sha256=digest)
-        write_plan(order.folder / PLAN, plan, [f"Frozen for the study {study.name}."])
+        write_plan(given.folder / PLAN, plan, [f"Frozen for the study {study.name}."])
     for name in names:
         if name in plan.bodies and plan.bodies[name].rigid:
             raise InputError(
@@ -65,7 +65,7 @@ def with_plan(trials: Trials) -> Order:
                 f"designed body {name} rigid: nothing of the run depends on its design; expected "
                 "a smaller accuracy, or a run without [fidelity]"
             )
-    return replace(order, plan=plan)
+    return replace(given, plan=plan)
 
 
 def plan_again(trials: Trials, p: Array) -> dict[str, object]:
@@ -73,12 +73,12 @@ def plan_again(trials: Trials, p: Array) -> dict[str, object]:
     from ..fidelity.checked_run import checked_member, shared_plan
 
     spec, check = _specs(trials, p)
-    frozen, anew = checked_member(spec, check, trials.order.plan), shared_plan(spec, check)
+    frozen, anew = checked_member(spec, check, trials.given.plan), shared_plan(spec, check)
     worst = max(frozen.estimates.values(), default=np.inf)
     return {
         "verdict": frozen.verdict,
         "estimate": worst if np.isfinite(worst) else None,
-        "same": anew.plan.table()["bodies"] == trials.order.plan.table()["bodies"],
+        "same": anew.plan.table()["bodies"] == trials.given.plan.table()["bodies"],
     }
 
 

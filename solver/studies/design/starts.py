@@ -15,7 +15,7 @@ from .drivers.table import driver_of
 from .memory import FILE, Memory
 from .problem import Options, Point, Problem, Values, undominated
 from .rules import Space, broken, space_of
-from .trials import Order, Trials
+from .trials import StudySpec, Trials
 
 QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
@@ -85,19 +85,19 @@ def forget() -> None:
     _opened.clear()
 
 
-def opened(order: Order, key: str) -> tuple[Trials, Space, Memory]:
+def opened(given: StudySpec, key: str) -> tuple[Trials, Space, Memory]:
     """Return the study of a process, read once."""
-    at = order.folder, key
+    at = given.folder, key
     if at not in _opened:
         _opened.clear()
-        trials = Trials(order)
-        _opened[at] = trials, space_of(trials.study), Memory(order.folder / FILE, key)
+        trials = Trials(given)
+        _opened[at] = trials, space_of(trials.study), Memory(given.folder / FILE, key)
     return _opened[at]
 
 
-def compute_start(order: Order, key: str, number: int) -> Start:
+def compute_start(given: StudySpec, key: str, number: int) -> Start:
     """Compute a start, or what is missing of it: a task of an executor."""
-    trials, space, memory = opened(order, key)
+    trials, space, memory = opened(given, key)
     study = trials.study
     z0 = first_points(study, space)[number]
     known, start = Known(trials, memory), Start(number)

@@ -23,7 +23,7 @@ from .planning import plan_again, with_plan
 from .problem import undominated
 from .rules import layups, space_of
 from .starts import Start, compute_start, first_points, forget
-from .trials import BODIES, Order, Trials
+from .trials import BODIES, StudySpec, Trials
 
 LOGGER = logging.getLogger(__name__)
 RESULT, VARIANT = "design.json", "optimum.toml"
@@ -33,8 +33,10 @@ FORMAT = "plymotion design"
 class _Starts:
     """The source of an executor (workers/executors.py): the starts of a study."""
 
-    def __init__(self, order: Order, key: str, count: int, took: Callable[[Start], None]) -> None:
-        self._order, self._key, self._took = order, key, took
+    def __init__(
+        self, given: StudySpec, key: str, count: int, took: Callable[[Start], None]
+    ) -> None:
+        self._given, self._key, self._took = given, key, took
         self._left = list(range(count))[::-1]
 
     def next(self, lane: int, width: int) -> Task | None:
@@ -42,7 +44,7 @@ class _Starts:
         if not self._left:
             return None
         number = self._left.pop()
-        return Task(compute_start, (self._order, self._key, number), number)
+        return Task(compute_start, (self._given, self._key, number), number)
 
     def took(self, task: Task, result: Start) -> None:
         """Take a start that has ended."""
@@ -53,7 +55,7 @@ class _Starts:
         self._took(Start(task.content, message="its worker process died (out of memory?)"))
 
 
-def ready(order: Order, *, fresh: bool = False) -> tuple[Order, Trials, Memory]:
+def ready(given: StudySpec, *, fresh: bool = False) -> tuple[StudySpec, Trials, Memory]:
     """Return a study with its plan and the kind of derivatives that it asks for, or can have.
 
     Raises
@@ -61,24 +63,24 @@ def ready(order: Order, *, fresh: bool = False) -> tuple[Order, Trials, Memory]:
     InputError
         A study that cannot be computed.
     """
-    trials = Trials(order)
+    trials = Trials(given)
     table = trials.study.table
-    where = f"{order.file}: design.studies.{trials.study.name}"
+    where = f"{given.file}: design.studies.{trials.study.name}"
     driver_of(table.driver, where)
     space_of(trials.study)
-    shutil.rmtree(order.folder / BODIES, ignore_errors=True)  # of a command that was killed
+    shutil.rmtree(given.folder / BODIES, ignore_errors=True)  # of a command that was killed
     for name in (RESULT, VARIANT, PAGE):
-        refuse_foreign(order.folder / name)
+        refuse_foreign(given.folder / name)
     why = "" if table.gradient == "differences" else trials.why_not_exact()
     if why and table.gradient == "exact":
         raise InputError(f'{where}.gradient = "exact": {why}; expected "differences"')
-    order = replace(with_plan(trials), exact=table.gradient != "differences" and not why)
-    trials = Trials(order)
-    return order, trials, Memory(order.folder / FILE, trials.digest(), fresh=fresh)
+    given = replace(with_plan(trials), exact=table.gradient != "differences" and not why)
+    trials = Trials(given)
+    return given, trials, Memory(given.folder / FILE, trials.digest(), fresh=fresh)
 
 
 def optimise(
-    order: Order, executor: Callable[[], Executor], *, fresh: bool = False, show: bool = False
+    given: StudySpec, executor: Callable[[], Executor], *, fresh: bool = False, show: bool = False
 ) -> dict[str, Any]:
     """Compute a study, or what is missing of it; write and return the content of design.json.
 
@@ -89,9 +91,9 @@ def optimise(
     KeyboardInterrupt
         Ctrl-C or TERM; the same call continues.
     """
-    order, trials, memory = ready(order, fresh=fresh)
+    given, trials, memory = ready(given, fresh=fresh)
     study, key = trials.study, memory.key
-    where = f"{order.file}: design.studies.{study.name}"
+    where = f"{given.file}: design.studies.{study.name}"
     space = space_of(study)
     forget()
     tell_if_slow()
@@ -103,9 +105,9 @@ def optimise(
             found.append(start)
             bar.update()
 
-        distribute(executor(), _Starts(order, key, count, took))
+        distribute(executor(), _Starts(given, key, count, took))
     found.sort(key=lambda start: start.number)
-    memory = Memory(order.folder / FILE, key)
+    memory = Memory(given.folder / FILE, key)
     best = _best(found)
     if best is None or best.best is None:
         reasons = list(dict.fromkeys(start.message for start in found))
@@ -114,12 +116,12 @@ def optimise(
     if study.table.verify:
         p = np.array(best.best.p)
         result["verified"] = _verified(trials, p, best.best.shown)
-        if order.plan is not None:
+        if given.plan is not None:
             result["plan"] = plan_again(trials, p)
-    shutil.rmtree(order.folder / BODIES, ignore_errors=True)
-    write_text(order.folder / VARIANT, variant_text(result))
-    write_page(order.folder, result)
-    write_text(order.folder / RESULT, json.dumps(result, indent=1) + "\n")
+    shutil.rmtree(given.folder / BODIES, ignore_errors=True)
+    write_text(given.folder / VARIANT, variant_text(result))
+    write_page(given.folder, result)
+    write_text(given.folder / RESULT, json.dumps(result, indent=1) + "\n")
     return result
 
 

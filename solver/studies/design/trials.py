@@ -59,7 +59,7 @@ STATE = 2  # version of what is kept of a design: raised when its numbers change
 
 
 @dataclass(frozen=True)
-class Order:
+class StudySpec:
     """What a process needs to compute designs of a study; it can be pickled."""
 
     table: dict[str, Any]  # the case as the user wrote it
@@ -74,13 +74,13 @@ class Order:
 class Trials:
     """The designs of a study in this process."""
 
-    def __init__(self, order: Order) -> None:
-        case = checked_case(order.table, order.file, coarse=order.coarse, sweeps=())
-        self.order, self.case = order, case.name
-        self.study: CheckedStudy = case.studies[order.study]
+    def __init__(self, given: StudySpec) -> None:
+        case = checked_case(given.table, given.file, coarse=given.coarse, sweeps=())
+        self.given, self.case = given, case.name
+        self.study: CheckedStudy = case.studies[given.study]
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
-        self._plan, self.exact = order.plan, order.exact
+        self._plan, self.exact = given.plan, given.exact
         self._beside: dict[str, list[Parameter]] = {}  # of the last design, by run
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._refused = ""  # why the packages of the last design have no derivatives
@@ -98,7 +98,7 @@ class Trials:
         targets = {n: [t.model_dump() for t in ts] for n, ts in study.targets.items()}
         own: list[Any] = [study.merged, study.table.model_dump(), targets, others, fingerprints]
         own += [p.model_dump() for p in study.parameters.values()]
-        own += [self._plan.table() if self._plan is not None else None, self.order.exact]
+        own += [self._plan.table() if self._plan is not None else None, self.given.exact]
         return data_sha256([STATE, __version__, solver_sha256(), *own])
 
     # Values and slopes of designs.
@@ -246,7 +246,7 @@ class Trials:
         except InputError as error:
             return _line(error)
         finally:
-            self.exact, self._last = self.order.exact, None
+            self.exact, self._last = self.given.exact, None
 
     # How a design is made.
 
@@ -311,7 +311,7 @@ class Trials:
         A body that cannot be built has none.
         """
         # Two processes may come to the same design, such as one at a bound.
-        folder = self.order.folder / BODIES / str(os.getpid())
+        folder = self.given.folder / BODIES / str(os.getpid())
         folder.mkdir(parents=True, exist_ok=True)
         files: dict[str, Path] = {}
         for name, spec in specs:
@@ -360,7 +360,7 @@ class Trials:
         }
         for name, body in mechanism.bodies.items():
             if isinstance(body, PackageBody):
-                packages[name] = read_package(self.order.file.parent / body.package)
+                packages[name] = read_package(self.given.file.parent / body.package)
         return RunSpec(self.case, run, mechanism, packages)
 
     def mechanism(self, members: Members, k: int) -> Mechanism:

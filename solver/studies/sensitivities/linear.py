@@ -270,7 +270,7 @@ def _arrays(model: Model) -> dict[str, Array]:
         name: np.asarray(value)
         for part in parts
         for name, value in part._asdict().items()
-        if name not in ("plan", "quantities", "programs", "rotor", "stack")
+        if name not in ("layout", "quantities", "programs", "rotor", "stack")
     }
 
 

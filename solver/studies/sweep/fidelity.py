@@ -14,7 +14,7 @@ from ..fidelity.answer import Answer, estimate_entry
 from ..fidelity.checked_run import checked_member, joined, of_model, shared_plan
 from ..fidelity.choice import kept_plan, write_plan
 from ..fidelity.plan import known_vibrations
-from .sweep_members import Packages, Plan
+from .sweep_members import Packages, SweepSpec
 
 RECORD = "fidelity.json"
 
@@ -24,7 +24,7 @@ def record_file(sweep: Path) -> Path:
     return sweep.with_suffix(f".{RECORD}")
 
 
-def settle(plan: Plan) -> list[str]:
+def settle(sweep: SweepSpec) -> list[str]:
     """Make the plan of a sweep, or read the one that is there; return what is known of it.
 
     A plan of the same inputs is kept. One that was edited is checked again, and not changed.
@@ -34,19 +34,19 @@ def settle(plan: Plan) -> list[str]:
     InputError, PackageError
         The base cannot move; its packages cannot be read; a plan file that is wrong.
     """
-    assert plan.fidelity is not None
-    packages, file = Packages(plan), plan.model_plan_file
-    base = _spec(plan, packages, plan.fidelity.base, None)
-    check = {**base.packages, **packages.named(plan.fidelity.base_check)}
-    digest = plan.digest()
+    assert sweep.fidelity is not None
+    packages, file = Packages(sweep), sweep.model_plan_file
+    base = _spec(sweep, packages, sweep.fidelity.base, None)
+    check = {**base.packages, **packages.named(sweep.fidelity.base_check)}
+    digest = sweep.digest()
     given = kept_plan(file, known_vibrations(base), digest)
-    before = record_file(plan.file)
+    before = record_file(sweep.file)
     record = json.loads(before.read_text(encoding="utf-8")) if before.is_file() else {}
     if given is not None and record.get("plan") == given.table():
         return list(record["lines"])
     members = []
-    for drawn in plan.fidelity.drawn:
-        spec = _spec(plan, packages, plan.members[drawn.member].packages, drawn.member)
+    for drawn in sweep.fidelity.drawn:
+        spec = _spec(sweep, packages, sweep.members[drawn.member].packages, drawn.member)
         of_check = {**spec.packages, **packages.named(drawn.check)}
         members.append((drawn.member, (spec, of_check)))
     answer = checked_member(base, check, given) if given else shared_plan(base, check)
@@ -61,24 +61,24 @@ def settle(plan: Plan) -> list[str]:
             answer = checked_member(base, check, model)
             found = {k: checked_member(*member, model) for k, member in members}
     model = replace(model, inputs_sha256=digest)
-    lines = _lines(plan, answer, found)
+    lines = _lines(sweep, answer, found)
     if given is None:
-        write_plan(file, model, [f"Plan of sweep {plan.name} of case {plan.case}.", *lines])
+        write_plan(file, model, [f"Plan of sweep {sweep.name} of case {sweep.case}.", *lines])
     content = {
         "plan": model.table(),
         "base": _entry(answer),
         "members": {str(k): _entry(one) for k, one in found.items()},
         "lines": lines,
     }
-    write_text(record_file(plan.file), json.dumps(content, indent=1) + "\n")
+    write_text(record_file(sweep.file), json.dumps(content, indent=1) + "\n")
     return lines
 
 
 def _spec(
-    plan: Plan, packages: Packages, numbers: Mapping[str, int], member: int | None
+    sweep: SweepSpec, packages: Packages, numbers: Mapping[str, int], member: int | None
 ) -> RunSpec:
-    mechanism = plan.base if member is None else plan.mechanism_of(member)
-    return RunSpec(plan.case, plan.run, mechanism, packages.named(numbers))
+    mechanism = sweep.base if member is None else sweep.mechanism_of(member)
+    return RunSpec(sweep.case, sweep.run, mechanism, packages.named(numbers))
 
 
 def _entry(answer: Answer) -> dict[str, object]:
@@ -89,12 +89,12 @@ def _entry(answer: Answer) -> dict[str, object]:
     }
 
 
-def _lines(plan: Plan, answer: Answer, found: Mapping[int, Answer]) -> list[str]:
+def _lines(sweep: SweepSpec, answer: Answer, found: Mapping[int, Answer]) -> list[str]:
     """Return the plan and its checks in words; a member where it is too coarse is a warning."""
-    names = [parameter.name for parameter in plan.parameters]
+    names = [parameter.name for parameter in sweep.parameters]
     lines = [f"plan at the base: {_words(answer)}"]
     for k, one in found.items():
-        values = zip(names, plan.members[k].values, strict=True)
+        values = zip(names, sweep.members[k].values, strict=True)
         where = ", ".join(f"{name} = {value:g}" for name, value in values)
         lines.append(f"checked at member {k} ({where}): {_words(one)}")
     coarse = [str(k) for k, one in found.items() if one.verdict != "met"]

@@ -16,7 +16,7 @@ from ...package.common.plain_data import cell_text, csv_text
 from ...results import ResultError
 from ...results.summary import MEASURES
 from ...run.preparation import output_times
-from .sweep_members import Plan
+from .sweep_members import SweepSpec
 
 # What is kept of a member.
 
@@ -112,23 +112,23 @@ class SweepResult:
         return sum(row.status in states for row in self.rows)
 
 
-def result_of(plan: Plan, rows: Sequence[Row]) -> SweepResult:
+def result_of(sweep: SweepSpec, rows: Sequence[Row]) -> SweepResult:
     """Return the result of a plan so far."""
-    solver, signals = plan.mechanism.solver, plan.mechanism.signals
+    solver, signals = sweep.mechanism.solver, sweep.mechanism.signals
     units = {n: s["unit"] for row in rows for n, s in row.signals.items()}
     return SweepResult(
-        case=plan.case,
-        name=plan.name,
-        title=plan.title,
-        run=plan.run,
-        design=plan.design,
-        parameter_names=tuple(p.name for p in plan.parameters),
-        parameter_units=tuple(p.unit for p in plan.parameters),
-        values=np.array([m.values for m in plan.members], dtype=float),
-        t=output_times(solver.t_end, solver.output_step) if plan.histories else np.zeros(0),
-        signal_units={name: units.get(name, "") for name in plan.signals},
+        case=sweep.case,
+        name=sweep.name,
+        title=sweep.title,
+        run=sweep.run,
+        design=sweep.design,
+        parameter_names=tuple(p.name for p in sweep.parameters),
+        parameter_units=tuple(p.unit for p in sweep.parameters),
+        values=np.array([m.values for m in sweep.members], dtype=float),
+        t=output_times(solver.t_end, solver.output_step) if sweep.histories else np.zeros(0),
+        signal_units={name: units.get(name, "") for name in sweep.signals},
         signal_words={
-            n: signals[n].description for n in dict.fromkeys((*plan.signals, *plan.histories))
+            n: signals[n].description for n in dict.fromkeys((*sweep.signals, *sweep.histories))
         },
         rows=tuple(rows),
     )

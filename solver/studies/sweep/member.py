@@ -24,14 +24,14 @@ from ...run.preparation import histories_of, integrated, output_times, prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
 from .file import CHECKS, COST, DAMAGE, ERROR_BAR, FAILED, FINISHED, INTERRUPTED, Row
-from .sweep_members import Packages, Plan
+from .sweep_members import Packages, SweepSpec
 
 # Every check of a single run, at fewer output times.
 LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)
 
 
 def compute(
-    plan: Plan, packages: Packages, numbers: Sequence[int], keys: Sequence[str]
+    sweep: SweepSpec, packages: Packages, numbers: Sequence[int], keys: Sequence[str]
 ) -> list[Row]:
     """Return the rows of some members, one after the other; an error in one concerns it alone.
 
@@ -44,12 +44,12 @@ def compute(
     rows = [Row(key) for key in keys]
     for k, number in enumerate(numbers):
         try:
-            rows[k] = _computed(plan, packages, number, rows[k])
+            rows[k] = _computed(sweep, packages, number, rows[k])
         except KeyboardInterrupt:
             break
         except Exception as error:
             if isinstance(error, ERRORS) and (
-                message := out_of_range(plan.name, plan.mechanism_of(number).model_dump())
+                message := out_of_range(sweep.name, sweep.mechanism_of(number).model_dump())
             ):
                 error = InputError(message)
             rows[k] = _failed(rows[k], error)
@@ -58,35 +58,35 @@ def compute(
     return rows
 
 
-def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
+def _computed(sweep: SweepSpec, packages: Packages, number: int, row: Row) -> Row:
     """Return the row of a member, integrated and judged as a single run is.
 
     Pending if the integration was interrupted.
     """
     begin = time.perf_counter()
-    mechanism = plan.mechanism_of(number)
-    kept = {*plan.signals, *plan.histories}
-    member = plan.members[number]
+    mechanism = sweep.mechanism_of(number)
+    kept = {*sweep.signals, *sweep.histories}
+    member = sweep.members[number]
     others = {
         run: RunSpec(
-            plan.case, run, plan.mechanism_of(number, run), packages.named(variant.packages)
+            sweep.case, run, sweep.mechanism_of(number, run), packages.named(variant.packages)
         )
         for run, variant in member.other_runs.items()
     }
     read = with_parts(kept, mechanism.signals)
-    own = RunSpec(plan.case, plan.run, mechanism, packages.named(member.packages))
-    if plan.fidelity is not None:
-        own = _planned(own, plan, packages.named(plan.fidelity.base))
+    own = RunSpec(sweep.case, sweep.run, mechanism, packages.named(member.packages))
+    if sweep.fidelity is not None:
+        own = _planned(own, sweep, packages.named(sweep.fidelity.base))
     prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:
         return row
     seconds = time.perf_counter() - begin
     times = output_times(mechanism.solver.t_end, mechanism.solver.output_step)
-    return _row_of(own, plan, row, finished, prepared.measured, times, seconds)
+    return _row_of(own, sweep, row, finished, prepared.measured, times, seconds)
 
 
-def _planned(spec: RunSpec, plan: Plan, packages: dict[str, ModalPackage]) -> RunSpec:
+def _planned(spec: RunSpec, sweep: SweepSpec, packages: dict[str, ModalPackage]) -> RunSpec:
     """Return a member with the model of the plan that the command has written.
 
     `packages` are those of the base. Raises InputError: there is no plan, or it is wrong.
@@ -95,10 +95,10 @@ def _planned(spec: RunSpec, plan: Plan, packages: dict[str, ModalPackage]) -> Ru
     from ..fidelity.choice import read_plan  # most sweeps need no planner
     from ..fidelity.plan import known_vibrations
 
-    file = plan.model_plan_file
+    file = sweep.model_plan_file
     if not file.is_file():
         raise InputError(f"{file}: no such file; expected the plan that `plymotion sweep` makes")
-    base = RunSpec(plan.case, plan.run, plan.base, packages)
+    base = RunSpec(sweep.case, sweep.run, sweep.base, packages)
     return member_spec(spec, read_plan(file, known_vibrations(base)))
 
 
@@ -114,7 +114,7 @@ def _failed(row: Row, error: Exception) -> Row:
 
 def _row_of(
     spec: RunSpec,
-    plan: Plan,
+    sweep: SweepSpec,
     row: Row,
     finished: FinishedRun,
     sensors: Mapping[str, Sensor],
@@ -125,18 +125,18 @@ def _row_of(
     solution = finished.solution
     t = solution.t
     recording = Recording(finished.model, t, solution.y)
-    names = dict.fromkeys((*plan.signals, *plan.histories))
+    names = dict.fromkeys((*sweep.signals, *sweep.histories))
     series = {
         name: Signal(name, sensor.unit, sensor.description, sensor.values(recording))
         for name, sensor in ((name, sensors[name]) for name in names)
     }
     kept = int(np.searchsorted(times, t[-1], side="right"))
     histories = {}
-    for name in plan.histories:
+    for name in sweep.histories:
         histories[name] = np.full(times.size, np.nan)
         histories[name][:kept] = series[name].values[:kept]
-    signals = {name: signal_summary(series[name], t) for name in plan.signals}
-    for name in plan.signals:
+    signals = {name: signal_summary(series[name], t) for name in sweep.signals}
+    for name in sweep.signals:
         if sensors[name].life is not None:  # Miner's sum of a stress with an S-N line
             turning = Turning()
             turning.take(series[name].values * sensors[name].scale)
@@ -146,7 +146,7 @@ def _row_of(
     if spec.mechanism.solver.error_bars and solution.status == FINISHED:
         again, steps = partial(execute, progress=False), int(counters["steps"])
         bars, _ = error_bars(spec, t, [*series.values()], steps, judgement.codes, again)
-        for name in plan.signals:
+        for name in sweep.signals:
             signals[name][ERROR_BAR] = np.nan if bars[name] is None else bars[name]
     return replace(
         row,

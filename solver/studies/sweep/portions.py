@@ -23,7 +23,7 @@ from ...system.interrupts import completing
 from ...workers.executors import Executor, Local, Task, distribute
 from .file import FAILED, Row, believed_rows, result_of, write_sweep
 from .member import compute
-from .sweep_members import Member, Packages, Plan, read_plan
+from .sweep_members import Member, Packages, SweepSpec, read_sweep_spec
 
 # A portion of the members of a sweep: what a worker computes at a time.
 
@@ -31,7 +31,7 @@ _ALONE = threading.Lock()  # workers of dask may have several threads; integrato
 
 
 @dataclass(frozen=True)
-class Order:
+class PortionSpec:
     """What all portions of a sweep have in common."""
 
     file: Path  # the sweep file, under the same name for all workers
@@ -41,7 +41,7 @@ class Order:
 
 
 def compute_portion(
-    order: Order, members: Sequence[Member], keys: Sequence[str]
+    common: PortionSpec, members: Sequence[Member], keys: Sequence[str]
 ) -> tuple[list[Row], float]:
     """Return the rows of some members and the time that they took [s].
 
@@ -49,7 +49,7 @@ def compute_portion(
 
     Parameters
     ----------
-    order : sweep file, packages and digest of the sources
+    common : sweep file, packages and digest of the sources
     members : members of the portion
     keys : names of the numbers of a row
 
@@ -59,21 +59,21 @@ def compute_portion(
         The sweep file cannot be read here, or the sources of this worker are others.
     """
     begin = time.perf_counter()
-    if solver_sha256() != order.solver:
+    if solver_sha256() != common.solver:
         raise InputError(
             f"{platform.node()}: the worker has other sources of Plymotion than the command: "
             "restart the workers"
         )
     with _ALONE:
-        plan, packages = _read(order)
-        rows = compute(plan.part(members), packages, range(len(members)), keys)
+        sweep, packages = _read(common)
+        rows = compute(sweep.part(members), packages, range(len(members)), keys)
     return rows, time.perf_counter() - begin
 
 
 @lru_cache(maxsize=1)
-def _read(order: Order) -> tuple[Plan, Packages]:
-    plan = read_plan(order.file, allow_doubtful=order.allow_doubtful)
-    return plan, Packages(plan)
+def _read(common: PortionSpec) -> tuple[SweepSpec, Packages]:
+    sweep = read_sweep_spec(common.file, allow_doubtful=common.allow_doubtful)
+    return sweep, Packages(sweep)
 
 
 # The members of a sweep, handed out to an executor in portions.
@@ -96,14 +96,14 @@ class Portions:
 
     def __init__(
         self,
-        plan: Plan,
+        sweep: SweepSpec,
         numbers: Sequence[int],
         keys: Sequence[str],
         report: Callable[[int, Row], None],
     ) -> None:
-        self._plan, self._keys, self._report = plan, keys, report
-        self._order = Order(
-            plan.file.resolve(), data_sha256(list(keys)), solver_sha256(), plan.allow_doubtful
+        self._sweep, self._keys, self._report = sweep, keys, report
+        self._order = PortionSpec(
+            sweep.file.resolve(), data_sha256(list(keys)), solver_sha256(), sweep.allow_doubtful
         )
         self._left = list(reversed(numbers))
         self._alone: list[int] = []
@@ -118,7 +118,7 @@ class Portions:
             numbers = [self._left.pop() for _ in range(size)]
         if not numbers:
             return None
-        members = [self._plan.members[k] for k in numbers]
+        members = [self._sweep.members[k] for k in numbers]
         keys = [self._keys[k] for k in numbers]
         return Task(compute_portion, (self._order, members, keys), numbers)
 
@@ -150,19 +150,19 @@ LOGGER = logging.getLogger(__name__)
 SAVE_S = 10.0  # least time between two savings on the way
 
 
-def settled(plan: Plan) -> list[str]:
+def settled(sweep: SweepSpec) -> list[str]:
     """Make the plan of a run with [fidelity], or read it, before members take it.
 
     Return what is known of it; nothing if the run has no [fidelity]. Raises as `fidelity.settle`.
     """
-    if plan.fidelity is None:
+    if sweep.fidelity is None:
         return []
     from .fidelity import settle  # most sweeps need no planner
 
-    return settle(plan)
+    return settle(sweep)
 
 
-class Work:
+class RowFile:
     """Rows of a sweep as they come, and the file that they are saved in.
 
     Parameters
@@ -171,10 +171,12 @@ class Work:
     known_in : files that may have some already
     """
 
-    def __init__(self, plan: Plan, file: Path, known_in: Sequence[Path], *, show: bool) -> None:
-        self.plan, self.file, self.show = plan, file, show
+    def __init__(
+        self, sweep: SweepSpec, file: Path, known_in: Sequence[Path], *, show: bool
+    ) -> None:
+        self.sweep, self.file, self.show = sweep, file, show
         self._read = self._states()
-        self.keys = plan.keys()
+        self.keys = sweep.keys()
         known = {key: row for path in known_in for key, row in _known(path).items()}
         self.rows = [known.get(key, Row(key)) for key in self.keys]
         self.kept = sum(row.done for row in self.rows)
@@ -186,7 +188,7 @@ class Work:
         with tqdm(
             total=len(self.rows),
             initial=self.kept,
-            desc=self.plan.name,
+            desc=self.sweep.name,
             unit="member",
             disable=None if self.show else True,
             leave=False,
@@ -208,7 +210,7 @@ class Work:
 
             try:
                 if numbers:
-                    place, portions = executor(), Portions(self.plan, numbers, self.keys, report)
+                    place, portions = executor(), Portions(self.sweep, numbers, self.keys, report)
                     tell_if_slow()
                     if isinstance(place, Local) and COMPILED:  # before all workers do
                         from ..compiling import compile_once
@@ -223,13 +225,13 @@ class Work:
 
     def _states(self) -> dict[Path, list[int]]:
         """Return the states of the files that workers read."""
-        packages = (self.plan.package_file(k) for k in range(len(self.plan.packages)))
-        return {file: state_of(file) for file in (self.plan.file, *packages)}
+        packages = (self.sweep.package_file(k) for k in range(len(self.sweep.packages)))
+        return {file: state_of(file) for file in (self.sweep.file, *packages)}
 
     def save(self) -> None:
         """Write the file; it is whole at any time."""
         with completing():
-            write_sweep(self.file, result_of(self.plan, self.rows))
+            write_sweep(self.file, result_of(self.sweep, self.rows))
         self._saved = time.perf_counter()
 
 

@@ -62,7 +62,7 @@ class _Fidelity(Table):
     drawn: list[_Drawn]
 
 
-class Plan(Table):
+class SweepSpec(Table):
     """A sweep as `check` wrote it: build/<case>/sweeps/<name>.json, by sweep_table.py of inputs."""
 
     case: str
@@ -102,7 +102,7 @@ class Plan(Table):
         """The run that members change, in the bodies that are built."""
         return in_segments(self.mechanism)
 
-    def part(self, members: Sequence[Member]) -> "Plan":
+    def part(self, members: Sequence[Member]) -> "SweepSpec":
         """Return the same sweep with some of its members."""
         return self.model_copy(update={"members": list(members)})
 
@@ -196,7 +196,7 @@ class Plan(Table):
                     raise ValueError(f"{key}.{body} = {number}: no such package")
 
 
-def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
+def read_sweep_spec(file: Path, *, allow_doubtful: bool = False) -> SweepSpec:
     """Read build/<case>/sweeps/<name>.json.
 
     Raises
@@ -207,27 +207,29 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         None of its packages can be read; if only some are missing, members fail instead.
     """
     try:
-        plan = Plan.model_validate_json(file.read_bytes())
-        plan.check_numbers()
+        sweep = SweepSpec.model_validate_json(file.read_bytes())
+        sweep.check_numbers()
     except (OSError, ValueError, RecursionError) as error:
         reason = str(error)
         if isinstance(error, ValidationError):
-            reason = "; ".join(bare_lines(error, Plan)[:3])
+            reason = "; ".join(bare_lines(error, SweepSpec)[:3])
         raise not_by_check(file, "sweep file", reason) from error
-    members = [m.model_copy(update={"number": k}) for k, m in enumerate(plan.members)]
-    plan = plan.part(members)
-    plan._file, plan._allow_doubtful = file, allow_doubtful
+    members = [m.model_copy(update={"number": k}) for k, m in enumerate(sweep.members)]
+    sweep = sweep.part(members)
+    sweep._file, sweep._allow_doubtful = file, allow_doubtful
     for key in ("signals", "histories"):
-        for name in getattr(plan, key):
-            if name not in plan.mechanism.signals:
-                hint = nearest(name, plan.mechanism.signals)
+        for name in getattr(sweep, key):
+            if name not in sweep.mechanism.signals:
+                hint = nearest(name, sweep.mechanism.signals)
                 raise InputError(f'{file}: {key} = "{name}": no such signal{hint}')
-    if plan.packages and not any(plan.package_file(k).is_file() for k in range(len(plan.packages))):
+    if sweep.packages and not any(
+        sweep.package_file(k).is_file() for k in range(len(sweep.packages))
+    ):
         raise PackageError(
-            f"{plan.package_file(0)}: no such file, nor any other package of the sweep: "
+            f"{sweep.package_file(0)}: no such file, nor any other package of the sweep: "
             f"`plymotion packages {file}` builds them"
         )
-    return plan
+    return sweep
 
 
 def _content(file: Path) -> str:
@@ -241,8 +243,8 @@ def _content(file: Path) -> str:
 class Packages:
     """Packages of a plan, each read once; one that cannot be read fails its members."""
 
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
+    def __init__(self, sweep: SweepSpec) -> None:
+        self.sweep = sweep
         self._known: dict[int, ModalPackage | PackageError] = {}
 
     def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
@@ -251,7 +253,7 @@ class Packages:
         for body, k in numbers.items():
             if k not in self._known:
                 try:
-                    self._known[k] = self.plan.package(k)
+                    self._known[k] = self.sweep.package(k)
                 except PackageError as error:
                     self._known[k] = error
             package = self._known[k]

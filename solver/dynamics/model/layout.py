@@ -33,8 +33,8 @@ from ...math.compiled import structure
 
 
 @structure
-class Order(NamedTuple):
-    """Rows of one elimination, in their order; see `Plan` for the numbers of rows and columns."""
+class RowOrder(NamedTuple):
+    """Rows of one elimination, in their order; see `Layout` for the numbers of rows and columns."""
 
     most_rows: int  # rows at the busiest body
     free_start: IntArray  # (nb + 1,) first entry of each body in the next two
@@ -52,7 +52,7 @@ def row_order(
     free: NDArray[np.bool_],
     n_joint: int,
     at_body: Sequence[Sequence[int]],
-) -> Order:
+) -> RowOrder:
     """Return the order of the rows of some groups.
 
     Parameters
@@ -74,7 +74,7 @@ def _row_order(
     used: tuple[bool, ...],
     n_joint: int,
     at_body: tuple[tuple[int, ...], ...],
-) -> Order:
+) -> RowOrder:
     bodies = padded(sides)
     row, free = np.array(rows, dtype=np.int64), np.array(used, dtype=bool)
     counts = np.diff(row)
@@ -86,7 +86,7 @@ def _row_order(
     held = place[: row[n_joint]]
     constraint[held[held >= 0]] = 1
     columns = [[p for p, r in enumerate(rows) if place[r] >= 0] for rows in at_body]
-    return Order(
+    return RowOrder(
         most_rows=max((len(rows) for rows in at_body), default=0),
         free_start=starts([len(p) for p in columns]),
         free_column=joined(columns),
@@ -268,7 +268,7 @@ def _leaves_first(bodies: IntArray) -> list[int]:
 
 
 @structure
-class Plan(NamedTuple):
+class Layout(NamedTuple):
     """Integers that follow from bodies, markers, joints and force elements alone."""
 
     widest: int  # coordinates of the largest body
@@ -289,11 +289,11 @@ class Plan(NamedTuple):
     coupling_column: IntArray  # (n_term, 2) row of a coupling among those at the bodies of a term
     element_side: IntArray  # (nf, 2) first of them among the rows at a body; -1: ground or none
     most_element_rows: int  # rows that a kind of force element can have
-    mass: Order  # rows of the mass matrix: constraints and added inertia
-    newton: Order  # rows of Newton's matrix: the same, and those of force elements
+    mass: RowOrder  # rows of the mass matrix: constraints and added inertia
+    newton: RowOrder  # rows of Newton's matrix: the same, and those of force elements
 
 
-def make_plan(
+def make_layout(
     n_mode: IntArray,
     marker_body: IntArray,
     joint_marker: IntArray,
@@ -307,8 +307,8 @@ def make_plan(
     most_element_rows: int = 0,
     measured: Sequence[int] = (),
     couplings: Sequence[Sequence[int]] = (),
-) -> Plan:
-    """Return the plan of a mechanism; arguments as in `Model`.
+) -> Layout:
+    """Return the layout of a mechanism; arguments as in `Model`.
 
     Parameters
     ----------
@@ -374,7 +374,7 @@ def make_plan(
     lead = np.where(np.array(uncoupled, dtype=bool), 6, 6 + n_mode) if uncoupled else 6 + n_mode
     base = np.zeros(nb, dtype=np.int64)
     base[driven[driven >= 0]] = 6
-    return Plan(
+    return Layout(
         widest=int((6 + n_mode).max(initial=6)),
         most_modes=int(n_mode.max(initial=0)),
         marker_used=used[marker_body[used] >= 0] if used.size else used,
@@ -400,7 +400,7 @@ def make_plan(
 
 def _order(
     groups: list[list[int]], row: list[int], driven: IntArray, at_body: list[list[int]]
-) -> Order:
+) -> RowOrder:
     free = np.ones(len(groups), dtype=bool)
     free[: driven.size] = driven < 0
     return row_order(padded(groups), np.array(row, dtype=np.int64), free, driven.size, at_body)

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from samples.mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.dynamics.model.plan import Plan, make_plan
+from plymotion.solver.dynamics.model.layout import Layout, make_layout
 
 
-def _hinged(pairs: list[tuple[int, int]], seed: int | None = None) -> Plan:
+def _hinged(pairs: list[tuple[int, int]], seed: int | None = None) -> Layout:
     """Bodies joined in pairs by five rows each, -1 being the ground; a seed mixes numbers."""
     pairs = np.array(pairs)
     nb = int(pairs.max()) + 1
     if seed is not None:
         rng = np.random.default_rng(seed)
         pairs = rng.permutation(np.append(rng.permutation(nb), -1)[pairs])
-    return make_plan(
+    return make_layout(
         np.zeros(nb, dtype=np.int64),
         pairs.ravel(),
         np.arange(pairs.size).reshape(-1, 2),
@@ -36,9 +36,9 @@ def _caterpillar(n):
     return [(k - 2 + k % 2 if k else -1, k) for k in range(n)]
 
 
-def _multiplications(plan: Plan) -> int:
+def _multiplications(layout: Layout) -> int:
     """What elimination in the profile takes, counted as it runs."""
-    first, n = plan.mass.first, plan.mass.place.size
+    first, n = layout.mass.first, layout.mass.place.size
     return sum(j - max(first[i], first[j]) + 1 for i in range(n) for j in range(first[i], i))
 
 
@@ -68,9 +68,9 @@ def test_a_ring_costs_a_few_times_a_chain():
 def test_trees_stay_far_from_square_growth(seed):
     """n bodies, each with two more on it: entries as n log n, multiplications as n log^2 n."""
     sizes = np.array([63, 127, 255, 511])
-    plans = [_hinged(_tree(n), seed) for n in sizes]
-    entries = np.array([plan.mass.profile_start[-1] for plan in plans])
-    costs = np.array([_multiplications(plan) for plan in plans])
+    layouts = [_hinged(_tree(n), seed) for n in sizes]
+    entries = np.array([layout.mass.profile_start[-1] for layout in layouts])
+    costs = np.array([_multiplications(layout) for layout in layouts])
     levels = np.log2(sizes + 1)
     more = np.diff(entries / sizes)  # each level more, the same again for each body
     np.testing.assert_allclose(more, more[-1], rtol=0.1)
@@ -87,37 +87,37 @@ def test_every_row_has_one_place_and_the_profile_holds_every_pair(seed):
     n = 12
     pairs = [(int(rng.integers(-1, k)), k) for k in range(n)]
     pairs += [tuple(rng.choice(n, 2, replace=False)) for _ in range(4)]
-    plan = _hinged(pairs, seed)
-    order = plan.mass
+    layout = _hinged(pairs, seed)
+    order = layout.mass
     n_c = order.place.size
     assert sorted(order.place) == list(range(n_c))
     assert (order.first <= np.arange(n_c)).all()
     np.testing.assert_array_equal(np.diff(order.profile_start), np.arange(n_c) - order.first + 1)
     for body in range(n):
-        rows = order.place[plan.body_row[plan.row_start[body] : plan.row_start[body + 1]]]
+        rows = order.place[layout.body_row[layout.row_start[body] : layout.row_start[body + 1]]]
         assert (order.first[rows] <= rows.min()).all()
-    assert plan.body_row.size == 2 * n_c - 5 * sum(-1 in pair for pair in pairs)
-    assert order.most_rows == np.diff(plan.row_start).max()
+    assert layout.body_row.size == 2 * n_c - 5 * sum(-1 in pair for pair in pairs)
+    assert order.most_rows == np.diff(layout.row_start).max()
 
 
 @pytest.mark.parametrize("sample", [lambda: chain(5), lambda: four_bars(3), bricard])
 def test_sides_of_joints_point_to_their_rows(sample):
     model = sample().model
-    plan = model.plan
+    layout = model.layout
     for k in range(model.joint_kind.size):
         rows = np.arange(model.joint_row[k], model.joint_row[k + 1])
         for side in range(2):
             body = model.marker_body[model.joint_marker[k, side]]
-            first = plan.side_row[k, side]
+            first = layout.side_row[k, side]
             assert (first < 0) == (body < 0)
             if body >= 0:
-                begin = plan.row_start[body] + first
-                np.testing.assert_array_equal(plan.body_row[begin : begin + rows.size], rows)
+                begin = layout.row_start[body] + first
+                np.testing.assert_array_equal(layout.body_row[begin : begin + rows.size], rows)
 
 
 def test_bodies_without_constraints_and_constraints_without_bodies():
     none = np.zeros((0, 2), dtype=np.int64)
-    free = make_plan(np.array([3, 0]), np.array([0]), none, np.zeros(1, np.int64), none)
+    free = make_layout(np.array([3, 0]), np.array([0]), none, np.zeros(1, np.int64), none)
     assert (free.mass.place.size, free.mass.profile_start.tolist(), free.widest) == (0, [0], 9)
     assert free.marker_used.size == 0
     grounded = _hinged([(-1, -1), (-1, 0)])
