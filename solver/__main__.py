@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TextIO
 
-from .commands.parser import parser, run_command
+from .commands.parser import NAMES, parser, run_command
 from .errors import InputError, PackageError, escape_control_characters
 from .inputs.case.record import CASE_FILE
 from .inputs.common.mesh_files import scripts
@@ -81,9 +81,7 @@ def main(arguments: list[str] | None = None) -> int:
     are kept; 141 the reader of the output has gone.
     """
     if arguments is None:
-        # Looking for garbage takes 0.04 s while modules are loaded, 0.03 s at the end.
-        gc.set_threshold(50_000)
-        atexit.register(gc.freeze)
+        atexit.register(gc.freeze)  # looking for garbage at the end takes 0.03 s
         # Pydantic would search all installed packages for plugins: 0.02 s.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         complete()
@@ -91,11 +89,10 @@ def main(arguments: list[str] | None = None) -> int:
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
     if words[:1] == ["solver"]:
         words = words[1:]
-    known = parser()
     # "plymotion case.toml" is "plymotion run case.toml", unless a command has the folder's name.
-    if words and words[0] not in known.commands() and _is_case(words[0]):
+    if words and words[0] not in NAMES and _is_case(words[0]):
         words = ["run", *words]
-    options = known.parsed(words)
+    options = parser(*words[:1]).parsed(words)
     try:
         with handled_signals():
             code = exit_code(_guarded(options))

@@ -11,7 +11,7 @@ from ..dynamics.model.model import state_size
 from ..errors import few
 from ..integrators.generic.advice import Stall
 from ..integrators.table import INTEGRATORS, treatment_of
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 from ..math.catalogue import Code, Expression, Expressions
 from ..mechanism.built import BuiltMechanism
 from ..results.codes import (
@@ -96,7 +96,7 @@ def _peaks(run: FinishedRun) -> Array | None:
     part = np.minimum(
         (PARTS * (known[:, 0] - first) / max(last - first, 1e-300)).astype(int), PARTS - 1
     )
-    if np.unique(part).size < PARTS:
+    if distinct(part).size < PARTS:
         return None
     return np.array([known[part == i, 1].max() for i in range(PARTS)])
 

@@ -13,7 +13,7 @@ from ..dynamics.analysis.recovery import History, momentum_balance
 from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.model.model import Model
 from ..integrators.generic.drive import Solution, Steps
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..math.rows import spans
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
@@ -169,7 +169,7 @@ class FinishedRun:
     def _spread(count: int, most: int | None) -> IntArray:
         if most is None or count <= most:
             return np.arange(count)
-        return np.unique(np.linspace(0, count - 1, most).astype(int))
+        return distinct(np.linspace(0, count - 1, most).astype(int))
 
     def at(self, most: int | None) -> tuple[Array, Array]:
         """Return at most so many output times (k,) and their states (k, n)."""
@@ -187,7 +187,7 @@ class FinishedRun:
         while True:
             top = int(np.argmax(found))
             around = np.arange(seen[max(top - 1, 0)], seen[min(top + 1, seen.size - 1)])
-            more = np.setdiff1d(around, seen)
+            more = np.setdiff1d(around, seen, assume_unique=True)
             if not more.size:
                 return t[seen], found
             more = more[self._spread(more.size, most)]

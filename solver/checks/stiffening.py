@@ -15,7 +15,7 @@ from ..dynamics.elements.floating_frame import stiffening_matrices
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model, modal_matrix
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 from ..mechanism.build import build
 from ..results.codes import (
     BUCKLING,
@@ -101,7 +101,7 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
     """
     model, name = run.model, run.built.body_names[i]
     some = np.linspace(0, t.size - 1, min(t.size, MOST_FREE)).astype(int)
-    some = np.union1d(some, np.argmin(lowest))
+    some = distinct(some, np.argmin(lowest))
     t, lowest = t[some], lowest[some]
     rows = np.searchsorted(run.solution.t, t)
     free = np.array(

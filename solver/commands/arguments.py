@@ -4,8 +4,6 @@ import argparse
 import contextlib
 import math
 import os
-import shlex
-import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -100,6 +98,7 @@ def command(name: str, call: str, epilog: str = "") -> Callable[[Declare], Decla
             parser.set_defaults(command=call)
             declare(parser)
 
+        add.__name__ = name
         return add
 
     return decorated
@@ -206,6 +205,9 @@ def program() -> str:
     started = sys.argv[0]
     if os.path.basename(started) != "plymotion" or not os.path.isfile(started):
         return "plymotion"
+    import shlex  # these two not for commands that have nothing to propose
+    import shutil
+
     found = shutil.which("plymotion")
     return "plymotion" if found and os.path.samefile(found, started) else shlex.quote(started)
 

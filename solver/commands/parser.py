@@ -60,8 +60,11 @@ COMMANDS = (
 )
 
 
-def parser() -> CommandParser:
-    """Return the parser of all commands."""
+NAMES = [add.__name__ for add in COMMANDS]
+
+
+def parser(name: str = "") -> CommandParser:
+    """Return the parser of all commands, or of the one that the name says: 10 ms less."""
     parser = CommandParser(
         prog="plymotion",
         usage="plymotion CASE.toml | plymotion COMMAND ...",
@@ -73,7 +76,8 @@ def parser() -> CommandParser:
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
     commands = parser.add_subparsers(required=True, metavar=COMMAND, prog="plymotion")
     for add in COMMANDS:
-        add(commands)
+        if name not in NAMES or add.__name__ == name:
+            add(commands)
     return parser
 
 
@@ -83,6 +87,10 @@ def run_command(options: argparse.Namespace) -> int:
     gc.disable()  # collection during imports costs time and frees nothing
     try:
         with starting():
+            import platform  # not for --help
+
+            # h5py asks for it when it is imported: another process would be started, 5 ms
+            vars(platform.uname())["processor"] = ""
             function = getattr(import_module(f".{module}", __package__), name)
     finally:
         gc.enable()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..dynamics.elements.joints.contract import Drive
 from ..dynamics.elements.joints.table import CONSTRAINTS, NAMES
 from ..dynamics.model.model import Model, Quantities
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 from ..math.expressions import operations as op
 from ..math.expressions.operations import TIME
 from ..math.expressions.ranges import TermRange, curve_ranges, parts
@@ -68,7 +68,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
         kinks.append(bends)
         jumps.append(np.column_stack([leaps - GAP * np.maximum(t_end, leaps), leaps]))
     programs = model.quantities.programs
-    for p in np.unique(programs_read(model)).tolist():
+    for p in distinct(programs_read(model)).tolist():
         if TIME not in programs.code[programs.start[p] : programs.start[p + 1]]:
             continue
         longest = min(longest, t_end / EXPRESSION)
@@ -82,8 +82,8 @@ def breaks(model: Model, t_end: float) -> Breaks:
         narrow.append(begins)
         jumps.append(leaps)
     return Breaks(
-        np.unique(np.concatenate(kinks)),
-        np.unique(np.concatenate(narrow)),
+        distinct(np.concatenate(kinks)),
+        distinct(np.concatenate(narrow)),
         _apart(np.concatenate(jumps)),
         longest,
         unsearched,
@@ -165,14 +165,14 @@ def _of_program(
     kink, jump = breaking(low, high)
     kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
     bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
-    edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
+    edges = distinct(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
     narrow = _narrowing(lambda a, b: [(part.low, part.high) for part in parts_over(a, b)], edges)
     return _first_of(bends, GAP * t_end), narrow, leaps
 
 
 def _first_of(times: Array, gap: float) -> Array:
     """Return instants that are more than some gaps behind the one before."""
-    times = np.unique(times)
+    times = distinct(times)
     return times[np.diff(times, prepend=-np.inf) > 4.0 * gap]
 
 

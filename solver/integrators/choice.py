@@ -11,7 +11,7 @@ from ..dynamics.evaluation.accelerations import by_blocks
 from ..dynamics.evaluation.evaluation import Called
 from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 from .breakpoints import breaks
 from .explicit import ExplicitLoop
 from .generic.base import Integrator
@@ -144,7 +144,7 @@ def make_integrator(
         "block_starts": blocks(model),
     }
     found = breaks(model, solver.t_end)
-    options |= {"kinks": np.union1d(found.kinks, found.narrow), "jumps": found.jumps}
+    options |= {"kinks": distinct(found.kinks, found.narrow), "jumps": found.jumps}
     if kind.takes == "model":
         options["sharp"] = found.kinks
     if fixed_step is not None:

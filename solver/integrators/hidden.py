@@ -16,7 +16,7 @@ import numpy as np
 
 from ..dynamics.evaluation.series import quantities
 from ..dynamics.model.model import Model
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 from ..math.laws import Hermite
 from .breakpoints import programs_read
 from .generic.base import Derivative
@@ -47,8 +47,7 @@ class HiddenForces:
         self._model = model
         at, cells = np.array(points), np.zeros((2, MOST_CELLS, 2))
         found = (
-            watched_expression(model, p, at, cells)
-            for p in np.unique(programs_read(model)).tolist()
+            watched_expression(model, p, at, cells) for p in distinct(programs_read(model)).tolist()
         )
         self._watched = [each for each in found if each is not None]
         first = model.n_pos + model.n_vel

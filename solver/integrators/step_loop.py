@@ -60,6 +60,13 @@ def projection(model: Model) -> Callable[[float, Array], Array | None]:
 PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
 
 
+def _among(times: Array, sharp: Array | None) -> Any:
+    """Return which times are sharp; where there are none, not by `isin`: it imports numpy.ma."""
+    if sharp is None or not len(times):
+        return np.zeros(len(times), dtype=bool)
+    return np.isin(times, sharp)
+
+
 class StrideMemory(Integrator):
     """An integrator of many steps in one call that can stand after any step of the last call.
 
@@ -227,7 +234,7 @@ class StepLoop(StrideMemory):
             float(self.min_step),
             float(self.fixed_step or 0.0),
             self._kinks,
-            np.isin(self._kinks, np.zeros(0) if sharp is None else sharp),
+            _among(self._kinks, sharp),
             np.zeros(0),
             self._closes(),
         )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics.model.model import SLIP, SPIN, Model
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
 from ..math.expressions.operations import Programs
@@ -69,7 +69,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
     programs, n = model.quantities.programs, len(model.quantities.kind)
     own = slice(int(programs.start[p]), int(programs.start[p + 1]))
     codes, arguments = programs.code[own], programs.argument[own]
-    loads = np.unique(arguments[codes == op.LOAD].astype(np.int64))
+    loads = distinct(arguments[codes == op.LOAD].astype(np.int64))
     curved = _curved(codes)
     if not loads.size or not curved.any():
         return None

@@ -7,6 +7,7 @@ rounding, and a usable one lies far above it.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,11 @@ IntArray = NDArray[np.int64]
 Triple = tuple[float, float, float]
 
 REGULAR = 1e-13  # smallest eigenvalue of a definite matrix of unit diagonal
+
+
+def distinct(*arrays: Any) -> Any:
+    """Return the numbers that differ, sorted. `np.unique` alone would import numpy.ma: 10 ms."""
+    return np.unique(np.concatenate(arrays, axis=None), return_index=True)[0]
 
 
 def to_unit_diagonal(matrix: Array, size: Array | None = None) -> Array:

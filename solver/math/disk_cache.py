@@ -11,10 +11,9 @@ import hashlib
 import math
 import os
 import stat
-import tempfile
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -28,25 +27,20 @@ def file_sha256(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def files_sha256(files: Mapping[str, Path]) -> str:
-    """Return the SHA-256 of files with their names, whatever their order; OSError as above."""
-    digest = hashlib.sha256()
-    for name in sorted(files):
-        digest.update(f"{name}\0".encode() + files[name].read_bytes() + b"\0")
-    return digest.hexdigest()
-
-
 @cache
 def sources_sha256(*places: str, apart: tuple[str, ...] = ()) -> str:
-    """Return the SHA-256 of our sources, of any kind, wherever they are installed.
+    """Return the SHA-256 of our sources and their names, of any kind, wherever they are installed.
 
     Parameters
     ----------
     places : folders such as `solver/math`; what is not there has no sources
     apart : files and folders in them that do not count
     """
-    found = {name: _ROOT / name for name in _names(*places) if not name.startswith(apart)}
-    return files_sha256(found)
+    digest = hashlib.sha256()
+    for name in sorted(name for name in _names(*places) if not name.startswith(apart)):
+        with open(f"{_ROOT}/{name}", "rb", buffering=0) as file:  # the fastest way: there are many
+            digest.update(f"{name}\0".encode() + file.read() + b"\0")
+    return digest.hexdigest()
 
 
 def _names(*places: str) -> Iterator[str]:
@@ -79,6 +73,8 @@ def state_since(file: Path, begin: int) -> list[int]:
 _HOUR = 3600.0  # a temporary file of this age is that of a process that was ended
 _TOUCHED = 7 * 24 * _HOUR  # files in use are marked as such so often
 _checked: dict[Path, bool] = {}  # folders, by this process
+# the same by name, $PLYMOTION_CACHE and $HOME: a run reads a hundred files
+_places: dict[tuple[str, str, str | None], Path | None] = {}
 _room: dict[Path, float] = {}  # bytes that this process may write before it looks again
 
 
@@ -92,13 +88,19 @@ class DiskCache:
 
     def folder(self) -> Path | None:
         """Return the folder; None if the user has no home, or others can write there."""
-        chosen = os.environ.get("PLYMOTION_CACHE")
+        chosen = os.environ.get("PLYMOTION_CACHE", "")
+        key = self.name, chosen, os.environ.get("HOME")
+        if key in _places:
+            return _places[key]
         try:
             root = Path(chosen) if chosen else Path.home() / ".cache" / "plymotion"
         except RuntimeError:
             return None
         found = root / self.name
-        return found if _is_own(root) and _is_own(found) else None
+        place = found if _is_own(root) and _is_own(found) else None
+        if found in _checked:  # it is there
+            _places[key] = place
+        return place
 
     def made(self, name: str = "") -> Path | None:
         """Return the folder, or one in it, made if missing; None if that is not possible."""
@@ -120,9 +122,10 @@ class DiskCache:
             return None
         path = where / key
         try:
-            data = path.read_bytes()
-            if time.time() - path.stat().st_mtime > _TOUCHED:
-                os.utime(path)
+            with open(path, "rb", buffering=0) as file:
+                data = file.read()
+                if time.time() - os.fstat(file.fileno()).st_mtime > _TOUCHED:
+                    os.utime(path)
         except OSError:
             if not path.is_file():
                 return None
@@ -135,6 +138,8 @@ class DiskCache:
         where = self.made()
         if where is None:
             return False
+        import tempfile  # a process that finds all it needs writes nothing
+
         try:
             handle, temporary = tempfile.mkstemp(dir=where, prefix=".new-")
             try:

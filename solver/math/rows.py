@@ -4,7 +4,6 @@ import base64
 import binascii
 import bisect
 import os
-import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
@@ -109,6 +108,8 @@ class LongRows(ABC):
 
 def temporary_file(folder: Path | None) -> IO[bytes]:
     """Return a file without a name: the system removes it, whatever happens."""
+    import tempfile  # most results are small
+
     return tempfile.TemporaryFile(dir=folder)
 
 

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 from ..errors import nearest
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..math.rows import ComputedRows, LongRows
 from ..package.common.container import (
     MAX_ATTRIBUTE,
@@ -125,7 +125,7 @@ def write_result(
 
 def frames(k: int, max_frames: int) -> IntArray:
     """Select at most max_frames of k output times, evenly, including first and last."""
-    return np.unique(np.linspace(0, k - 1, max(1, min(k, max_frames))).round().astype(int))
+    return distinct(np.linspace(0, k - 1, max(1, min(k, max_frames))).round().astype(int))
 
 
 def _write_results(

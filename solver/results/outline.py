@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..package.section.section_schema import SectionRecovery
 
 SAME = 0.1  # corners closer than this part of the shortest edge are one
@@ -139,7 +139,7 @@ def _joined(corners: Array, near: float) -> tuple[Array, IntArray]:
 def _loops(begin: IntArray, end: IntArray) -> list[IntArray]:
     """Return closed loops of the edges that one cell has, or nothing if they do not close."""
     many = int(max(begin.max(), end.max())) + 1
-    edges = np.unique((begin * many + end)[begin != end])
+    edges = distinct((begin * many + end)[begin != end])
     outer = edges[~np.isin(edges % many * many + edges // many, edges, assume_unique=True)]
     after: dict[int, list[int]] = {}
     for a, b in zip((outer // many).tolist(), (outer % many).tolist(), strict=True):

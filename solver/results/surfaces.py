@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..math.rotations import rotation_matrices, shortest_rotations
 from ..math.rows import ComputedRows, computed
 from ..package.common.cells import SOLID_FACES, corners_of
@@ -395,7 +395,7 @@ def faces(
     site : site of each cell (c,)
     """
     found: dict[int, list[tuple[IntArray, IntArray]]] = {3: [], 4: []}
-    for kind in np.unique(cell_types).tolist():
+    for kind in distinct(cell_types).tolist():
         own = np.flatnonzero(cell_types == kind)
         shapes = FACES.get(int(kind), ())
         sides = [
@@ -415,7 +415,7 @@ def faces(
                 found[count].append((corners, sites))
     parts = Parts()
     used = [corners for some in found.values() for corners, _ in some]
-    nodes = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(c.ravel() for c in used)]))
+    nodes = distinct(np.concatenate([np.zeros(0, dtype=np.int64), *(c.ravel() for c in used)]))
     parts.points(nodes, np.zeros((len(nodes), 3)))
     for corners, sites in found[3]:
         rows = np.searchsorted(nodes, corners)

@@ -12,7 +12,7 @@ from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.elements.joints.contract import FREEDOMS
 from ..dynamics.elements.joints.table import JOINTS
 from ..dynamics.evaluation.series import loads_of_markers
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..math.laws import lengths_along
 from ..math.rows import LongRows
 from ..mechanism.built import BuiltMechanism
@@ -64,7 +64,7 @@ def with_views(
     pictures : STL files of rigid bodies by name
     """
     model = built.model
-    times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
+    times = distinct(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
     states = np.asarray(y[times])
     reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
     found = []

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -101,6 +100,8 @@ def plan_sha256(plan: Path) -> str:
 
 def text_sha256(plan: str) -> str:
     """Return the digest of the text of a plan; see `plan_sha256`."""
+    import tomllib  # most runs have no plan
+
     table = tomllib.loads(plan)
     table.pop("inputs_sha256", None)
     return hashlib.sha256(json.dumps(table, sort_keys=True, default=str).encode()).hexdigest()

@@ -3,7 +3,6 @@
 import os
 import platform
 import shlex
-import shutil
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
@@ -245,6 +244,8 @@ def disk_note(spec: RunSpec, folder: Path) -> str:
     passing = 8.0 * times * (states + others)
     if results < WORTH_A_NOTE:
         return ""
+    import shutil  # most results need no note
+
     free = shutil.disk_usage(folder).free
     return (
         f"{times:.3g} output times need up to {_size(results)} in result.vtkhdf, and "

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 
 CLASSES = 16  # of ranges, in the summary
 
@@ -104,7 +104,7 @@ def fatigue_summary(cycles: Cycles, line: StressLife) -> dict[str, object]:
             "cycles": float(cycles.counts[which == k].sum()),
             "damage": float(damage[which == k].sum()),
         }
-        for k in np.unique(which)
+        for k in distinct(which)
     ]
     return {
         "damage": total,

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..package.common.materials import PlyStrength, YieldStrength
 from . import Criterion, criteria_of
 
@@ -239,7 +239,7 @@ def exposures_at(places: Sequence[Place], held: tuple[IntArray, IntArray], q: Ar
     q : modal coordinates (t, m)
     """
     found = np.zeros(len(q))
-    for number in np.unique(held[0]).tolist():
+    for number in distinct(held[0]).tolist():
         resultants_E, search = places[number]
         at = np.flatnonzero((held[0] == number) & (held[1] >= 0))
         F = resultants_E @ q[at].T
@@ -321,7 +321,7 @@ def governing_points(points: Points, resultants_E: Array, q: Array) -> IntArray:
     count = len(q) * len(resultants_E)
     if len(own) <= KEPT or not count:
         return own
-    chosen = np.unique(np.linspace(0, count - 1, SAMPLES).round().astype(int))
+    chosen = distinct(np.linspace(0, count - 1, SAMPLES).round().astype(int))
     time, site = np.divmod(chosen, len(resultants_E))
     sample = np.einsum("njm,nm->nj", resultants_E[site], q[time])
     sample = sample[np.abs(sample).max(axis=1) > 0.0]
@@ -336,4 +336,4 @@ def governing_points(points: Points, resultants_E: Array, q: Array) -> IntArray:
             for criterion in criteria_of(strength):
                 exposure = criterion.assess(stress, strength).exposure
                 kept.append(rows[np.argmax(exposure, axis=1)])
-    return np.unique(np.concatenate(kept))
+    return distinct(np.concatenate(kept))

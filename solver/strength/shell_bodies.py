@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array, IntArray, distinct
 from ..package.body.package_schema import CellResultants, LaminateData, ModalPackage
 from ..package.common.cells import cell_table, centres
 from ..package.common.materials import material_from_dict
@@ -97,7 +97,7 @@ class ShellSearch:
             along, key = self.exposure[name], (search.ply, name)
             own = np.flatnonzero(cells.laminate == search.laminate_row)
             bound = search.bound(parts[own])  # (cells, blocks)
-            for number in np.unique(self._strip[own]):
+            for number in distinct(self._strip[own]):
                 inside = np.flatnonzero(self._strip[own] == number)
                 best = self._peaks.get(key)
                 floor = 0.0 if best is None else min(float(along[number]), best.exposure)

@@ -1,15 +1,12 @@
 """Runs of run files, in one process or more."""
 
 import json
-import multiprocessing
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, PackageError, few
 from ..inputs.case.messages import ERRORS, out_of_range
@@ -31,6 +28,9 @@ from ..system.interrupts import (
 )
 from ..system.platform import context, end_with_parent, processes
 from .exit_codes import DEFECT, INCOMPLETE, INPUT, report
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 # One run file, with `[fidelity]` or without: what commands and the Python interface call.
 
@@ -225,6 +225,10 @@ def _here(tasks: list[_Task]) -> Iterator[Outcome]:
 
 def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
     """Do runs in processes; after Ctrl-C those under way end and the others do not begin."""
+    import multiprocessing  # these not for a run in this process
+    from concurrent.futures import FIRST_COMPLETED, wait
+    from concurrent.futures.process import BrokenProcessPool
+
     stop = context().Event()
     pool = processes(jobs, _begin, stop)
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...math.arrays import Array, Triple
+from ...math.arrays import Array, Triple, distinct
 from ...math.compiled import inlined, lean
 from ...math.expressions.program import NO_SEED, evaluated
 from ...math.laws import Hermite
@@ -723,7 +723,7 @@ class Instants:
         if not (self._period > 0.0).any():
             self.t: Array = np.zeros(0)
             return
-        periods = np.unique(self._period[self._period > 0.0])
+        periods = distinct(self._period[self._period > 0.0])
         all_t = [
             p * np.arange(max(int(begin / p), 1), int(np.ceil(t_end / p - NEAR))) for p in periods
         ]

@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...math.arrays import IntArray
+from ...math.arrays import IntArray, distinct
 from ...math.compiled import structure
 
 
@@ -322,7 +322,7 @@ def make_layout(
     """
     nb, nj, nf = n_mode.size, joint_row.size - 1, len(force_marker)
     standing = (joint_marker.ravel(), force_marker.ravel(), np.array(measured))
-    used = np.unique(np.concatenate(standing).astype(np.int64))
+    used = distinct(np.concatenate(standing).astype(np.int64))
     bodies = marker_body[joint_marker].reshape(nj, 2)
     at_ends = marker_body[force_marker].reshape(nf, 2)
     driven = np.full(nj, -1) if driven is None else driven

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...math.arrays import Array
+from ...math.arrays import Array, distinct
 from ...math.catalogue import Number
 from . import advice
 from .advice import OWN, Motion, Pace, Refusals, Stall
@@ -224,7 +224,7 @@ class Integrator(ABC):
 
     def _stop_also(self, times: list[float]) -> None:
         """Let steps end at these times [s], too: one of a force that has not been seen, or two."""
-        self._kinks = np.union1d(self._kinks[self._kinks >= self.t], times)
+        self._kinks = distinct(self._kinks[self._kinks >= self.t], times)
         self.most_hidden -= len(times) == 1
         if self.most_hidden == 0:
             self.hidden = None

@@ -17,7 +17,6 @@ import logging
 import os
 import platform
 import re
-import shutil
 import sys
 import time
 import warnings
@@ -184,7 +183,7 @@ def _loaded(part: Part, text: str) -> Unit | None:
             return None
     if not all(machine.available(symbol) for symbol in description["symbols"]):
         return None
-    machine.load(code, _symbol(part, text))
+    machine.add(code)
     statistics.loaded.append(part.name)
     return Unit(part, text, description["result"], _symbol(part, text))
 
@@ -196,7 +195,7 @@ def _compiled(part: Part, text: str) -> Unit:
 
     symbol = _symbol(part, text)
     result, code, needs = building.compiled_unit(part, text, symbol)
-    machine.load(code, symbol)
+    machine.add(code)
     statistics.compiled.append(part.name)
     description = {"name": part.name, "result": result, **needs}
     statistics.kept &= _write(_key(part, text), description, code)
@@ -211,13 +210,15 @@ def _door_address(found: Unit) -> int:
     key = digest("door", found.symbol, found.result, environment())
     kept = _read(key)
     if kept is not None:
-        return machine.load(kept[1], symbol)
+        machine.add(kept[1])
+        return machine.address(symbol)
     import_numba()
     from . import building
 
     code = building.compiled_door(found.arguments, found.result, found.symbol, symbol)
     _write(key, {"name": f"{found.part.name} from Python"}, code)
-    return machine.load(code, symbol)
+    machine.add(code)
+    return machine.address(symbol)
 
 
 def folder() -> Path | None:
@@ -299,6 +300,8 @@ def _numba(folder: Path | None) -> Any:
     config.CACHE_DIR = str(cache)
     siblings = [p for p in cache.parent.glob("numba-*") if p != cache]
     siblings.sort(key=lambda p: p.stat().st_mtime, reverse=True)
+    import shutil
+
     for old in siblings[_KEPT_CACHES - 1 :]:
         shutil.rmtree(old, ignore_errors=True)
     return numba

@@ -88,9 +88,13 @@ def available(symbol: str) -> bool:
     return bool(llvm.address_of_symbol(symbol))
 
 
-def load(code: bytes, symbol: str) -> int:
-    """Load object code whose needs are all there; return the address of a symbol in it."""
+def add(code: bytes) -> None:
+    """Add object code; what it needs is there before an address is asked for."""
+    _engine().add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
+
+
+def address(symbol: str) -> int:
+    """Load all object code that was added; return the address of a symbol in it."""
     engine = _engine()
-    engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
     engine.finalize_object()
     return int(engine.get_function_address(symbol))

@@ -22,11 +22,9 @@ import numpy as np
 
 def digest(*texts: str | bytes) -> str:
     """Return the digest of texts, each apart from the next."""
-    found = hashlib.sha256()
-    for text in texts:
-        data = text.encode() if isinstance(text, str) else text
-        found.update(str(len(data)).encode() + b":" + data)
-    return found.hexdigest()[:40]
+    data = [text.encode() if isinstance(text, str) else text for text in texts]
+    whole = b"".join(b"%d:%b" % (len(one), one) for one in data)
+    return hashlib.sha256(whole).hexdigest()[:40]
 
 
 @cache
@@ -111,7 +109,8 @@ def _constant(value: Any) -> str:
 def _value(value: Any, code: CodeType) -> str:
     """What a global is, as far as it enters compiled code."""
     if isinstance(value, ModuleType):
-        read = sorted(name for name in _names(code) if hasattr(value, name))
+        # not by hasattr: NumPy looks for parts of it that are not imported
+        read = sorted(_names(code) & vars(value).keys())
         parts = [f"{name}={_value(getattr(value, name), code)}" for name in read]
         return digest(value.__name__, *parts)
     if isinstance(value, np.ndarray):

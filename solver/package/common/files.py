@@ -19,15 +19,13 @@ import io
 import json
 import os
 import re
-import secrets
-import socket
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 from ...errors import InputError
 from ...system.interrupts import note_complete
-from ...system.platform import has_ended
+from ...system.platform import has_ended, host
 
 SEAL = b"\nplymotion sha256 "
 LENGTH = len(SEAL) + 64 + 1
@@ -264,7 +262,7 @@ def refuse_link(path: Path) -> None:
         folder = folder.parent
 
 
-_HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "_"
+_HOST = re.sub(r"[^A-Za-z0-9]", "_", host()) or "_"
 _OURS = re.compile(rf"\..+\.{_HOST}-(\d+)-[0-9a-f]{{8}}(\.[^.]*)?")
 _cleaned: set[Path] = set()  # folders, by this process
 
@@ -279,7 +277,7 @@ def temporary_sibling(path: Path, *, own: bool = False) -> Iterator[Path]:
     if not own:
         refuse_foreign(path)
     _clean(path.parent)
-    token = f"{_HOST}-{os.getpid()}-{secrets.token_hex(4)}"
+    token = f"{_HOST}-{os.getpid()}-{os.urandom(4).hex()}"
     temporary = path.with_name(f".{path.stem}.{token}{path.suffix}")
     try:
         yield temporary

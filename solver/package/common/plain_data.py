@@ -5,7 +5,6 @@ checked the values.
 """
 
 import argparse
-import csv
 import hashlib
 import io
 import json
@@ -37,6 +36,8 @@ def cell_text(text: str) -> str:
 
 def csv_text(rows: Iterable[Iterable[Any]], end: str = "\r\n") -> str:
     """Return rows of texts and numbers as a CSV table, whose lines end with `end`."""
+    import csv  # runs write none
+
     stream = io.StringIO(newline="")
     csv.writer(stream, lineterminator=end).writerows(rows)
     return stream.getvalue()

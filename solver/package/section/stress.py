@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import did_you_mean
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray, distinct
 from ..common.findings import Remark, Reporter, positive_definite, rotations, rows_of, symmetric
 from ..common.materials import MaterialError, PlyStrength, YieldStrength, bond, read_strength
 from .section_schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData, SectionRecovery
@@ -218,7 +218,7 @@ def reentrant_corners(mesh: SectionMeshData) -> tuple[IntArray, Array]:
     nodes, and the size of the largest cell at each, (k,) [m]
     """
     around, size = np.zeros(len(mesh.nodes)), np.zeros(len(mesh.nodes))
-    for kind in np.unique(mesh.cell_types):
+    for kind in distinct(mesh.cell_types):
         rows = np.flatnonzero(mesh.cell_types == kind)
         first, last = mesh.offsets[rows[0]], mesh.offsets[rows[0] + 1]
         table = mesh.connectivity[mesh.offsets[rows][:, None] + np.arange(last - first)]
