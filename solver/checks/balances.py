@@ -11,7 +11,7 @@ from ..dynamics.elements.forces.table import FORCES
 from ..dynamics.elements.joints.contract import Angle, DrivenBy
 from ..dynamics.elements.joints.table import JOINTS
 from ..dynamics.evaluation.laws import law_at
-from ..dynamics.model.model import AIR_DENSITY, RADIUS
+from ..dynamics.model.model import AIR_DENSITY, RADIUS, SHEAR, UP
 from ..integrators.generic import advice
 from ..math.catalogue import Number
 from ..package import ModalPackage
@@ -177,10 +177,14 @@ def _of_rotor(run: FinishedRun) -> Iterator[Doubt]:
     """Doubts about the rotor, at the times of `ROTOR_TIMES`."""
     model, (t, y) = run.model, run.at(ROTOR_TIMES)
     wind = max(abs(law_at(model, model.rotor.law[0], float(time))[0]) for time in t)
-    section = int(np.flatnonzero(model.rotor.section >= 0)[0])
-    spin = Recording(model, t, y).spin(int(model.force_marker[section, 0]))
+    strips = model.force_marker[model.rotor.section >= 0]
+    recording = Recording(model, t, y)
+    spin = recording.spin(int(strips[0, 0]))
     tip = float(model.rotor.numbers[RADIUS] * np.linalg.norm(spin, axis=1).max())
-    yield from rotor_doubts(float(model.rotor.numbers[AIR_DENSITY]), wind, tip)
+    up = model.rotor.numbers[UP : UP + 3]
+    low = min(float((recording.position(int(k)) @ up).min()) for k in strips[:, 1])
+    sheared = low if model.rotor.numbers[SHEAR] > 0.0 else 0.0
+    yield from rotor_doubts(float(model.rotor.numbers[AIR_DENSITY]), wind, tip, sheared)
 
 
 def _described(spec: Any) -> Iterator[Doubt]:

@@ -63,6 +63,12 @@ def test_a_line_that_is_not_numbers(tmp_path):
     _refused(write_rotor(tmp_path, 'file = "wind.csv"'), words)
 
 
+def test_columns_of_the_wind_in_another_order(tmp_path):
+    (tmp_path / "wind.csv").write_text("Speed [m/s],Time [s],Direction\n0,8,0\n1,9,0\n")
+    words = r"wind\.csv: columns 'Speed .*; expected times, speeds, directions_deg in this order"
+    _refused(write_rotor(tmp_path, 'file = "wind.csv"'), words)
+
+
 def test_missing_places(tmp_path):
     file = write_rotor(tmp_path)
     text = file.read_text()

@@ -189,7 +189,7 @@ def body_doubts(mass: float, inertia: float = 0.0) -> Iterator[Doubt]:
         yield Doubt(SIZE, text, radius)
 
 
-def rotor_doubts(density: float, wind: float, tip: float) -> Iterator[Doubt]:
+def rotor_doubts(density: float, wind: float, tip: float, low: float = 0.0) -> Iterator[Doubt]:
     """Yield what is unusual about a rotor: density [kg/m3], fastest wind and its tip then [m/s].
 
     Parameters
@@ -197,7 +197,14 @@ def rotor_doubts(density: float, wind: float, tip: float) -> Iterator[Doubt]:
     density : density of the air [kg/m3]
     wind : fastest wind [m/s]
     tip : speed of the tips then [m/s]
+    low : least height of a strip in a wind that grows with height [m]
     """
+    if low < 0.0:
+        text = (
+            f"a blade comes down to a height of {low:.4g} m, where a wind that grows with the "
+            "height is zero: is the origin of the case on the ground, below the hub?"
+        )
+        yield Doubt(SIZE, text, low)
     if not any(low <= density <= high for low, high in (AIR, WATER)):
         text = (
             f"air_density = {density:.4g} kg/m3 (expected {AIR[0]:g} to {AIR[1]:g}, or that of "

@@ -208,7 +208,8 @@ def _of(
 
 
 def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Return the rows of a file by column; without words, columns are in order, under any names.
+    """Return the rows of a file by column; without words, columns are in order, under any names
+    but those of other columns.
 
     Raises
     ------
@@ -220,6 +221,11 @@ def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[
     head = [name.strip() for name in table[0]] if words and table else list(numbers)
     if missing := [name for name in columns if name not in head]:
         raise ValueError(f"{file}: column {missing[0]!r} is missing; expected {', '.join(columns)}")
+    stems = [key[:4] for key in numbers]
+    names = [name.strip().lower()[:4] for name in table[0]] if table and not words else []
+    if any(a in stems and a != b for a, b in zip(names, stems, strict=False)):
+        order = ", ".join(numbers)
+        raise ValueError(f"{file}: columns {','.join(table[0])!r}; expected {order} in this order")
     found = []
     for (line, _), row in zip(lines, table, strict=True):
         cells = dict(zip(head, (cell.strip() for cell in row), strict=False))
