@@ -108,7 +108,7 @@ def quasi_static_state(
         deformation (buckling, a spin above its first frequency), or joints do not let the
         mechanism move while the shapes are held.
     """
-    first, joined, rigid, tree = 0.0, False, 0, is_tree(model)
+    first, joined, rigid, tree, undeformed = 0.0, False, 0, is_tree(model), y
     size, roots = extent(model, y), _roots(model)
     shapes: list[Array] = []
     steps: list[Array] = []
@@ -142,7 +142,8 @@ def quasi_static_state(
             joined, y, rigid = True, before, motions_without_strain(model, 0.0, before)
             shapes, steps = [], []
             continue
-        deformed = replace(start, positions=y[: model.n_pos])
+        velocities = _velocities_there(model, start, undeformed, y)
+        deformed = replace(start, positions=y[: model.n_pos], velocities=velocities)
         y = consistent_state(model, deformed, joint_names, deforming=joined, moved=True)
         if energies.sum() <= _TOLERANCE**2 * float(found @ found):
             break
@@ -151,6 +152,22 @@ def quasi_static_state(
     if not joined and _gives_way(np.array(shapes), np.array(steps)):
         raise _not_converged(body_names, energies, joined=joined)
     return y
+
+
+def _velocities_there(model: Model, start: Start, before: Array, y: Array) -> Array:
+    """Return the given velocities (n_vel,) for the places of y (n,), frames with the same spins.
+
+    A frame of a bent blade tilts: with the same components in it, the blade would turn on its
+    bearing, whose damper twists it.
+    """
+    v = start.velocities.copy()
+    for i in range(model.n_body):
+        a, j = int(model.pos_start[i]), int(model.vel_start[i])
+        old, new = (rotation_matrix(state[a + 3 : a + 7]) for state in (before, y))
+        spin = old @ v[j + 3 : j + 6]
+        v[j : j + 3] += np.cross(spin, y[a : a + 3] - before[a : a + 3])
+        v[j + 3 : j + 6] = new.T @ spin
+    return v
 
 
 def _shape(model: Model, i: int) -> slice:

@@ -109,6 +109,27 @@ def test_joints_keep_their_coordinates(tmp_path):
     assert "loads-begin-suddenly" not in {w["code"] for w in summary["warnings"]}
 
 
+def test_frames_that_tilt_keep_their_spins(tmp_path):
+    """A beam on a pitch bearing of a turning hub bends: its mean axis tilts, its pitch rests.
+
+    With the given components in the tilted axes the bearing would turn at 0.02 rad/s.
+    """
+    long_beam(tmp_path, MEAN_AXIS)
+    spin = "angular_velocity = [0.0, 0.3, 0.0]\n"
+    text = ARM.replace('["ground.root"', '["hub.root"').replace(".vtkhdf\"\n", f".vtkhdf\"\n{spin}")
+    hub = f'[bodies.hub]\nkind = "rigid"\nmass = 1e5\n{spin}'
+    hub += "inertia = [[1e6, 0, 0], [0, 1e6, 0], [0, 0, 1e6]]\n"
+    hub += "interfaces = { root = { position = [0.0, 0.0, 0.0] } }\n"
+    hub += '[joints.hub]\nkind = "revolute"\nbetween = ["ground.root", "hub.root"]\n'
+    hub += "axis = [0.0, 1.0, 0.0]\n"
+    damper = 'axis = [1.0, 0.0, 0.0]\n[forces.rate]\nkind = "coordinate_force"\njoint = "root"\n'
+    damper += 'expression = "v"\n[signals.rate]\nkind = "force"\nof = "rate"\n'
+    text = text.format(joint="revolute", more=damper) + hub
+    _, found, _ = run_text(tmp_path, text, t_end=1e-3, step=1e-3, more=QUASI)
+    assert found["tip"][0] < -0.3
+    assert abs(found["rate"][0]) < 1e-6
+
+
 def test_loads_that_grow_with_the_deformation_are_told(beam, tmp_path):
     """A spin beyond the first frequency: no shape balances its loads."""
     w = float(beam.frequencies[0])
