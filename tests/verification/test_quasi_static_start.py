@@ -116,7 +116,7 @@ def test_frames_that_tilt_keep_their_spins(tmp_path):
     """
     long_beam(tmp_path, MEAN_AXIS)
     spin = "angular_velocity = [0.0, 0.3, 0.0]\n"
-    text = ARM.replace('["ground.root"', '["hub.root"').replace(".vtkhdf\"\n", f".vtkhdf\"\n{spin}")
+    text = ARM.replace('["ground.root"', '["hub.root"').replace('.vtkhdf"\n', f'.vtkhdf"\n{spin}')
     hub = f'[bodies.hub]\nkind = "rigid"\nmass = 1e5\n{spin}'
     hub += "inertia = [[1e6, 0, 0], [0, 1e6, 0], [0, 0, 1e6]]\n"
     hub += "interfaces = { root = { position = [0.0, 0.0, 0.0] } }\n"
