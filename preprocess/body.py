@@ -113,7 +113,10 @@ def _build_beam(spec: dict[str, object]) -> ModalPackage:
         # all else that may move is in the sections
         changed = replace(beam, damping_ratio=beam.damping_ratio + distance * sum(own))
         found = sections.at(parameter, distance)
-        return beam_model(changed, *(one.line for one in found)), sections.data(found)
+        moved = beam_model(changed, *(one.line for one in found))
+        if not spec.get("design_strains", True):
+            found = [one._replace(recovery=None) for one in found]
+        return moved, sections.data(found)
 
     design = derivatives(
         [p.linear() if sections.is_analysed(p) else p for p in parameters],

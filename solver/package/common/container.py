@@ -43,7 +43,8 @@ def refuse_foreign_parts(path: Path, file: h5py.File, error: type[Exception]) ->
     def visit(group: h5py.Group) -> None:
         nonlocal room
         for name in group:
-            link = group.get(name, getlink=True)
+            hard = group.id.links.get_info(_name_bytes(name)).type == h5py.h5l.TYPE_HARD
+            link = h5py.HardLink() if hard else group.get(name, getlink=True)
             where = f"{path}: {group.name.rstrip('/')}/{_text(name)}"
             if not isinstance(link, h5py.HardLink):
                 kind = {h5py.ExternalLink: "a link to another file", h5py.SoftLink: "a soft link"}

@@ -202,7 +202,8 @@ def trapeze_strains(K: Array, recovery: SectionRecovery) -> Array:
     # u2 = x3c f1 and u3 = -x2c f1 of the reference line, when the shear centre stays in place
     x2, x3 = -S[2, 3] / S[3, 3], S[1, 3] / S[3, 3]
     r2 = (recovery.points[:, 0] - x2) ** 2 + (recovery.points[:, 1] - x3) ** 2
-    return np.asarray((recovery.weights * r2) @ unit_stress(recovery)[:, 0])
+    along = (recovery.weights * r2)[:, None, None] * bond(recovery.A_BM)[:, :1]  # the axial stress
+    return np.asarray((along @ recovery.C_M[recovery.ply] @ recovery.strain_M).sum(axis=0)[0])
 
 
 MIDDLES = (22, 23, 28)  # VTK's cells with nodes in the middle of their sides, behind the corners

@@ -21,6 +21,7 @@ from ...inputs.case.tables.schema import Mechanism
 from ...inputs.section.study import leaves_of
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
+from ...package.body.schema import ModalPackage
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, output_times
@@ -61,13 +62,16 @@ def beside(p: Array, steps: Array, ranges: Array | None = None) -> list[Array]:
                  for s in (-1, 1))]  # fmt: skip
 
 
-def with_targets(names: Sequence[str], specs: Sequence[Specs], steps: Array) -> dict[str, BodySpec]:
+def with_targets(
+    names: Sequence[str], specs: Sequence[Specs], steps: Array, *, strains: bool = True
+) -> dict[str, BodySpec]:
     """Return specifications of bodies that ask for derivatives.
 
     Parameters
     ----------
     names : of the parameters
     specs : of the designs of `beside`
+    strains : also of those in the sections of beams, which stresses need
 
     Raises
     ------
@@ -84,6 +88,8 @@ def with_targets(names: Sequence[str], specs: Sequence[Specs], steps: Array) -> 
                 design[name] = list(_targets(where, minus.content, plus.content, 2.0 * steps[k]))
         if design:
             content: Any = {**spec.content, "design": design}
+            if not strains and content["kind"] == "beam":
+                content["design_strains"] = False
             found[body] = replace(spec, content=content, inputs_sha256=inputs_sha256(content))
     return found
 
@@ -104,14 +110,27 @@ def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, 
 
 
 def runs_beside(
-    spec: RunSpec, names: Sequence[str], mechanisms: Sequence[Mechanism], steps: Array
+    spec: RunSpec,
+    names: Sequence[str],
+    mechanisms: Sequence[Mechanism],
+    steps: Array,
+    *,
+    strains: bool = True,
 ) -> list[Parameter]:
     """Return parameters with the runs less and plus a step of each, by derivatives of packages.
 
     Parameters
     ----------
     mechanisms : of the designs of `beside`
+    strains : packages have derivatives of strains in sections; without, these runs have no strains,
+        so that no stress is taken for one that does not change
     """
+    if not strains:
+        packages = {
+            name: replace(p, sections=tuple(replace(s, recovery=None) for s in p.sections))
+            for name, p in spec.packages.items()
+        }
+        spec = replace(spec, packages=packages)
     return [
         Parameter(
             name, "", 0.0, h,

@@ -24,6 +24,7 @@ from ...inputs.case.record import needed, solver_sha256, with_parts
 from ...inputs.case.sweeps import Members
 from ...inputs.case.tables.bodies import PackageBody
 from ...inputs.case.tables.schema import Mechanism, changed_mechanism
+from ...inputs.case.tables.signals import PlyStressSignal, StrengthSignal
 from ...inputs.case.write import dump
 from ...math.arrays import Array
 from ...package import ModalPackage, read_package
@@ -257,11 +258,12 @@ class Trials:
             ranges = np.array([q.range() for q in self.study.parameters.values()])
             designs = self.study.designs(beside(p, steps, ranges))
             own, count = designs.own, 1 + 2 * p.size
+            strains = bool(designs.others) or self._reads_strains()
             runs = {self.study.table.run: own, **designs.others}
             built: list[tuple[str, BodySpec]] = []
             for members in runs.values():
                 bodies = [model_and_check(members.bodies[k])[0] for k in range(count)]
-                members.bodies[0] = with_targets(names, bodies, steps)
+                members.bodies[0] = with_targets(names, bodies, steps, strains=strains)
                 built += members.bodies[0].items()
             files = self.build(built)
         except InputError as error:
@@ -276,12 +278,20 @@ class Trials:
                     run: runs_beside(
                         made.spec if members is own else self.spec(run, members, 0, files),
                         names, [self.mechanism(members, k) for k in range(count)], steps,
+                        strains=strains,
                     )
                     for run, members in runs.items()
                 }  # fmt: skip
         finally:
             self.forget(files)
         return made
+
+    def _reads_strains(self) -> bool:
+        """Tell whether a quantity depends on strains within sections, most of a package."""
+        quantities = self.study.table.quantities()
+        read = with_parts({q.name for q in quantities}, self.study.base.signals).values()
+        stresses = any(isinstance(signal, PlyStressSignal | StrengthSignal) for signal in read)
+        return stresses or any(q.subject == "strength" for q in quantities)
 
     def _made(self, points: Sequence[Array]) -> list[Made | str]:
         """Return designs that were built and run; of an invalid one, why."""
