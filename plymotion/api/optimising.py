@@ -46,8 +46,8 @@ class Optimum:
         self.data: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
 
     @cached_property
-    def parameters(self) -> ByName[float]:
-        """Values of the parameters at the best design, by name.
+    def parameters(self) -> ByName[Any]:
+        """Values of the parameters at the best design, by name: numbers, or names of a choice.
 
         >>> import plymotion as pm
         >>> round(pm.optimise("pendulum.toml").parameters["m"], 6)
@@ -120,7 +120,8 @@ class Optimum:
         return axes
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{n} = {v:.6g}" for n, v in self.parameters.items())
+        shown = {n: v if isinstance(v, str) else f"{v:.6g}" for n, v in self.parameters.items()}
+        values = ", ".join(f"{n} = {v}" for n, v in shown.items())
         return f"<Optimum {self.data['case']}/{self.data['study']}: {values}>"
 
     def _repr_html_(self) -> str:

@@ -146,6 +146,29 @@ def test_discrete_values() -> None:
     assert found.parameters["k"] == 70.0 * (BEST // 70.0)
 
 
+def test_names_are_chosen_as_all_of_them_say(fenicsx: str, tmp_path: Path) -> None:
+    """Materials of two plies: the lightest wall that is stiff enough, among all four."""
+    study = {"run": "base", "minimise": {"mass": "arm"}, "starts": 1, "verify": False}
+    study["subject_to"] = [{"section": "arm", "entry": "K11", "min": 4e6}]
+    key = "sections.tube:laminates.wall.plies.{}.material"
+    own = {"kind": "choice", "set": ["carbon", "glass"]}
+    choices = {f"m{k}": {"of": [key.format(k)], **own} for k in range(2)}
+    table = tube(parameters=choices, studies={"s": study})
+    light = {"E1": 40e9, "E2": 9e9, "E3": 9e9, "G12": 4e9, "G13": 4e9, "G23": 3e9, "rho": 1200.0}
+    table["materials"]["glass"] = CARBON | light
+    found = pm.optimise(_case(table))
+    trials = Trials(Order(table, Path("t.toml"), False, "s", tmp_path))
+    every = {(i, j): trials.values(np.array([i, j])).shown for i in range(2) for j in range(2)}
+    mass, best = min((m, key) for key, (m, K11) in every.items() if K11 >= 4e6)
+    assert found.data["optimum"]["shown"][0] == mass
+    assert [*found.parameters.values()] == [own["set"][k] for k in best]
+    assert len({*best}) == 2  # neither the start nor the lightest of all
+    found.changed(_case(table)).check()
+    text = (found.folder / "optimum.toml").read_text("utf-8")
+    assert f'"laminates.wall.plies.0.material" = {found.parameters["m0"]!r}' in text
+    assert found.parameters["m1"] in repr(found)
+
+
 def test_best_design_as_variant_and_as_case() -> None:
     table = oscillator(starts=1)
     found = pm.optimise(_case(table))
@@ -166,6 +189,8 @@ def test_best_design_as_variant_and_as_case() -> None:
         ({"bounds": [900.0, 50.0]}, "expected the lower bound first"),
         ({"bounds": [200.0, 900.0]}, "the case has 100, outside 200 to 900"),
         ({"kind": "choice"}, "expected `set`"),
+        ({"kind": "choice", "set": ["a", "b"], "bounds": None}, "key of a text, this is a number"),
+        ({"set": ["a", "b"], "bounds": None}, 'expected names of kind = "choice"'),
         ({"bounds": None}, "expected `bounds` or `set`"),
         ({"step": 2000.0}, "two multiples within the bounds"),
     ],
@@ -173,7 +198,7 @@ def test_best_design_as_variant_and_as_case() -> None:
 def test_mistakes_in_parameters(change: dict[str, Any], words: str) -> None:
     table = oscillator()
     table["design"]["parameters"]["k"] |= change
-    if change == {"bounds": None}:
+    if "bounds" in change and change["bounds"] is None:
         del table["design"]["parameters"]["k"]["bounds"]
     with pytest.raises(InputError, match=r"design\.parameters\.k") as error:
         _case(table).check()

@@ -1,14 +1,14 @@
 """A checked case, and the studies of its `[design]`: parameters found in the mechanism, designs as
 members of a sweep."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 
-from ...errors import nearest, refuse, unknown
+from ...errors import InputError, nearest, refuse, unknown
 from ...math.arrays import Array
 from ...package.specification import ModeKind
 from ..common.input_table import plain_table
@@ -19,7 +19,7 @@ from .sweeps import CheckedSweep, MergedOf, Misplaced, base_of, check_sweep, num
 from .tables.beam_keys import BeamBody
 from .tables.bodies import RigidBody
 from .tables.design_keys import MECHANISM, Design, DesignParameter, Limit, Quantity, Study, Target
-from .tables.schema import CaseFile, Mechanism, Sweep, Variation, split_key
+from .tables.schema import CaseFile, Mechanism, Sweep, Variation, put, split_key
 
 UNITS = {"angle": "deg", "thickness": "m"}  # of the keys of a kind
 VIBRATIONS = get_args(ModeKind)
@@ -52,10 +52,20 @@ class CheckedStudy:
     _merged_of: MergedOf
 
     def designs(self, points: Sequence[Array]) -> CheckedSweep:
-        """Return designs (p,) as members of a sweep. Raises InputError: a value that is refused."""
+        """Return designs (p,) as members of a sweep, all with the same names.
+
+        Raises InputError: a value that is refused.
+        """
         columns = dict(zip(self.parameters, np.array(points, dtype=float).T, strict=True))
         vary, texts = dict[str, Variation](), dict[str, str]()
+        names = dict[str, str]()
         for name, values in columns.items():
+            if self.parameters[name].names:
+                chosen = {str(self.parameters[name].shown(value)) for value in values}
+                if len(chosen) > 1:
+                    raise InputError(f"{self._where}: {name}: designs of several names")
+                names |= dict.fromkeys([t.key for t in self.targets[name]], *chosen)
+                continue
             plain = [t.key for t in self.targets[name] if (t.factor, t.offset) == (1.0, 0.0)]
             texts |= {
                 t.key: f"({t.factor!r})*{name}+({t.offset!r})"
@@ -64,18 +74,25 @@ class CheckedStudy:
             }
             own = {"keys": plain} if plain else {}
             vary[name] = Variation.model_validate({**own, "values": values.tolist()})
+        if not vary:  # names alone; a study sets the tolerance itself
+            values = [self.base.solver.rtol] * len(points)
+            vary["solver.rtol"] = Variation.model_validate({"values": values})
         sweep = Sweep.model_validate(
             {"run": self.table.run, "design": "list", "vary": vary, "set": texts}
         )
-        return check_sweep(self._where, sweep, self._specs, self._merged_of)
+        merged_of = self._merged_of
+        return check_sweep(
+            self._where, sweep, self._specs, lambda run: _with_names(merged_of(run), names)
+        )
 
-    def keys(self, p: Array) -> dict[str, float]:
+    def keys(self, p: Array) -> dict[str, float | str]:
         """Return the values of the keys of a design (p,)."""
-        return {
-            t.key: t.factor * float(value) + t.offset
-            for name, value in zip(self.parameters, p, strict=True)
-            for t in self.targets[name]
-        }
+        found: dict[str, float | str] = {}
+        for (name, parameter), value in zip(self.parameters.items(), p, strict=True):
+            for t in self.targets[name]:
+                own = parameter.shown(value)
+                found[t.key] = own if isinstance(own, str) else t.factor * own + t.offset
+        return found
 
     def richer(self) -> "CheckedStudy":
         """Return the study of finer bodies: twice the elements, half as many modes again.
@@ -105,6 +122,17 @@ class CheckedStudy:
             return table
 
         return replace(self, _merged_of=merged_of)
+
+
+def _with_names(merged: dict[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """Return the tables of a run with names at dotted keys, where it has such a body or section."""
+    for key, name in names.items():
+        group, owner, *_ = split_key(key)
+        if owner in merged.get(group, {}):
+            if ":" in key and "changes" not in merged[group][owner]:
+                merged = put(merged, {f"{group}.{owner}.changes": {}})
+            merged = put(merged, {key: name})
+    return merged
 
 
 @dataclass(frozen=True)
@@ -166,10 +194,23 @@ def check_study(
         at = f"{where.partition(':')[0]}: design.parameters.{parameter_name}"
         listed = [Target(key=t) if isinstance(t, str) else t for t in parameter.of]
         targets[parameter_name] = listed
+        if parameter.names:
+            try:
+                own = number_at(base, listed[0].key, specs.folder, text=True)[1]
+            except Misplaced as error:
+                found.append(f"{at}.of: {error}")
+                continue
+            own = own if parameter.start is None else parameter.start
+            if own not in parameter.names:
+                words = ", ".join(parameter.names)
+                found.append(f"{at}: the case has {own!r}; expected `start`, one of {words}")
+                continue
+            start.append(float(parameter.names.index(str(own))))
+            continue
         wrong = [line for t in listed for line in _misplaced(at, parameter, t, base, specs)]
         found += wrong
         if not wrong:
-            value = parameter.start
+            value: Any = parameter.start
             if value is None:
                 first = listed[0]
                 there = number_at(base, first.key, specs.folder)[1]
@@ -196,7 +237,11 @@ def check_study(
     checked = CheckedStudy(
         name, study, parameters, targets, base, np.array(start), merged, where, specs, merged_of
     )
-    checked.designs([checked.start])
+    points = [checked.start]
+    for k, parameter in enumerate(parameters.values()):
+        points += [np.r_[points[0][:k], i, points[0][k + 1 :]] for i in range(len(parameter.names))]
+    for point in points:
+        checked.designs([point])
     return checked
 
 

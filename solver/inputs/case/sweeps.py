@@ -173,13 +173,14 @@ def unit_at(mechanism: Mechanism, key: str, folder: Path, units: str = "m") -> s
 
 
 def number_at(
-    mechanism: Mechanism, key: str, folder: Path, units: str = "m"
-) -> tuple[str, float | None]:
+    mechanism: Mechanism, key: str, folder: Path, units: str = "m", *, text: bool = False
+) -> tuple[str, Any]:
     """Return unit and value of the number at a key of a case or of a description; None: absent.
 
     Parameters
     ----------
     units : of lengths in the case file
+    text : of a text in place of a number
 
     Raises
     ------
@@ -188,7 +189,7 @@ def number_at(
     """
     owner, colon, inner = key.partition(":")
     if not colon:
-        return _number(mechanism, key, key, units)
+        return _number(mechanism, key, key, units, text=text)
     way = owner.split(".")
     try:
         model = described(way, mechanism, folder) if len(way) == 2 else None
@@ -199,10 +200,10 @@ def number_at(
         known += [f"bodies.{n}" for n, b in mechanism.bodies.items() if hasattr(b, "changes")]
         hint = nearest(owner, known)
         raise Misplaced(f"{key}: expected a described section or a shell before the colon{hint}")
-    return _number(model, inner, key, getattr(model, "units", "m"))
+    return _number(model, inner, key, getattr(model, "units", "m"), text=text)
 
 
-def _number(model: BaseModel, key: str, shown: str, units: str) -> tuple[str, float | None]:
+def _number(model: BaseModel, key: str, shown: str, units: str, *, text: bool) -> tuple[str, Any]:
     """Return unit and value at a key below a model; `shown` is the key in messages."""
     here: Any = model
     unit, way = "", list[str]()
@@ -241,9 +242,12 @@ def _number(model: BaseModel, key: str, shown: str, units: str) -> tuple[str, fl
             if isinstance(here, list) and "," in unit:  # those of its entries, as text
                 unit = ""
             here = here[int(part)] if isinstance(here, list) else here[part]
-    if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
-        what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
-        raise Misplaced(f"{shown}: expected the key of a number, this is {what}")
+    kinds = str if text else int | float
+    if here is not None and (isinstance(here, bool) or not isinstance(here, kinds)):
+        known_kinds = {str: "text", bool: "true or false", list: "a list", dict: "a table"}
+        what = known_kinds.get(type(here), "a number" if text else "a table")
+        wanted = "a text" if text else "a number"
+        raise Misplaced(f"{shown}: expected the key of {wanted}, this is {what}")
     return units if unit == "m" else unit, here
 
 

@@ -67,7 +67,12 @@ def study_section(found: dict[str, Any]) -> str:
         )
     head = ["quantity", "start", "best", "verified, richer model", "limit"]
     own = [
-        [escape(name), number(p, 5), number(value, 5), escape(", ".join(q["targets"]))]
+        [
+            escape(name),
+            escape(q["names"][round(p)]) if q.get("names") else number(p, 5),
+            escape(value) if q.get("names") else number(value, 5),
+            escape(", ".join(q["targets"])),
+        ]
         for (name, value), p, q in zip(
             best["values"].items(), found["start"]["p"], found["parameters"].values(), strict=True
         )

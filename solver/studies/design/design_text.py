@@ -37,7 +37,9 @@ def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
         rows.append([f"{sense}{measure['words']}{unit}", *texts, ", ".join(limit)])
     rows.append([""] * 5)
     for k, (name, value) in enumerate(best["values"].items()):
-        rows.append([name, f"{found['start']['p'][k]:.6g}", f"{value:.6g}", "", ""])
+        names, first = found["parameters"][name]["names"], found["start"]["p"][k]
+        texts = [names[round(first)], value] if names else [f"{first:.6g}", f"{value:.6g}"]
+        rows.append([name, *texts, "", ""])
     lines.append(aligned(rows, left=range(5), head=1, rule=False))
     if best["violation"] > FEASIBLE:
         lines.append(

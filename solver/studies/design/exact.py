@@ -21,7 +21,6 @@ from ...inputs.case.tables.schema import Mechanism
 from ...inputs.section.study import leaves_of
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
-from ...package.body.schema import ModalPackage
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, output_times

@@ -70,11 +70,14 @@ def first_points(study: CheckedStudy, space: Space) -> Array:
     own = space.z(study.start)[None]
     if count == 1:
         return own
+    named = [k for k, name in enumerate(space.names) if study.parameters[name].names]
     from scipy.stats import qmc  # here: loading it takes 0.4 s
 
     sobol = qmc.Sobol(len(space.names), rng=np.random.default_rng(study.table.seed))
     shares = sobol.random_base2(int(np.ceil(np.log2(count - 1))) if count > 2 else 0)[: count - 1]
-    return np.r_[own, space.lower + shares * (space.upper - space.lower)]
+    found = np.r_[own, space.lower + shares * (space.upper - space.lower)]
+    found[:, named] = np.rint(found[:, named])  # there is nothing between names
+    return found
 
 
 _opened: dict[tuple[Path, str], tuple[Trials, Space, Memory]] = {}

@@ -185,6 +185,7 @@ def _content(
             name: {
                 "kind": q.kind,
                 "range": q.range(),
+                "names": q.names,
                 "targets": [t.key for t in study.targets[name]],
             }
             for name, q in study.parameters.items()
@@ -193,7 +194,7 @@ def _content(
         "start": {"p": p0.tolist(), "shown": first.shown if first else []},
         "optimum": {
             **asdict(best.best),
-            "values": dict(zip(names, best.best.p, strict=True)),
+            "values": {n: study.parameters[n].shown(x) for n, x in zip(names, p, strict=True)},
             "keys": study.keys(p),
             "start": best.number,
         },

@@ -29,14 +29,16 @@ class DesignParameter(Table):
     )
     kind: Literal["angle", "thickness", "number", "choice"] = entry(
         "angle: of plies, keys in deg; thickness: keys in m; number: any key; choice: one of `set`,"
-        " without values between them"
+        " numbers or names such as those of materials, without values between them"
     )
     bounds: Pair | None = optional("lowest and highest value; absent: those of `set`")
-    values: list[float] | None = optional(
-        "the allowed values of a discrete parameter", min_length=2, alias="set"
+    values: list[float] | list[str] | None = optional(
+        'the allowed values of a discrete parameter; names with kind = "choice"',
+        min_length=2,
+        alias="set",
     )
     step: float | None = optional("discrete: multiples of it within the bounds", gt=0)
-    start: float | None = optional("first value of a study; absent: that of the case")
+    start: float | str | None = optional("first value of a study; absent: that of the case")
 
     @model_validator(mode="after")
     def _fitting(self) -> Self:
@@ -51,23 +53,46 @@ class DesignParameter(Table):
         if self.step is not None and self.bounds is not None and len(self.allowed()) < 2:
             raise ValueError(f"step = {self.step:g}: expected two multiples within the bounds")
         low, high = self.range()
-        if self.start is not None and not low <= self.start <= high:
+        if self.names:
+            if self.kind != "choice" or self.bounds is not None or len({*self.names}) < 2:
+                words = 'names of kind = "choice", without bounds, no two of them equal'
+                raise ValueError(f"set: expected {words}")
+            if any(isinstance(t, Target) and (t.factor, t.offset) != (1.0, 0.0) for t in self.of):
+                raise ValueError("of: expected no factor and no offset of names")
+            if self.start is not None and self.start not in self.names:
+                raise ValueError(f"start = {self.start!r}: expected one of {', '.join(self.names)}")
+        elif isinstance(self.start, str):
+            raise ValueError(f"start = {self.start!r}: expected a number")
+        elif self.start is not None and not low <= self.start <= high:
             raise ValueError(f"start = {self.start:g}: expected {low:g} to {high:g}")
         return self
+
+    @property
+    def names(self) -> list[str]:
+        """The allowed names; the value of such a parameter is the place in this list."""
+        return [value for value in self.values or () if isinstance(value, str)]
+
+    def shown(self, value: float) -> float | str:
+        """Return a value as the user writes it."""
+        return self.names[round(value)] if self.names else float(value)
 
     def range(self) -> tuple[float, float]:
         """Return the lowest and the highest value."""
         if self.bounds is not None:
             return self.bounds[0], self.bounds[1]
-        values = self.values or [0.0]
+        values = self._numbers() or [0.0]
         return min(values), max(values)
+
+    def _numbers(self) -> list[float]:
+        values: list[Any] = [*(self.values or ())]
+        return [float(k if isinstance(v, str) else v) for k, v in enumerate(values)]
 
     def allowed(self) -> list[float]:
         """Return the values of a discrete parameter in order; none of a continuous one."""
         low, high = self.range()
         near = 1e-9 * (high - low)
         if self.values is not None:
-            return sorted(v for v in {*self.values} if low - near <= v <= high + near)
+            return sorted(v for v in {*self._numbers()} if low - near <= v <= high + near)
         if self.step is None:
             return []
         first, last = -(-(low - near) // self.step), (high + near) // self.step
