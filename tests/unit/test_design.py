@@ -210,6 +210,50 @@ def test_few_allowed_designs_are_all_compared(step: float) -> None:
     assert start.best.p == ([60.0, -60.0] if step == 30.0 else [0.0, 0.0])
 
 
+class _Strong(_Plates):
+    """Plies of six thicknesses; exposures of 40 plies of two bodies, of which 8 are known."""
+
+    def __init__(self, seed: int) -> None:
+        random = np.random.default_rng(seed)
+        self.loads = 6.0 * random.uniform(0.0, 1.0, (2, 40, 6)) ** 3
+        self.phases = random.uniform(0.0, 6.0, (2, 40, 6))
+
+    def _highest(self, body: int, p: Array) -> tuple[Array, Array]:
+        loads, turn = self.loads[body], p / 8.0 + self.phases[body]
+        share = 1.0 + 0.6 * np.sin(turn)
+        exposures = (loads * share / p).sum(axis=1)
+        rows = np.argsort(-exposures)[:8]
+        slopes = loads * (0.6 / 8.0 * np.cos(turn) / p - share / p**2)
+        return exposures[rows], slopes[rows]
+
+    def values(self, p: Array) -> Values:
+        found = [self._highest(body, p)[0] for body in (0, 1)]
+        shown = [p.sum(), *(1.0 / each[0] for each in found)]
+        return Values("", [[p.sum()], *(each.tolist() for each in found)], shown, ["kg", "", ""])
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        return [[[1.0] * p.size], *(self._highest(body, p)[1].tolist() for body in (0, 1))]
+
+
+def test_a_start_beyond_its_limits_goes_back_to_them() -> None:
+    """SLSQP alone ends 30 % beyond the limits, where designs within them exist."""
+    least = [{"strength": "arm", "min": 1.5}, {"strength": "arm", "min": 2.0}]
+    thick = {n: p | {"bounds": [0.2, 90.0]} for n, p in angles(6).items()}
+    own = {"run": "base", "minimise": {"mass": "arm"}, "subject_to": least}
+    table = tube(6, parameters=thick, studies={"s": own})
+    study, start = checked_case(table, Path("tube.toml")).studies["s"], Start(0)
+    measures = [measure_of(q) for q in study.table.quantities()]
+    designs, space = _Strong(6), space_of(study)
+
+    def problem(z: Array) -> Problem:
+        return Problem(designs, study.table, measures, space, z)
+
+    search(start, study, problem, np.full(6, 20.0))
+    assert start.best is not None
+    assert start.best.violation < 1e-4
+    assert start.best.merit < 230.0
+
+
 def test_rules_that_no_allowed_design_follows_are_named() -> None:
     study = _study(1, angles(1, set=[0.0, 20.0, 90.0]), rules=[{"share": 0.1}])
     start = Start(0)

@@ -43,7 +43,8 @@ def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
     lines.append(aligned(rows, left=range(5), head=1, rule=False))
     if best["violation"] > FEASIBLE:
         lines.append(
-            f"no design satisfies all limits: this one breaks one by {best['violation']:.3g} of it"
+            "no design was found that satisfies all limits: this one breaks one by "
+            f"{best['violation']:.3g} of it"
         )
     if verified.get("why"):
         lines.append(f"not verified: {verified['why']}")

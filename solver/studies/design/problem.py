@@ -86,6 +86,7 @@ class Problem:
     history : a point for each gradient that was asked for: the iterations
     invalid : designs that had no value, and the first reason
     front : the valid designs of which none is better in both numbers of a study with `front`
+    restoring : the largest violation of the limits is made small in place of the objective
     """
 
     designs: Designs
@@ -97,6 +98,7 @@ class Problem:
     history: list[Point] = field(default_factory=list)
     invalid: list[str] = field(default_factory=list)
     front: list[Point] = field(default_factory=list)
+    restoring: bool = False
 
     def __post_init__(self) -> None:
         self._good: tuple[Array, Array, Array | None] | None = None
@@ -108,28 +110,30 @@ class Problem:
         self.sign = 1.0 if self.study.minimise is not None else -1.0
         if self.study.objective.subject == "strength":
             self.sign = 1.0  # of exposures, which are the values
-        self.bounded = self.measures[0].peaks != 0
+        self.bounded = self.restoring or self.measures[0].peaks != 0
         sizes = [float(np.abs(v).max()) for v in first.values]
         self._scale = sizes[0] or 1.0
         self._sizes = [s or 1.0 for s in sizes]
-        self._peaks = len(first.values[0])
+        self._peaks = len(first.values[0]) if self.bounded and not self.restoring else 0
         self.x0 = self.x_of(self.space.p(self.z0))
         self.bounds = np.repeat([[-1.0, 1.0]], self.z0.size, axis=0)
         if self.bounded:
-            self.bounds = np.r_[self.bounds, [[-1e6, 1e6]]]
+            self.bounds = np.r_[self.bounds, [[-FEASIBLE if self.restoring else -1e6, 1e6]]]
 
     @property
     def peaks(self) -> int:
         """Number of the first entries of `cons` that bound the objective."""
-        return self._peaks if self.bounded else 0
+        return self._peaks
 
     def x_of(self, p: Array) -> Array:
         """Return the x of a design (p,); the bound of its peaks is the largest of them."""
         u = (self.space.z(p) - self._mid) / self._half
         if not self.bounded:
             return u
-        top = self.sign * np.array(self.designs.values(p).values[0]) / self._scale
-        return np.r_[u, top.max()]
+        values = self.designs.values(p).values
+        if self.restoring:
+            return np.r_[u, self.violation(p, values)]
+        return np.r_[u, (self.sign * np.array(values[0]) / self._scale).max()]
 
     def z(self, x: Array) -> Array:
         """Return the free parameters of x, in their units."""
@@ -217,12 +221,13 @@ class Problem:
 
         if self.bounded:
             rows.append(np.asarray(x[-1]) if slopes is None else np.eye(n)[-1])
-            add(0, 0.0, -self.sign / self._scale, of_bound=1.0)
+            if not self.restoring:
+                add(0, 0.0, -self.sign / self._scale, of_bound=1.0)
         else:
             add(0, 0.0, self.sign / self._scale)
         for k, limit in enumerate(self.study.subject_to, 1):
             for offset, factor in self._limits(k, limit):
-                add(k, offset, factor)
+                add(k, offset, factor, of_bound=float(self.restoring))
         for row, b in zip(self.space.A, self.space.b, strict=True):
             size = float(np.abs(row * self._half).max())
             if slopes is None:
@@ -246,7 +251,7 @@ class Problem:
         """Return the largest violation of all limits by a design, relative."""
         x = np.r_[(self.space.z(p) - self._mid) / self._half, [0.0] * self.bounded]
         rows = self._rows(x, [np.array(v) for v in values], None)[1:]
-        rows = rows[len(values[0]) :] if self.bounded else rows
+        rows = rows[len(values[0]) if self._peaks else 0 :]
         return float(max(0.0, -rows.min())) if rows.size else 0.0
 
     def point(self, p: Array, found: Values) -> Point:

@@ -1,7 +1,7 @@
 """One start of a study: gradient steps, a turn away from a saddle, then the discrete search."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,14 @@ from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
 from .drivers.table import driver_of
 from .memory import FILE, Memory
-from .problem import Options, Point, Problem, Values, undominated
+from .problem import FEASIBLE, Options, Point, Problem, Values, undominated
 from .rules import Space, broken, space_of
 from .trials import StudySpec, Trials
 
 QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
 TURN, TURNS = 3.0, 3  # [deg] out of a saddle; at most so many times
+RESTORED = 3  # times that a start which ends beyond its limits goes back to them, at most
 EVERY = 64  # combinations of allowed values, up to which all are computed
 
 
@@ -127,6 +128,18 @@ def search(
         start.left_saddle = True
         if start.best is before:
             break
+    for _ in range(RESTORED):
+        before = start.best
+        if before is None or before.violation <= FEASIBLE or study.table.front is not None:
+            break
+        for restoring in (True, False):  # the nearest design within the limits, then on from there
+            z = problem.space.z(np.array(start.best.p))
+            problem = replace(
+                problem, z0=z, best=None, history=[], invalid=[], front=[], restoring=restoring
+            )
+            _descend(problem, start, study)
+        if start.best is before:
+            break
     start.continuous = start.best
     if start.best is not None and any(problem.space.allowed):
         start.best = discrete(problem, study, start.best)
@@ -137,7 +150,8 @@ def search(
 
 def _descend(problem: Problem, start: Start, study: CheckedStudy) -> None:
     table = study.table
-    driver = driver_of(table.driver, f"design.studies.{study.name}")
+    name = "slsqp" if problem.restoring else table.driver
+    driver = driver_of(name, f"design.studies.{study.name}")
     ending = driver.minimise(problem, Options(table.iterations, table.tolerance, table.seed))
     start.converged, start.message = ending.converged, ending.message
     start.history += problem.history
