@@ -133,7 +133,7 @@ def search(
         if before is None or before.violation <= FEASIBLE or study.table.front is not None:
             break
         for restoring in (True, False):  # the nearest design within the limits, then on from there
-            z = problem.space.z(np.array(start.best.p))
+            z = problem.space.z(np.array((start.best or before).p))
             problem = replace(
                 problem, z0=z, best=None, history=[], invalid=[], front=[], restoring=restoring
             )
