@@ -124,7 +124,7 @@ def advance(
             return TOO_SMALL, filled
 
         set_weights(options, workspace.y, workspace.y, workspace.weight)
-        predict(workspace, h, clock[TAKEN])
+        predict(model, workspace, h)
         iterations = _solve_stages(model, options, workspace, t, h, refused)
         refused, error = 0.0, LEAST_ERROR
         if counts[TROUBLE] == NONE:

@@ -25,6 +25,7 @@ from .cutoff import Cutoff, new_cutoff
 from .pencil import Frozen, Pencil, factorise_feedback, factorise_pencil, new_frozen, new_pencil
 from .residual import inertia_residual, start_forces
 from .step_control import (
+    BEGUN,
     ERROR_LAST,
     GROWTH,
     LIMIT,
@@ -35,6 +36,7 @@ from .step_control import (
     RATE,
     ROUGH,
     SINCE,
+    STEPS,
     TAKEN,
     TIME,
     Options,
@@ -42,6 +44,7 @@ from .step_control import (
     set_weights,
 )
 
+FRESH = 2  # steps after a start whose polynomials do not go on
 ROOT = np.sqrt(6.0)
 C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])  # stages [h]
 # Powers of a collocation polynomial that vanishes at 0, from its values at C: c_k of x^(k+1).
@@ -163,6 +166,7 @@ def restart_radau(model: Model, workspace: RadauWorkspace, t: float) -> None:
 def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
     """Forget what was before the state, which was evaluated last, with its multipliers."""
     workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
+    workspace.clock[BEGUN] = workspace.counts[STEPS]
     for k in range(3):
         for i in range(model.n_constraint):
             workspace.multipliers_old[k, i] = workspace.work.multipliers[i]
@@ -170,27 +174,34 @@ def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
 
 
 @inlined
-def predict(workspace: RadauWorkspace, h: float, last: float) -> None:
-    """Begin a step of h with the polynomials of the last one, continued; constant without one.
+def predict(model: Model, workspace: RadauWorkspace, h: float) -> None:
+    """Begin a step of h with the polynomials of the last one, continued.
+
+    The first FRESH steps after a start have none that goes on: before a jump of forces the
+    polynomial is another one, and behind it that of a transient. Positions follow their rates
+    there, and velocities and multipliers stay.
 
     Parameters
     ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
     workspace : memory of the run
     h : step size [s]
-    last : size of the last step [s], 0 without one
     """
-    Z, Q = workspace.Z, workspace.Q
+    Z, Q, clock = workspace.Z, workspace.Q, workspace.clock
     L, L_old = workspace.multipliers, workspace.multipliers_old
+    fresh = workspace.counts[STEPS] - clock[BEGUN] < FRESH
     for k in range(3):
-        x, w0, w1, w2 = 1.0, 1.0, 0.0, 0.0
-        if last > 0.0:
-            x = 1.0 + C[k] * h / last
+        x, w0, w1, w2 = 1.0, 0.0, 0.0, 1.0
+        if not fresh:
+            x = 1.0 + C[k] * h / clock[TAKEN]
             w0 = (x - C[1]) * (x - C[2]) / ((C[0] - C[1]) * (C[0] - C[2]))
             w1 = (x - C[0]) * (x - C[2]) / ((C[1] - C[0]) * (C[1] - C[2]))
             w2 = (x - C[0]) * (x - C[1]) / ((C[2] - C[0]) * (C[2] - C[1]))
         for i in range(workspace.y.shape[0]):
             whole = Q[0, i] + Q[1, i] + Q[2, i]
             Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
+        for i in range(model.n_pos if fresh else 0):
+            Z[k, i] = C[k] * h * workspace.f[i]
         for i in range(L.shape[1]):
             L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
             workspace.predicted[k, i] = L[k, i]

@@ -22,7 +22,8 @@ TENSE, TRIED, REFUSALS, SINCE, OTHER = 9, 10, 11, 12, 13
 KINK = 14  # number of the first kink of a law of time that is still to come
 INSTANT = 15  # number of the first instant of sampling that is still to come
 END = 16  # where the loop comes back [s]
-N_CLOCK = 17
+BEGUN = 17  # number of the steps before the last start of `radau`
+N_CLOCK = 18
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
