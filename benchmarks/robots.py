@@ -15,6 +15,7 @@ import tempfile
 import time
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from robots_exchange import READY, ROOT, TORQUES, contact, driven_arm, fmi, mujoco, orders
@@ -38,6 +39,12 @@ WAYS = (
     (None, {"rtol": 1e-5, **RESOLVED}),
     *((None, {"rtol": rtol}) for rtol in (1e-6, 1e-5, 1e-4)),
     *((h, {"rtol": 1e-5}) for h in FIXED),
+)
+# Of torques that are noise. With fixed steps `rtol` ends Newton's iteration, nothing else.
+NOISE_WAYS = (
+    (None, {"rtol": 1e-7, **RESOLVED}),
+    *((None, {"rtol": rtol}) for rtol in (1e-5, 1e-4)),
+    *((h, {"rtol": 1e-3}) for h in (2.5e-4, 1e-3 / 3.0, 5e-4)),
 )
 WHERE = "import sysconfig; print(sysconfig.get_path('purelib'))"
 
@@ -94,24 +101,31 @@ def compared(file: Path, base: str, peer: str, count: int, folder: str) -> dict[
     return {"coordinates": n, **worst}
 
 
-def stepping(folder: str, chunks: int = 6, count: int = 50) -> object:
+def stepping(folder: str, ways: Any, torques: Any, chunks: int = 6, count: int = 50) -> object:
     """Return the CPU time of a step of 1 ms of the arm with two flexible links [s].
 
     Motors in the six joints are inputs, which jump at every step. By accuracy, with rates of fast
     vibrations resolved or not, or with fixed steps. Errors are differences from the first run. The
     shortest mean of `count` steps: on a busy machine others are longer.
+
+    Parameters
+    ----------
+    folder : folder of the runs
+    ways : fixed step, or None, and the keys of the solver of each run
+    torques : (chunks * count, 6) of the motors [N m]
+    chunks, count : timings, and steps of each
     """
     result: dict[str, dict[str, float]] = {}
     exact = np.zeros((2, 6))
-    for fixed, solver in WAYS:
+    for fixed, solver in ways:
         case = driven_arm(**solver)
         case.table["signals"] = {}
         sim = pm.simulate(case, "tubes", out=folder, packages=READY, fixed_step=fixed)
         found: list[float] = []
-        for _ in range(chunks):
+        for chunk in torques.reshape(chunks, count, 6):
             begin = time.process_time()
-            for _ in range(count):
-                sim.step(1e-3, TORQUES * np.sin(10.0 * sim.t + np.arange(6)))
+            for torque in chunk:
+                sim.step(1e-3, torque)
             found.append((time.process_time() - begin) / count)
         ends = np.array([sim.q[:6], sim.qd[:6]])
         exact = exact if result else ends
@@ -138,7 +152,10 @@ def main() -> None:
     root = Path(package.stdout.strip()) / ROBOTS
     result: dict[str, object] = {}
     with tempfile.TemporaryDirectory() as folder:
-        result["steps of 1 ms"] = stepping(folder)
+        t, noise = 1e-3 * np.arange(300)[:, None], np.random.default_rng(0).uniform(-1.0, 1.0, (300, 6))
+        waves = np.sin(10.0 * t + np.arange(6))
+        result["steps of 1 ms"] = stepping(folder, WAYS, TORQUES * waves)
+        result["steps of 1 ms, noise"] = stepping(folder, NOISE_WAYS, TORQUES * noise)
         drawn = partial(orders, picture=ROOT / "docs/pictures/fmu-orders.png")
         parts = {"FMI": fmi, "orders of FMUs": drawn, "MuJoCo": mujoco, "contact": contact}
         for key, found_by in parts.items():
