@@ -44,7 +44,7 @@ from .step_control import (
     set_weights,
 )
 
-FRESH = 2  # steps after a start whose polynomials do not go on
+FRESH = 2  # steps after a restart that continue no polynomial
 ROOT = np.sqrt(6.0)
 C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])  # stages [h]
 # Powers of a collocation polynomial that vanishes at 0, from its values at C: c_k of x^(k+1).
@@ -165,7 +165,7 @@ def restart_radau(model: Model, workspace: RadauWorkspace, t: float) -> None:
 @lean
 def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
     """Forget what was before the state, which was evaluated last, with its multipliers."""
-    workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
+    workspace.clock[TAKEN] = 0.0
     workspace.clock[BEGUN] = workspace.counts[STEPS]
     for k in range(3):
         for i in range(model.n_constraint):
@@ -177,9 +177,9 @@ def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
 def predict(model: Model, workspace: RadauWorkspace, h: float) -> None:
     """Begin a step of h with the polynomials of the last one, continued.
 
-    The first FRESH steps after a start have none that goes on: before a jump of forces the
-    polynomial is another one, and behind it that of a transient. Positions follow their rates
-    there, and velocities and multipliers stay.
+    After a start there is none. Behind a restart, where forces may have jumped, that of the first
+    step is the one of a transient and does not go on, either. There positions follow their rates,
+    velocities and multipliers stay, and Newton's iteration has no known rate of convergence.
 
     Parameters
     ----------
@@ -189,7 +189,9 @@ def predict(model: Model, workspace: RadauWorkspace, h: float) -> None:
     """
     Z, Q, clock = workspace.Z, workspace.Q, workspace.clock
     L, L_old = workspace.multipliers, workspace.multipliers_old
-    fresh = workspace.counts[STEPS] - clock[BEGUN] < FRESH
+    fresh = workspace.counts[STEPS] - clock[BEGUN] < (FRESH if clock[BEGUN] > 0.0 else 1)
+    if fresh:
+        clock[RATE] = 1.0
     for k in range(3):
         x, w0, w1, w2 = 1.0, 0.0, 0.0, 1.0
         if not fresh:
