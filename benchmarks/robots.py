@@ -152,7 +152,10 @@ def main() -> None:
     root = Path(package.stdout.strip()) / ROBOTS
     result: dict[str, object] = {}
     with tempfile.TemporaryDirectory() as folder:
-        t, noise = 1e-3 * np.arange(300)[:, None], np.random.default_rng(0).uniform(-1.0, 1.0, (300, 6))
+        t, noise = (
+            1e-3 * np.arange(300)[:, None],
+            np.random.default_rng(0).uniform(-1.0, 1.0, (300, 6)),
+        )
         waves = np.sin(10.0 * t + np.arange(6))
         result["steps of 1 ms"] = stepping(folder, WAYS, TORQUES * waves)
         result["steps of 1 ms, noise"] = stepping(folder, NOISE_WAYS, TORQUES * noise)

@@ -218,6 +218,20 @@ def test_vibrations_are_followed_to_rtol_in_displacements(
     assert taken[2] < most < least < taken[1]
 
 
+def test_steps_behind_a_jump_take_few_iterations(repository: Path, tmp_path: Path) -> None:
+    """Torques that are noise: the polynomial of a transient, continued, asked for 19.5 each."""
+    case, ready = (
+        tubes(repository, motors=True, rtol=1e-3),
+        repository / "tests/packages/robot-import",
+    )
+    sim = pm.simulate(case, "tubes", out=tmp_path, packages=ready, fixed_step=5e-4)
+    noise = np.random.default_rng(0).uniform(-1.0, 1.0, (30, 6))
+    for torques in [20, 20, 10, 0.2, 0.2, 0.02] * noise:
+        sim.step(1e-3, torques)
+    counters = sim._stepper._integrator.counters  # type: ignore[union-attr]
+    assert counters.evaluations < 18 * len(noise)
+
+
 def test_the_accuracy_is_that_of_the_case_whatever_the_inputs_at_the_start(
     arm: pm.Simulation,
 ) -> None:
