@@ -209,6 +209,21 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
             'ixx="0" iyy="0"',
             r"<link slider>: principal moments 0, .*expected all above 0, or --allow inertia",
         ),
+        (
+            '<mass value="0.8"/>',
+            '<mass value="0.8"/><mass value="1.8"/>',
+            r"link slider: a second <mass>; expected one",
+        ),
+        (
+            '<axis xyz="1 0 1"',
+            '<axes xyz="1 0 1"',
+            r":50: joint slide: <axes>: no such element; did you mean 'axis'\?$",
+        ),
+        (
+            'lower="-1.5"',
+            'low="-1.5"',
+            r"joint shoulder, <limit low>: no such attribute; did you mean 'lower'\?",
+        ),
         ('xyz="1 0 1"', 'xyz="0 0 0"', r"joint slide, <axis xyz>: expected a vector of non-zero"),
         ('lower="-1.5"', 'lower="2.5"', r"joint shoulder, <limit>: lower = 2.5; expected at most"),
         ('name="tool"', 'name="wri/st"', r"no such link"),

@@ -5,8 +5,9 @@ know, or raise without a place in the file. Entities are refused, so that a file
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from enum import StrEnum, auto
 from pathlib import Path
 from typing import TypeVar
@@ -47,6 +48,22 @@ SIZES = {
     "sphere": {"radius": 1},
     MESH: {"scale": 3},
 }
+# Children that are read once, and attributes. A word that looks like one of them would be dropped.
+KNOWN = {
+    "link": ("inertial", "name"),
+    "inertial": ("origin mass inertia", ""),
+    "joint": ("origin parent child axis limit dynamics mimic", "name type"),
+    "origin": ("", "xyz rpy"),
+    "mass": ("", "value"),
+    "inertia": ("", "ixx iyy izz ixy ixz iyz"),
+    "parent": ("", "link"),
+    "child": ("", "link"),
+    "axis": ("", "xyz"),
+    "limit": ("", "lower upper effort velocity"),
+    "dynamics": ("", "damping friction"),
+    "mimic": ("", "joint multiplier offset"),
+}
+ALIKE = 0.65  # of words: extensions of other programs look less like these
 MOST_BYTES = 50_000_000
 TURNS = 6.3  # of roll, pitch and yaw [rad]: more are degrees
 
@@ -256,10 +273,32 @@ class _Reader:
             elif name in found:
                 self._of(element, f': a second {tag} "{name}"')
             else:
+                self._spelled(f"{tag} {name}", element)
                 found[name] = read(name, element)
         if tag == "link" and not found:
             self._of(self._root, ": no link; expected one or more")
         return found
+
+    def _spelled(self, where: str, element: Element) -> None:
+        """Refuse second elements where one is read, and what looks like one that is missing."""
+        once, attributes = (words.split() for words in KNOWN[element.tag])
+        tags = [child.tag for child in element.children]
+        for k, child in enumerate(element.children):
+            if child.tag in tags[:k] and child.tag in once:
+                self._say(child.line, f"{where}: a second <{child.tag}>; expected one")
+            elif child.tag in once and child.tag in KNOWN:
+                self._spelled(where, child)
+            elif meant := _meant(child.tag, once, tags):
+                text = (
+                    f"{where}: <{printable(child.tag)}>: no such element; did you mean {meant!r}?"
+                )
+                self._say(child.line, text)
+        for key in element.attributes:
+            if meant := _meant(key, attributes, element.attributes):
+                text = (
+                    f"{where}, <{element.tag} {printable(key)}>: no such attribute; did you mean "
+                )
+                self._say(element.line, f"{text}{meant!r}?")
 
     def _say(self, line: int, text: str) -> None:
         self._found.append(f"{self._file}:{line}: {text}")
@@ -498,6 +537,12 @@ class _Reader:
                 continue
             found |= dict.fromkeys(names, value)
         return found
+
+
+def _meant(word: str, known: list[str], there: Collection[str]) -> str:
+    """Return what is meant by a word that is not known, of what is not there; or nothing."""
+    missing = [each for each in known if each not in there]
+    return "" if word in known else next(iter(get_close_matches(word, missing, 1, ALIKE)), "")
 
 
 def about(axis: Array, angle: float) -> Array:
