@@ -14,8 +14,9 @@ jump changes the motion by less than the tolerance.
 
 import numpy as np
 
-from ..dynamics.evaluation.series import quantities
-from ..dynamics.model.model import Model
+from ..dynamics.evaluation.series import marker_motions, quantities
+from ..dynamics.model.model import DISTANCE, Model
+from ..dynamics.model.motion import PLACE, VELOCITY
 from ..math.arrays import Array, distinct
 from ..math.laws import Hermite
 from .breakpoints import programs_read
@@ -30,6 +31,10 @@ UNSURE, SHARE = 0.03, 0.2
 CLOSER, PARTS = 2, 8  # times, and parts of an interval, in which a break is located
 # Longest steps over a jump within which it comes back; attempts to pass it that are no motion.
 AHEAD, OFTEN = 20.0, 30
+# Relative motion in a step over the distance of two places: a straight path past a place at b has
+# the distance (b^2 + v^2 t^2)^(1/2), which a cubic polynomial then follows within 1e-6 b. Least
+# distance that counts, over the largest so far.
+FAR, NEAR = 0.1, 1e-3
 # Of a state that friction holds: bends in a row, most steps between them and error by one [tol].
 RESTS, SOON, LITTLE = 10, 30.0, 100.0
 
@@ -54,6 +59,11 @@ class HiddenForces:
         read = any((each.slope > each.loads + 1).any() for each in self._watched)
         self._states = slice(first, first + model.n_aux) if read else None
         self._breaking = [each for each in self._watched if each.breaking.any()]
+        loads = [load for each in self._breaking for load in each.loads.tolist()]
+        apart = np.isin(2 * np.arange(len(model.quantities.kind)), loads)
+        apart &= model.quantities.kind == DISTANCE
+        self._pairs: list[list[int]] = model.quantities.marker[apart].tolist()
+        self._largest = 0.0  # distance of such a pair so far [m]
         self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
         self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
         self._bends: dict[int, tuple[float, int]] = {}  # last bend [s], those soon behind others
@@ -80,6 +90,7 @@ class HiddenForces:
         with np.errstate(all="ignore"):
             for each in self._watched:
                 found = first_hidden(each, t, values, found)
+            found = min(found, self._passes(t, y))
             stops = [found] if np.isfinite(found) else []
             for each in list(self._breaking):
                 i, part, jump, factor, reach = first_break(each, t, values, 0, 0.0)
@@ -96,6 +107,23 @@ class HiddenForces:
                         part = 1.0
                     i, part, jump, factor, reach = first_break(each, t, values, i, part)
         return stops
+
+    def _passes(self, t: Array, y: Array) -> float:
+        """Return the middle of the first step in which a distance is no polynomial, [s]; or inf."""
+        found = np.inf
+        for pair in self._pairs:
+            one, two = (marker_motions(self._model, k, y)[0] for k in pair)
+            apart, speed = (
+                np.linalg.norm((two - one)[:, first : first + 3], axis=1)
+                for first in (PLACE, VELOCITY)
+            )
+            self._largest = max(self._largest, float(apart.max()))
+            near = np.maximum(np.minimum(apart[1:], apart[:-1]), NEAR * self._largest)
+            far = np.diff(t) * np.maximum(speed[1:], speed[:-1]) > FAR * near
+            if far.any():
+                i = int(np.argmax(far))
+                found = min(found, float(0.5 * (t[i] + t[i + 1])))
+        return found
 
     def _values(self, t: Array, y: Array, rate: Derivative) -> Array:
         """Return all quantities at times t (k,), and behind them the rates of states if read."""

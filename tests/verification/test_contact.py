@@ -68,6 +68,22 @@ def test_a_ball_that_begins_in_the_floor_is_not_held_there(tmp_path, times):
         assert 0.05 * height < z.max() < height
 
 
+@pytest.mark.parametrize("t_end", [1.0, 2.0])
+def test_spheres_that_meet_off_centre_within_one_step(tmp_path, t_end):
+    """Free bodies take steps as long as the run: one once passed through the other unseen."""
+    m, r, u, b, e = (1.0, 3.0), 0.1, 2.0, 0.12, 0.7
+    text = body("a", m[0], 4e-3, position=[-1.0, 0.0, 0.0], velocity=[u, 0.0, 0.0])
+    text += body("b", m[1], 12e-3, position=[0.0, b, 0.0])
+    text += contact("a.c", "b.c", radius=r, other_radius=r, stiffness=1e12, restitution=e)
+    text += signals("a", "velocity") + signals("b", "velocity")
+    _, s, _ = run(tmp_path, text, t_end, 0.1)
+    n = np.array([sqrt(4.0 * r * r - b * b), b]) / (2.0 * r)
+    impulse = (1.0 + e) * m[0] * m[1] / sum(m) * u * n[0] * n
+    for name, begin, push in (("a", [u, 0.0], -impulse / m[0]), ("b", [0.0, 0.0], impulse / m[1])):
+        found = [s[f"{name}_velocity_{axis}"][-1] for axis in "xy"]
+        np.testing.assert_allclose(found, begin + push, atol=1e-3 * u)
+
+
 def test_two_spheres_exchange_their_velocities(tmp_path):
     """Hertz: the deepest indentation is (5 m u^2 / (4 k))^(2/5), m being both masses in series."""
     k, mass, u, r = 1e6, 0.5, 2.0, 0.05
