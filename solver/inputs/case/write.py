@@ -211,7 +211,8 @@ class _BodyFiles:
 
     def __init__(self, case: Case, folder: OutputFolder, packages: Path | None) -> None:
         self.case, self.folder, self.ready = case, folder, packages
-        self._known: dict[str, tuple[str, Path]] = {}  # hash of the inputs -> own file, package
+        # Hash of the inputs -> own file, package from `out`, whether it asks for errors.
+        self._known: dict[str, tuple[str, str, bool]] = {}
 
     def packages(
         self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
@@ -229,21 +230,26 @@ class _BodyFiles:
                 file = (self.case.file.parent / body.package).resolve()
                 table[name] = {"file": os.path.relpath(file, out)}
         for name, spec in specs.items():
-            digest = spec.inputs_sha256
-            text = dump({**spec.content, "inputs_sha256": digest})
+            digest, errors = spec.inputs_sha256, "errors" in spec.content
             if digest not in self._known:
                 stem = f"{name}.{run or digest[:12]}"
                 package = (self.ready or out / folder) / f"{stem}.vtkhdf"
                 # Packages of this folder are kept, whoever names it.
                 here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
                 built = (f"{folder}/{stem}.vtkhdf",) if here else ()
-                self._known[digest] = f"{folder}/{stem}.json", package
-                self.folder.add(f"{folder}/{stem}.json", text, *built)
-            own, file = self._known[digest]
-            if "errors" in spec.content:  # which one of its runs asks for
-                self.folder.add(own, text)
-            table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
+                self._add(f"{folder}/{stem}.json", spec, *built)
+                self._known[digest] = f"{folder}/{stem}.json", os.path.relpath(package, out), errors
+            own, file, asked = self._known[digest]
+            if errors and not asked:  # as a later run does
+                self._add(own, spec)
+                self._known[digest] = own, file, True
+            table[name] = {"file": file, "inputs_sha256": digest}
         return table
+
+    def _add(self, file: str, spec: BodySpec, *built: str) -> None:
+        """Add the file of a specification: once, as a sweep may have thousands of members."""
+        text = dump({**spec.content, "inputs_sha256": spec.inputs_sha256})
+        self.folder.add(file, text, *built)
 
 
 def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, object]:
