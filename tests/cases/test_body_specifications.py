@@ -18,7 +18,7 @@ CASES = ("double-pendulum", "double-pendulum-shell", "rotating-blade", "actuated
 
 @pytest.fixture(scope="module", params=CASES)
 def case(request: pytest.FixtureRequest, repository: Path) -> Case:
-    return load_case(repository / "cases" / request.param / "case.toml")
+    return load_case(repository / "cases" / request.param / "case.toml", sweeps=())
 
 
 def test_preprocessor_finds_every_key(case: Case) -> None:

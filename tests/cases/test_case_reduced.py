@@ -14,7 +14,7 @@ from plymotion.solver.run.execution import execute, read_run
 @pytest.fixture(scope="module")
 def spec(repository, tmp_path_factory):
     out = tmp_path_factory.mktemp("pendulum")
-    case = load_case(repository / "cases/double-pendulum/case.toml")
+    case = load_case(repository / "cases/double-pendulum/case.toml", sweeps=())
     write_case(case, out, repository / "tests/packages/double-pendulum")
     found = read_run(out / "runs/isotropic.json")
     return found.changed({"solver.t_end": 0.1, "solver.rtol": 1e-7})

@@ -89,7 +89,7 @@ def found(ahead, repository, tmp_path_factory):
         if not folder.exists():
             packages = repository / "tests" / "packages" / case
             write_case(
-                load_case(repository / "cases" / case / "case.toml"),
+                load_case(repository / "cases" / case / "case.toml", sweeps=()),
                 folder,
                 packages if packages.is_dir() else None,
             )

@@ -72,7 +72,9 @@ def build(tmp_path_factory):
     for name in dict.fromkeys(case for case, _ in CASES):
         shipped = ROOT / "tests/packages" / name
         packages = shipped if shipped.exists() else None
-        write_case(load_case(ROOT / "cases" / name / "case.toml"), folder / name, packages)
+        write_case(
+            load_case(ROOT / "cases" / name / "case.toml", sweeps=()), folder / name, packages
+        )
     return folder
 
 

@@ -90,7 +90,7 @@ def test_slope_of_a_peak_is_that_of_the_closed_form() -> None:
 
 def test_invalid_designs_are_a_barrier() -> None:
     """Beyond a stiffness of 250 N/m the damping is negative and refused; the best is near it."""
-    table = oscillator(starts=1, subject_to=[])
+    table = oscillator(starts=1, subject_to=[], iterations=6)
     table["design"]["parameters"]["k"]["of"].append(
         {"key": "forces.buffer.damping", "factor": -0.004, "offset": 1.0}
     )
@@ -140,7 +140,7 @@ def test_another_case_computes_its_designs_again() -> None:
 
 def test_discrete_values() -> None:
     """Of the allowed stiffnesses the largest one that the force allows is best."""
-    table = oscillator()
+    table = oscillator(iterations=3)
     table["design"]["parameters"]["k"]["step"] = 70.0
     found = pm.optimise(_case(table), jobs=2)
     assert found.parameters["k"] == 70.0 * (BEST // 70.0)

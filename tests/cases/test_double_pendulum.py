@@ -28,7 +28,7 @@ REFERENCE = "double_pendulum"
 def checked(repository, tmp_path_factory):
     """A build folder of the case that uses the shipped packages."""
     folder = tmp_path_factory.mktemp("checked")
-    write_case(load_case(repository / CASE), folder, repository / SHIPPED)
+    write_case(load_case(repository / CASE, sweeps=()), folder, repository / SHIPPED)
     return folder
 
 
@@ -57,7 +57,7 @@ def _edited(
     folder.mkdir()
     file = folder / "case.toml"
     file.write_text(source)
-    write_case(load_case(file), build, repository / "tests/packages" / name)
+    write_case(load_case(file, sweeps=()), build, repository / "tests/packages" / name)
     return build / "runs"
 
 
@@ -128,7 +128,7 @@ def test_shipped_packages_are_those_of_the_case(build, limits):
 def _copy_packages(build: Path, repository: Path) -> Path:
     folder = build / "copies"
     shutil.copytree(repository / SHIPPED, folder)
-    write_case(load_case(repository / CASE), build, folder)
+    write_case(load_case(repository / CASE, sweeps=()), build, folder)
     return folder / "hand.isotropic.vtkhdf"
 
 

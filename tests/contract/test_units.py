@@ -19,11 +19,6 @@ from plymotion.solver.inputs.shell import checked as shell
 from plymotion.solver.inputs.solid_specification import solid_table
 
 ROOT = Path(__file__).parents[2]
-KEYS = {
-    f"{table}.{key}": item
-    for table, schema in tables([CaseFile, Mechanism, *FILES.values()])[1].items()
-    for key, item in schema.get("properties", {}).items()
-}
 # Numbers without a unit: counts, ratios, and those whose unit is that of something else.
 PURE = {
     "accuracy",
@@ -88,20 +83,30 @@ SOMETIMES = {
 }
 
 
+@pytest.fixture(scope="module")
+def keys() -> dict[str, dict[str, Any]]:
+    """Every key of every table, by table and name."""
+    return {
+        f"{table}.{key}": item
+        for table, schema in tables([CaseFile, Mechanism, *FILES.values()])[1].items()
+        for key, item in schema.get("properties", {}).items()
+    }
+
+
 def numeric(item: dict[str, Any]) -> bool:
     options = [item, *item.get("anyOf", ()), item.get("items", {})]
     return any(each.get("type") == "number" for each in options)
 
 
-def test_every_number_has_a_unit_or_is_known_to_have_none() -> None:
-    without = {name for name, item in KEYS.items() if numeric(item) and not item.get("unit")}
+def test_every_number_has_a_unit_or_is_known_to_have_none(keys: dict[str, Any]) -> None:
+    without = {name for name, item in keys.items() if numeric(item) and not item.get("unit")}
     assert {name.partition(".")[2] for name in without} <= PURE
 
 
-def test_every_unit_that_may_be_a_length_is_converted_by_its_table() -> None:
+def test_every_unit_that_may_be_a_length_is_converted_by_its_table(keys: dict[str, Any]) -> None:
     found = {
         (name.partition(".")[2], item["unit"])
-        for name, item in KEYS.items()
+        for name, item in keys.items()
         if item.get("unit", "").replace(",", " ").split()[:1] != ["m"] or item["unit"] != "m"
         if "m" in item.get("unit", "").replace(",", " ").split()
     }

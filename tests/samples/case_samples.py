@@ -55,7 +55,7 @@ def run_text(folder: Path, text: str, *, t_end: float, step: float, more: str = 
 
 def case_runs(repository: Path, name: str, folder: Path, *, coarse: bool = False) -> Path:
     """Check a case of the repository into a folder, with its shipped packages; its run files."""
-    case = load_case(repository / "cases" / name / "case.toml", coarse=coarse)
+    case = load_case(repository / "cases" / name / "case.toml", coarse=coarse, sweeps=())
     write_case(case, folder, repository / "tests/packages" / name)
     return folder / "runs"
 

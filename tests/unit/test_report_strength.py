@@ -57,7 +57,7 @@ def with_stresses(package: ModalPackage, scale: float | None) -> ModalPackage:
 def spec(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> RunSpec:
     """A short run of the shipped double pendulum, its hand with strengths."""
     folder = tmp_path_factory.mktemp("case")
-    case = load_case(repository / "cases/double-pendulum/case.toml")
+    case = load_case(repository / "cases/double-pendulum/case.toml", sweeps=())
     write_case(case, folder, repository / "tests/packages/double-pendulum")
     file = folder / f"runs/{RUN}.json"
     table = json.loads(file.read_text())
