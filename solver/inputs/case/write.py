@@ -239,11 +239,11 @@ class _BodyFiles:
                 built = (f"{folder}/{stem}.vtkhdf",) if here else ()
                 self._add(f"{folder}/{stem}.json", spec, *built)
                 self._known[digest] = f"{folder}/{stem}.json", os.path.relpath(package, out), errors
-            own, file, asked = self._known[digest]
+            own, built_file, asked = self._known[digest]
             if errors and not asked:  # as a later run does
                 self._add(own, spec)
-                self._known[digest] = own, file, True
-            table[name] = {"file": file, "inputs_sha256": digest}
+                self._known[digest] = own, built_file, True
+            table[name] = {"file": built_file, "inputs_sha256": digest}
         return table
 
     def _add(self, file: str, spec: BodySpec, *built: str) -> None:
