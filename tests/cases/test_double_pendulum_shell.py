@@ -83,7 +83,7 @@ def test_shipped_hand_is_sound_and_flies_freely(repository: Path) -> None:
     y0[3] = 1.0
     y0[7 : 7 + m] = [1e-3, -2e-4, 1e-5, 5e-6]
     y0[7 + m : 13 + m] = [0.3, -0.2, 0.5, 5.0, 3.0, 8.0]
-    y = simulate(model, y0, np.linspace(0.0, 0.05, 5))
+    y = simulate(model, y0, np.linspace(0.0, 0.02, 5))
     energy = np.array([total_energy(model, state) for state in y])
     linear, angular = (np.array(part) for part in zip(*(momenta(model, s) for s in y), strict=True))
     assert np.abs(energy / energy[0] - 1).max() < 1e-8

@@ -40,15 +40,15 @@ def test_two_figures_of_1200_pixels_appear(tmp_path: Path, cell: str) -> None:
         picture = imread(path)
         assert picture.shape[1] == 1200
         assert 0.02 < np.mean(picture[..., :3].min(axis=2) < 0.99) < 0.7, "blank, or all ink"
+    if cell == "quad9":
+        one = [path.read_bytes() for path in figures]
+        again = [path.read_bytes() for path in draw_section(section, tmp_path / "new")]
+        assert again == one, "the same section gives the same picture"
 
 
-def test_the_same_section_gives_the_same_picture(tmp_path: Path) -> None:
-    one = [path.read_bytes() for path in draw_section(rectangle(), tmp_path)]
-    assert [path.read_bytes() for path in draw_section(rectangle(), tmp_path)] == one
-
-
-@pytest.mark.parametrize("material", ["isotropic", "orthotropic"])
-@pytest.mark.parametrize("height", [0.001, 0.02, 0.3])
+@pytest.mark.parametrize(
+    ("height", "material"), [(0.001, "orthotropic"), (0.02, "isotropic"), (0.3, "orthotropic")]
+)
 def test_flat_and_upright_sections_are_drawn(tmp_path: Path, material: str, height: float) -> None:
     section = rectangle(height=height)
     recovery = dataclasses.replace(section.recovery, materials={"alloy": {"kind": material}})
