@@ -214,6 +214,15 @@ def test_slider_keys_and_buttons_change_time_and_picture(browser: Browser, tmp_p
     assert browser.errors() == []
 
 
+def test_small_and_large_numbers_of_an_axis_have_powers_of_ten(browser: Browser) -> None:
+    for numbers, texts in (
+        ([-5.625e-6, 0, 1e-5], ["-5.625e-6", "0", "1e-5"]),
+        ([0, 0.1 + 0.2, 1000], ["0", "0.3", "1000"]),
+        ([0, 2.5e6], ["0", "2.5e+6"]),
+    ):
+        assert browser.run(f"plymotion.short(null, {numbers})") == texts
+
+
 def test_tables_sort(browser: Browser) -> None:
     rows = "[...document.querySelectorAll('#runs tbody tr')]"
     names = f"{rows}.map((row) => row.cells[0].innerText)"

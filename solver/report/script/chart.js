@@ -18,7 +18,6 @@ function drawChart(place, lines, options) {
   // Decades on a linear axis: the logarithmic axes of uPlot do not end below 1e-16.
   const show = options.log ? (v) => digits(v === null ? v : 10 ** v, 5) : (v) => digits(v, 5);
   const shown = options.log ? joined.map((values, i) => (i ? Array.from(values, (v) => decade(v, options.least)) : values)) : joined;
-  const short = (_, splits) => splits.map((v) => (v === null ? '' : digits(v, 6)));
   const settings = {
     width: widthFor(place),
     height: options.height,
@@ -56,6 +55,12 @@ function drawChart(place, lines, options) {
 
 const decade = (v, least = -Infinity) =>
   v === null || v === undefined || v === 0 || Number.isNaN(v) ? null : Math.max(Math.log10(Math.abs(v)), least);
+// Numbers along an axis: all with powers of ten where the largest is small or large.
+function short(_, splits) {
+  const most = Math.max(...splits.map(Math.abs));
+  const text = most < 1e-3 || most >= 1e6 ? (v) => Number(v.toPrecision(6)).toExponential() : (v) => digits(v, 6);
+  return splits.map((v) => (v === null ? '' : v === 0 ? '0' : text(v)));
+}
 const powers = (_, splits) => splits.map((v) => (v === null ? '' : `1e${v}`));
 
 // Width of the numbers on the vertical axis [pixels], so that none covers the label.

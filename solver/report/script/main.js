@@ -11,7 +11,7 @@ async function start() {
   setUpPlots();
   setUpKeys();
   // For tests of the page, and for those who want the numbers behind the picture.
-  globalThis.plymotion = { page, array, clock, view, bodyState, pointsAt, jointLines, siteValues, vectorsAt, cameraMatrix, projected, spectrum, drawView, shownNow, chartWidths: () => charts.map((plot) => plot.width) };
+  globalThis.plymotion = { page, array, clock, view, bodyState, pointsAt, jointLines, siteValues, vectorsAt, cameraMatrix, projected, spectrum, short, drawView, shownNow, chartWidths: () => charts.map((plot) => plot.width) };
   document.documentElement.dataset.readyMs = String(Math.round(performance.now()));
   document.documentElement.dataset.ready = 'yes';
 }
