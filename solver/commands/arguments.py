@@ -17,6 +17,7 @@ FOLDERS = {name: Path("build") / f"{name}s" for name in ("section", "shell", "so
 T = TypeVar("T")
 COMMAND = "COMMAND"  # what --help and messages call a command
 EXECUTORS = ("local", "dask", "mpi")
+PROCESSES = ("cores", "cpus", "nproc", "parallel", "processes", "threads", "workers")  # --jobs
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
 
 
@@ -36,7 +37,10 @@ class CommandParser(argparse.ArgumentParser):
             chosen = next((self.commands()[w] for w in words if w in self.commands()), self)
             known = chosen._option_string_actions
             unknown = next((word for word in rest if word.startswith("-")), rest[0])
-            hint = did_you_mean(unknown, known) if unknown.startswith("-") else ""
+            word = "--jobs" if unknown.strip("-") in PROCESSES else unknown
+            # Without the dashes, which make all options alike.
+            close = [name for name in known if did_you_mean(word.strip("-"), [name.strip("-")])]
+            hint = did_you_mean(word, close) if unknown.startswith("-") else ""
             chosen.error(f"{unknown}: unknown argument{hint}")
         return options
 

@@ -52,6 +52,8 @@ def test_a_command_has_one_thread_unless_the_user_says_more(
         (["new"], "required: {arm,robot-arm,panel,bracket,pendulum,blade,shaft}"),
         (["run", "a.json", "--quite"], "--quite: unknown argument; did you mean '--quiet'?"),
         (["arm.toml", "--coase"], "--coase: unknown argument; did you mean '--coarse'?"),
+        (["arm.toml", "--cores", "2"], "--cores: unknown argument; did you mean '--jobs'?"),
+        (["check", "arm.toml", "--run", "a"], "--run: unknown argument\n"),
         (["report", "here", "there"], "there: unknown argument"),
     ],
 )
