@@ -48,7 +48,7 @@ def openmdao_component(
         om: Any = import_module("openmdao.api")
     except ImportError as error:
         raise InputError(
-            f"openmdao_component: needs openmdao ({error}): pip install 'plymotion[openmdao]'"
+            f"openmdao_component: needs openmdao ({error}): pip install openmdao"
         ) from error
     _, trials, memory = ready(given)
     own, known = trials.study, Known(trials, memory)

@@ -93,3 +93,10 @@ def test_excerpts_of_a_tutorial_are_in_its_files(repository: Path, name: str) ->
             continue
         wrong += [line for line in lines if line and line not in known]
     assert wrong == []
+
+
+def test_what_is_to_be_installed_is_in_an_index(repository: Path) -> None:
+    """`plymotion[EXTRA]` is not, before the first release; the libraries of an extra are."""
+    sources = [p for f in ("solver", "plymotion") for p in (repository / f).rglob("*.py")]
+    for page in [*sources, *pages(repository)]:
+        assert not re.search(r"pip install '?plymotion\[", page.read_text("utf-8")), page

@@ -15,7 +15,7 @@ from .urdf import Robot, Shape
 
 MOST_TRIANGLES = 800  # of a body: a report draws each in every frame
 ROUND = 24  # sides of cylinders and spheres
-INSTALL = "pip install 'plymotion[robot]'"
+INSTALL = "pip install trimesh pycollada"
 
 
 def body_surface(robot: Robot, body: Body, packages: Mapping[str, Path]) -> Array:

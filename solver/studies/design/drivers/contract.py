@@ -40,6 +40,4 @@ def library(name: str, extra: str) -> ModuleType:
     try:
         return import_module(name)
     except ImportError as error:
-        raise InputError(
-            f"driver {extra}: needs {name} ({error}): pip install 'plymotion[{extra}]'"
-        ) from error
+        raise InputError(f"driver {extra}: needs {name} ({error}): pip install {extra}") from error
