@@ -249,7 +249,12 @@ def _solved(
         spec.mechanism,
         spec.packages,
         allow_python=allow_python,
-        histories=histories_of(spec.mechanism.signals, spec.other_runs, allow_python=allow_python),
+        histories=histories_of(
+            spec.mechanism.signals,
+            spec.other_runs,
+            spec.mechanism.solver,
+            allow_python=allow_python,
+        ),
     )
     clock.lap("build")
     follow = Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)

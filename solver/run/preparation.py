@@ -39,6 +39,7 @@ from .inputs import RunSpec
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
     from ..inputs.case.tables.signals import Signal as SignalTable
+    from ..inputs.case.tables.solver import Solver
 
 
 NOTHING = 1e-13  # of the energy of a mechanism at its speed: round-off
@@ -378,11 +379,12 @@ def complete(prepared: Prepared) -> FinishedRun:
 def histories_of(
     signals: Mapping[str, "SignalTable"],
     runs: Mapping[str, RunSpec],
+    solver: "Solver",
     *,
     allow_python: bool = False,
     integrate: "Callable[[str, Prepared], FinishedRun] | None" = None,
 ) -> Histories:
-    """Return times and signals of the other runs that signals read.
+    """Return times and signals of the other runs that signals read, at the times of this one.
 
     A run that ends early has fewer times.
 
@@ -390,6 +392,7 @@ def histories_of(
     ----------
     signals : of a case; those of them that are combined
     runs : the other runs by name
+    solver : keys of this run
     integrate : in place of `complete`, with the name of the run
 
     Raises
@@ -399,7 +402,10 @@ def histories_of(
     """
     found: dict[str, tuple[Array, dict[str, Array]]] = {}
     for run, names in needed(signals).items():
-        other = runs[run]
+        other, own = runs[run], runs[run].mechanism.solver
+        shared = {"output_step": solver.output_step, "t_end": min(own.t_end, solver.t_end)}
+        if any(getattr(own, key) != value for key, value in shared.items()):
+            other = other.changed({f"solver.{key}": value for key, value in shared.items()})
         prepared = prepare(other.mechanism, other.packages, names, allow_python=allow_python)
         finished = complete(prepared) if integrate is None else integrate(run, prepared)
         recordings = recorded(prepared.measured, finished.model, finished.blocks)

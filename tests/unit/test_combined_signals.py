@@ -87,6 +87,17 @@ def test_closed_forms(tmp_path):
     assert summary["signals"]["error"]["max"] == pytest.approx(np.sqrt(26.0), abs=1e-9)
 
 
+def test_the_other_run_has_the_times_of_this_one(tmp_path):
+    """Not values between its own times by straight lines: 0.1 m off here."""
+    text = (BALLS + COMBINED).replace(
+        "[variants.calm]\n", "[variants.calm]\nsolver = { output_step = 0.3, t_end = 0.9 }\n"
+    )
+    t, found, _ = _run(_write(tmp_path, text.replace("gravity = [0.0, 0.0, 0.0]", "")))
+    fall = found["fall"].values
+    assert np.isnan(fall[t > 0.9001]).all()
+    np.testing.assert_allclose(fall[t < 0.9001], 0.0, atol=1e-9)
+
+
 def test_a_run_has_no_difference_to_itself(tmp_path):
     _, found, _ = _run(_write(tmp_path, BALLS + COMBINED), "calm")
     assert np.array_equal(found["fall"].values, np.zeros(11))

@@ -414,7 +414,7 @@ class Trials:
                 traces[run] = Traced(prepared, finished, trace, names)
             return finished
 
-        histories = histories_of(read, others, integrate=taken)
+        histories = histories_of(read, others, spec.mechanism.solver, integrate=taken)
         prepared = prepare(spec.mechanism, spec.packages, kept, histories=histories)
         finished = taken(spec.run, prepared)
         if finished.solution.status != "finished":

@@ -77,7 +77,8 @@ def _computed(sweep: SweepSpec, packages: Packages, number: int, row: Row) -> Ro
     own = RunSpec(sweep.case, sweep.run, mechanism, packages.named(member.packages))
     if sweep.fidelity is not None:
         own = _planned(own, sweep, packages.named(sweep.fidelity.base))
-    prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))
+    histories = histories_of(read, others, own.mechanism.solver)
+    prepared = prepare(own.mechanism, own.packages, kept, histories=histories)
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:
         return row
