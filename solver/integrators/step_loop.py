@@ -448,7 +448,7 @@ class StepLoop(StrideMemory):
         taken = int(counts[codes.STEPS]) - self.counters.steps
         if taken > 0:
             self.counters.steps += taken - 1
-            self._accept(clock[codes.TIME], self._workspace.y.copy(), clock[codes.TAKEN])
+            self._accept(clock[codes.TIME], self._workspace.y.copy(), clock[codes.LENGTH])
             if taken > 1:
                 self.t_old = self.t - self.h
         self.counters.rejected = int(counts[codes.REJECTED])

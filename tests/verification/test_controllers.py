@@ -120,7 +120,11 @@ def test_the_loop_samples_by_itself(tmp_path, integrator):
         made.stride(np.zeros(0), np.zeros((0, made.n)), 0, keep=True)
         steps, calls = made.steps_taken(), calls + 1
         for i in range(0, len(steps), 7):
-            np.testing.assert_array_equal(steps.at(i).y, steps.y[i + 1])
+            here = steps.at(i)
+            np.testing.assert_array_equal(here.y, steps.y[i + 1])
+            # 0 at instants before, so that monitors that look into a step saw NaN
+            assert here.h == pytest.approx(steps.t[i + 1] - steps.t[i], rel=1e-9)
+            assert np.isfinite(here.dense_output()(steps.t[i] + 0.5 * here.h)).all()
         made.take_up()
     assert made.counters.steps >= 199
     assert calls <= 4  # 200 steps in each, and one more before the last

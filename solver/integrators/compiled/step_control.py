@@ -23,7 +23,8 @@ KINK = 14  # number of the first kink of a law of time that is still to come
 INSTANT = 15  # number of the first instant of sampling that is still to come
 END = 16  # where the loop comes back [s]
 BEGUN = 17  # number of the steps before the last start of `radau`
-N_CLOCK = 18
+LENGTH = 18  # of the last accepted step [s]; TAKEN is 0 where it is to be forgotten
+N_CLOCK = 19
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
@@ -160,7 +161,7 @@ def count_step(clock: Array, counts: IntArray, h: float, t_new: float) -> None:
     h : step size [s]
     t_new : end of the step [s]
     """
-    clock[TAKEN], clock[TIME] = h, t_new
+    clock[TAKEN], clock[LENGTH], clock[TIME] = h, h, t_new
     counts[STEPS] += 1
     counts[BAD] = 0
 
