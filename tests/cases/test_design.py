@@ -157,7 +157,7 @@ def test_names_are_chosen_as_all_of_them_say(fenicsx: str, tmp_path: Path) -> No
     light = {"E1": 40e9, "E2": 9e9, "E3": 9e9, "G12": 4e9, "G13": 4e9, "G23": 3e9, "rho": 1200.0}
     table["materials"]["glass"] = CARBON | light
     found = pm.optimise(_case(table))
-    trials = Trials(Order(table, Path("t.toml"), False, "s", tmp_path))
+    trials = Trials(StudySpec(table, Path("t.toml"), False, "s", tmp_path))
     every = {(i, j): trials.values(np.array([i, j])).shown for i in range(2) for j in range(2)}
     mass, best = min((m, key) for key, (m, K11) in every.items() if K11 >= 4e6)
     assert found.data["optimum"]["shown"][0] == mass
