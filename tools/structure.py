@@ -126,6 +126,61 @@ def documented(texts: dict[str, str]) -> dict[str, bool]:
     return found
 
 
+def thresholds(texts: dict[str, str]) -> tuple[set[str], list[str]]:
+    """Return what the sources compare numbers with, beside their tolerances.py.
+
+    Module constants "file:NAME" that are no whole numbers, and literals "file:line" other than
+    0, 1, 2 and a half, in comparisons by size.
+    """
+    trees = {name: ast.parse(text) for name, text in texts.items() if "tolerances" not in name}
+    known = {name: _numbers(tree) for name, tree in trees.items()}
+    constants, literals = set[str](), list[str]()
+    for name, tree in trees.items():
+        places = dict.fromkeys(known[name], name)
+        folder = name.split("/")[:-1]
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                base = folder[: len(folder) - node.level + 1]
+                file = "/".join([*base, *(node.module or "").split(".")]) + ".py"
+                places |= {a.name: file for a in node.names if a.name in known.get(file, ())}
+            if not isinstance(node, ast.Compare) or not _by_size(node):
+                continue
+            for part in ast.walk(node):
+                if isinstance(part, ast.Name) and part.id in places:
+                    constants.add(f"{places[part.id]}:{part.id}")
+                if isinstance(part, ast.Constant) and isinstance(part.value, float):
+                    literals += [f"{name}:{part.lineno}"] * (part.value not in (0.0, 0.5, 1.0, 2.0))
+    return constants, literals
+
+
+def _by_size(node: ast.Compare) -> bool:
+    return any(isinstance(o, ast.Lt | ast.LtE | ast.Gt | ast.GtE) for o in node.ops)
+
+
+def _numbers(tree: ast.Module) -> set[str]:
+    """Names that a module gives to numbers that are no whole numbers."""
+    found = set[str]()
+    for node in tree.body:
+        if isinstance(node, ast.Assign):
+            for target, value in _pairs(node.targets[0], node.value):
+                parts = list(ast.walk(value))
+                plain = all(isinstance(p, _ARITHMETIC) for p in parts)
+                if plain and any(isinstance(getattr(p, "value", 0), float) for p in parts):
+                    found.add(target)
+    return found
+
+
+def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr]]:
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        for one, number in zip(target.elts, value.elts, strict=True):
+            yield from _pairs(one, number)
+    elif isinstance(target, ast.Name):
+        yield target.id, value
+
+
+_ARITHMETIC = (ast.Constant, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop)
+
+
 def table(root: Path) -> str:
     """Return the table of the page in Markdown."""
     texts = sources(root)

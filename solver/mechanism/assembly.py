@@ -36,6 +36,7 @@ from .tables import (
     reads_motion,
     rotor_arrays,
 )
+from .tolerances import NO_SECOND_ORDER
 
 
 def is_uncoupled(body: Body) -> bool:
@@ -235,11 +236,6 @@ def driven_frames(joints: Sequence[Stand]) -> IntArray:
     return out
 
 
-# Second-order tables below this fraction of the others are round-off: in-plane bending moves no
-# station out of the plane.
-NOTHING = 1e-12
-
-
 def marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
     """Second-order tables of a marker, (6, m, m); empty for a linear body."""
     if marker.body == GROUND or bodies[marker.body].second_order is None:
@@ -265,7 +261,7 @@ def of_motion(H: Array, marker: MarkerTable) -> list[bool]:
 def _used(T: Array, scale: float) -> list[bool]:
     """Return which tables of T (r, m, m) have an entry above round-off."""
     largest = np.abs(T).max(axis=(1, 2), initial=0.0)
-    return [bool(x > NOTHING * max(scale, largest.max())) for x in largest]
+    return [bool(x > NO_SECOND_ORDER * max(scale, largest.max())) for x in largest]
 
 
 def pairs_used(invariants: Invariants) -> list[bool]:

@@ -40,13 +40,11 @@ from .consistent import assembled
 from .places import Places
 from .rotor import rotor_table
 from .tables import Body, JointTable, MarkerTable, flexible_body, rigid_body
+from .tolerances import HEAVY_POINT_MASS
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.bodies import Deformed
     from ..inputs.case.tables.schema import Mechanism
-
-
-HEAVY = 1e3  # a point mass over its body, from which on it is a virtual body
 
 
 @dataclass(frozen=True)
@@ -256,7 +254,7 @@ def build(
         for name, mass in mechanism.masses.items()
     ]
     own = [bodies[places.markers[k].body].invariants.mass for k, _ in masses]
-    heavy = [0.0 < HEAVY * body < m for (_, m), body in zip(masses, own, strict=True)]
+    heavy = [0.0 < HEAVY_POINT_MASS * body < m for (_, m), body in zip(masses, own, strict=True)]
     if heaviest < np.inf:
         masses = [
             (k, min(m, heaviest * body) if body > 0.0 else m)

@@ -26,6 +26,15 @@ from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding
 from .built import Start
+from .tolerances import (
+    DRIVE_AT_REST,
+    MOTION_CONVERGED,
+    NEARLY_MOVABLE,
+    POSITION_TOLERANCE,
+    STAYS_CLOSED,
+    VELOCITY_TOLERANCE,
+    WEAK_APART,
+)
 
 
 def rows_of(model: Model, joint: int) -> slice:
@@ -59,13 +68,9 @@ def described_gaps(
     return few((text for _, text in sorted(parts, reverse=True)), "; ")
 
 
-WEAK = 3e-3  # singular value over the largest, below which a loop is nearly movable
-APART = 20.0  # the next singular value over the weak ones, at least
 TURN = 0.1  # of the motion that is tried [rad, over the size]
-STAYS = 3.0  # gap of that motion over that of the first order; larger in a singular position
 MOTIONS = 12  # free ones that are tried
-ITERATIONS, CONVERGED = 20, 1e-12
-SLOW = 1e-12  # speed of a drive that stands still [m/s, rad/s]
+ITERATIONS = 20
 
 
 @dataclass(frozen=True)
@@ -99,17 +104,17 @@ def require_movable(model: Model, y: Array, names: list[str], times: Array) -> N
     joints = _decomposed(model, y, float(times[0]))
     if joints is None:
         return
-    weak = joints.s[: joints.rank] < WEAK
+    weak = joints.s[: joints.rank] < NEARLY_MOVABLE
     if weak.any():
         strong = float(joints.s[: joints.rank][~weak].min(initial=1.0))
-        if strong > APART * float(joints.s[: joints.rank][weak].max()):
+        if strong > WEAK_APART * float(joints.s[: joints.rank][weak].max()):
             _require_singular(model, y, names, float(times[0]), joints, strong)
     if joints.rank == model.n_vel:
         speeds = np.abs(driven_speeds(model, times, y)).max(axis=0, initial=0.0)
         moving = [
             name
             for k, name in enumerate(names)
-            if speeds[model.joint_row[k] : model.joint_row[k + 1]].max(initial=0.0) > SLOW
+            if speeds[model.joint_row[k] : model.joint_row[k + 1]].max(initial=0.0) > DRIVE_AT_REST
         ]
         if moving:
             raise InputError(
@@ -141,13 +146,13 @@ def _require_singular(
     So it does beside a singular position, along this motion or after one of the free ones.
     """
     sigma = float(joints.s[joints.rank - 1])
-    cut = strong / APART**0.5
+    cut = strong / WEAK_APART**0.5
     gaps = []
     for sign in (1.0, -1.0):
         step = sign * _tried(model, y, joints, joints.Vt[joints.rank - 1])
         near, C, opened = _closed_by_least_squares(model, y, t, joints, step, cut)
         first_order = float(np.linalg.norm(C, 2) * np.linalg.norm(step * np.sqrt(joints.scale)))
-        if float(np.linalg.norm(opened)) > STAYS * sigma * first_order:
+        if float(np.linalg.norm(opened)) > STAYS_CLOSED * sigma * first_order:
             return
         gaps.append(np.where(joints.kept, balance(model, np.array([t]), near[None]).Phi[0], 0.0))
     free = joints.Vt[joints.rank :]
@@ -159,7 +164,7 @@ def _require_singular(
             s = np.linalg.svd(
                 _closed_by_least_squares(model, y, t, joints, step, cut)[1], compute_uv=False
             )
-            if not sigma / STAYS < s[joints.rank - 1] / s[0] < STAYS * sigma:
+            if not sigma / STAYS_CLOSED < s[joints.rank - 1] / s[0] < STAYS_CLOSED * sigma:
                 return
     gap = max(gaps, key=lambda each: float(np.abs(each).max()))
     least = 0.05 * float(np.abs(gap).max())
@@ -201,13 +206,11 @@ def _closed_by_least_squares(
         C = D[:, None] * J * root
         change = root * np.linalg.lstsq(C, -D * Phi, rcond=cut)[0]
         near[: model.n_pos] = moved(model, near[: model.n_pos], change)
-        if np.abs(change).max() < CONVERGED * np.abs(step).max():
+        if np.abs(change).max() < MOTION_CONVERGED * np.abs(step).max():
             break
     return near, C, D * Phi
 
 
-_POSITION_TOLERANCE = 1e-12
-_VELOCITY_TOLERANCE = 1e-9
 SPRUNG = 1e-5  # gap [rad, over the size] that tilted hinges leave, closed by deformation
 PREFERRED = 1e3  # of motion of frames over deformation, which counts as sqrt(J)
 GIVEN = "Check lengths, ground points and initial positions of the bodies"
@@ -309,7 +312,7 @@ def with_closed_joints(model: Model, y: Array, *, elastic: bool = False) -> Arra
     """
     scale, y = _ease(model, elastic=elastic), y.copy()
     for _ in range(_MAX_ITERATIONS):
-        if _open(model, y).max(initial=0.0) < _POSITION_TOLERANCE:
+        if _open(model, y).max(initial=0.0) < POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
         equations = assemble(model, 0.0, y)
         J, gap = equations.Phi_q, equations.Phi
@@ -342,7 +345,7 @@ def frames_close(model: Model, y: Array) -> bool:
     """Return whether the joints can be closed in state y (n,) without further deformation."""
     if not model.n_constraint:
         return True
-    return bool(_open(model, with_closed_joints(model, y)).max() <= 1e3 * _POSITION_TOLERANCE)
+    return bool(_open(model, with_closed_joints(model, y)).max() <= 1e3 * POSITION_TOLERANCE)
 
 
 def _open(model: Model, y: Array) -> Array:
@@ -354,10 +357,10 @@ def _assembled(model: Model, y: Array, names: list[str], *, deforming: bool) -> 
     """Close the joints; the error names those that stay open."""
     y = with_closed_joints(model, y)
     gap, sprung = _open(model, y), np.inf if deforming else SPRUNG
-    if 1e3 * _POSITION_TOLERANCE < gap.max() < sprung * min(1.0, extent(model, y)):
+    if 1e3 * POSITION_TOLERANCE < gap.max() < sprung * min(1.0, extent(model, y)):
         y = with_closed_joints(model, y, elastic=True)
         gap = _open(model, y)
-    if gap.max() > 1e3 * _POSITION_TOLERANCE:
+    if gap.max() > 1e3 * POSITION_TOLERANCE:
         apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
@@ -421,7 +424,7 @@ def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> 
     residual = equations.Phi_q @ state - equations.gamma
     terms = np.abs(equations.Phi_q) @ np.abs(state)  # whose rounding is in the residual
     size = max(1.0, float(np.max(np.abs(equations.gamma))), float(np.max(terms)))
-    if np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * size:
+    if np.max(np.abs(residual)) > VELOCITY_TOLERANCE * size:
         off = described_gaps(model, residual, names, ("m/s2", "rad/s2"))
         raise InputError(
             f"joints and drives contradict each other in their accelerations: {off}; "
@@ -463,7 +466,7 @@ def _nearby(model: Model, y: Array, rank: _Rank) -> Array | None:
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
     near = with_closed_joints(model, near)
-    closed = _open(model, near).max() < 1e3 * _POSITION_TOLERANCE
+    closed = _open(model, near).max() < 1e3 * POSITION_TOLERANCE
     return near if closed else None
 
 
@@ -484,7 +487,7 @@ def _velocities(
         found = least_energy(model, 0.0, y, given, v[given])
         moving = np.concatenate([y[: model.n_pos], found, [0.0]])
         violation = np.abs(balance(model, np.zeros(1), moving[None]).Phi_d).max(initial=0.0)
-        if violation < _POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
+        if violation < POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
             return found
     equations = assemble(model, 0.0, y)
     v[free] = _least_energy(equations, model, v, free)
@@ -494,7 +497,7 @@ def _velocities(
         ease = _ease(model, elastic=True)
         v = v - ease * np.linalg.lstsq(equations.Phi_q * ease, residual, rcond=1e-10)[0]
         residual = equations.Phi_q @ v + equations.Phi_t
-    if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
+    if n_c and np.max(np.abs(residual)) > VELOCITY_TOLERANCE * scale:
         require_movable(model, y, names, np.zeros(1))
         off = described_gaps(model, residual, names, ("m/s", "rad/s"))
         raise InputError(

@@ -24,19 +24,22 @@ from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, few
 from ..math.arrays import Array
 from .built import BuiltMechanism, Start
+from .tolerances import (
+    BALANCE_CLOSED,
+    BALANCED,
+    CONSTANT_LOADS,
+    LEAST_SPIN_STEP,
+    NEUTRAL,
+    SPIN_CONSISTENT,
+)
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.solver import Solver
 
 
-_TOLERANCE = (
-    1e-10  # tolerance of the unbalanced accelerations, relative to the largest due to the loads
-)
-_NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that is treated as zero
 _MAX_STEP = 0.3  # [m, rad]
 _MAX_ITERATIONS = 200
 _NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
-_CLOSED = 1e-12
 _DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
 
 
@@ -87,17 +90,17 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         largest = max(largest, float(np.max(np.abs(here.equations.f) / model.inertia_scale)))
         K = here.stiffness(positions)
         stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
-        if np.max(np.abs(here.push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
-            if stiffness.size == 0 or stiffness[0] > -_NEUTRAL:
+        if np.max(np.abs(here.push), initial=0.0) <= BALANCED * max(largest, 1e-12):
+            if stiffness.size == 0 or stiffness[0] > -NEUTRAL:
                 return replace(start, positions=positions)
             step = here.Z @ directions[:, 0]
             positions = closed(model, moved(model, positions, _sized(step, _NUDGE)))
             continue
-        if stiffness[0] > _NEUTRAL:
+        if stiffness[0] > NEUTRAL:
             step = here.Z @ np.linalg.solve(K, here.unbalanced)
         else:
             along = directions.T @ here.unbalanced
-            step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), _NEUTRAL)))
+            step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), NEUTRAL)))
         positions = _downhill(model, here, positions, limited(model, step))
     raise InputError(
         f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
@@ -175,7 +178,7 @@ def closed(model: Model, positions: Array) -> Array:
     """Return positions with the joints closed by the least change, elastic motion included."""
     for _ in range(50):
         equations = _at_rest(model, positions)
-        if np.max(np.abs(equations.Phi), initial=0.0) < _CLOSED:
+        if np.max(np.abs(equations.Phi), initial=0.0) < BALANCE_CLOSED:
             return positions
         step = -free_motions(equations, model.inertia_scale).P @ equations.Phi
         positions = moved(model, positions, limited(model, step))
@@ -302,12 +305,9 @@ def _same(one: tuple[Array, Array], two: tuple[Array, Array]) -> bool:
     return bool(parallel and np.linalg.norm(np.cross(one[0], away)) < 1e-9)
 
 
-_CONSTANT = 1e-6  # the same for loads in turned positions
-_CONSISTENT = 1e-9  # velocities that joints contradict, relative to the largest
 _ROUNDING = 1e3 * float(np.finfo(float).eps)  # of positions, over the size of the mechanism
 _ITERATIONS = 40
 _PATIENCE = 8  # iterations in which what is unbalanced must fall by a hundredth
-_LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
 _TURNS = (1.0, 2.5)  # [rad] angles at which loads are compared
 
 
@@ -416,7 +416,7 @@ class Turning:
         """Return the turn as a whole along the free motions (n_free,); None: a drive holds it."""
         turn = free.Z_left @ self.v
         away = np.abs(free.Z @ turn - self.v).max(initial=0.0)
-        return turn if turn.any() and away <= _CONSISTENT * np.abs(self.v).max() else None
+        return turn if turn.any() and away <= SPIN_CONSISTENT * np.abs(self.v).max() else None
 
     def balanced(self, torque: float | None = None) -> tuple[Array, FreeMotions, Array, float]:
         """Return the forces (n_vel,), the free motions, and what is unbalanced along them.
@@ -436,7 +436,7 @@ class Turning:
         """Raise InputError if joints to the ground do not let it turn; names them."""
         equations = assemble(self.model, self.t, self.y)
         off = np.abs(equations.Phi_q @ self.v + equations.Phi_t)
-        if off.size == 0 or off.max() <= _CONSISTENT * max(1.0, float(np.abs(self.v).max())):
+        if off.size == 0 or off.max() <= SPIN_CONSISTENT * max(1.0, float(np.abs(self.v).max())):
             return
         model = self.model
         held = [
@@ -483,7 +483,7 @@ def _newton(model: Model, positions: Array, spin: Spin) -> tuple[Array | None, A
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
-        if np.max(np.abs(push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
+        if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
             return positions, push
         if size > 0.99 * sizes[-_PATIENCE]:
             break  # the spin is to grow in steps
@@ -536,7 +536,7 @@ def round_off(model: Model, positions: Array, rate: float, K: Array, free: FreeM
 def _solved(K: Array, b: Array) -> Array:
     """Return the solution of K x = b without the directions that have no stiffness."""
     U, s, Vt = np.linalg.svd(K)
-    use = s > max(_NEUTRAL, 1e-14 * s.max(initial=0.0))
+    use = s > max(NEUTRAL, 1e-14 * s.max(initial=0.0))
     return np.asarray(Vt[use].T @ ((U[:, use].T @ b) / s[use]))
 
 
@@ -554,7 +554,7 @@ def _from_rest(
         found, push = _newton(model, positions, spin._replace(rate=target * spin.rate))
         if found is None:
             step *= 0.5
-            if step < _LEAST_STEP:
+            if step < LEAST_SPIN_STEP:
                 return None, push
             continue
         positions, share, step = found, target, 2.0 * step
@@ -571,7 +571,7 @@ def _require_constant(model: Model, positions: Array, spin: Spin, body_names: li
         g, free, unbalanced, _ = there.balanced(torque)
         push = free.Z @ unbalanced
         loads = float(np.max(np.abs(g) / model.inertia_scale))
-        if np.max(np.abs(push), initial=0.0) > _CONSTANT * max(loads, 1e-9):
+        if np.max(np.abs(push), initial=0.0) > CONSTANT_LOADS * max(loads, 1e-9):
             K = there.stiffness(g, free)
             if np.all(np.abs(push) <= round_off(model, there.positions, spin.rate, K, free)):
                 continue

@@ -29,6 +29,13 @@ from ..results.codes import START_MOVED, Finding
 from .built import BuiltMechanism, Start
 from .consistent import DEFORMED, consistent_state, frames_close, with_closed_joints
 from .equilibrium import equilibrium, relative_equilibrium
+from .tolerances import (
+    DRIVE_CONTRADICTS,
+    NO_DISPLACEMENT,
+    NO_STRAIN_ENERGY,
+    SHAPES_DIVERGED,
+    SHAPES_SETTLED,
+)
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -81,10 +88,6 @@ def require_inertia(
     )
 
 
-_TOLERANCE = 1e-8  # of the change of the shapes, in the norm of the strain energy
-_DIVERGED = 1e8  # energy of a change, of that of the first
-_NOTHING = 1e-20  # strain energy over that of the first change that is round-off
-_STILL = 1e-13  # displacement over the size that is round-off
 _MAX_ITERATIONS = 40
 _KEPT = 6  # last changes of the shapes that the next shapes follow from
 
@@ -125,9 +128,13 @@ def quasi_static_state(
             float(np.max(shape_sizes(model, i) * np.abs(change), initial=0.0))
             for i, change in enumerate(changes)
         )
-        if not np.isfinite(first) or energies.sum() <= _NOTHING * first or moves <= _STILL * size:
+        if (
+            not np.isfinite(first)
+            or energies.sum() <= NO_STRAIN_ENERGY * first
+            or moves <= NO_DISPLACEMENT * size
+        ):
             break
-        if not energies.sum() < _DIVERGED * first:
+        if not energies.sum() < SHAPES_DIVERGED * first:
             raise _not_converged(body_names, energies, joined=joined)
         shapes.append(np.concatenate([R @ y[_shape(model, i)] for i, R in enumerate(roots)]))
         steps.append(np.concatenate(scaled))
@@ -145,7 +152,7 @@ def quasi_static_state(
         velocities = _velocities_there(model, start, undeformed, y)
         deformed = replace(start, positions=y[: model.n_pos], velocities=velocities)
         y = consistent_state(model, deformed, joint_names, deforming=joined, moved=True)
-        if energies.sum() <= _TOLERANCE**2 * float(found @ found):
+        if energies.sum() <= SHAPES_SETTLED**2 * float(found @ found):
             break
     else:
         raise _not_converged(body_names, energies, joined=joined)
@@ -260,9 +267,6 @@ def _not_converged(body_names: list[str], energies: Array, *, joined: bool) -> I
     )
 
 
-_CONTRADICTION = 1e-9  # rate of a drive against the spin, relative
-
-
 def starting_state(
     model: Model,
     start: Start,
@@ -316,7 +320,7 @@ def starting_state(
 def _require_drives(model: Model, y: Array, spin: Spin, joint_names: list[str]) -> None:
     """Raise InputError if the laws of drives contradict the spin; names them."""
     off = np.abs(balance(model, np.zeros(1), y[None]).Phi_d[0])
-    if off.max(initial=0.0) <= _CONTRADICTION * max(1.0, abs(spin.rate)):
+    if off.max(initial=0.0) <= DRIVE_CONTRADICTS * max(1.0, abs(spin.rate)):
         return
     joint = int(np.searchsorted(model.joint_row, int(off.argmax()), side="right")) - 1
     raise InputError(

@@ -11,6 +11,7 @@ from ...checks.modes import motion_findings
 from ...errors import counted
 from ...math.arrays import Array
 from ...run.inputs import RunSpec
+from ..tolerances import NO_COST
 from .indicators.beam_theory import beam_theory
 from .indicators.loaded import Study
 from .plan import Plan
@@ -139,7 +140,6 @@ DELIVERED = {
     "check": "the check",
     "model": "the chosen model",
 }
-NONE = 1e-9  # indicated cost that is not printed
 MEASURED = "bodies from files: one package, so its mesh and its modes"
 
 
@@ -313,7 +313,7 @@ def _omissions(answer: Answer) -> list[str]:
             and mode.label not in body.vibrations
             and (mode.vibration or not body.static)
         ]
-        left = [f"{label} {value:.1e}" for value, label in sorted(mine)[:-4:-1] if value > NONE]
+        left = [f"{label} {value:.1e}" for value, label in sorted(mine)[:-4:-1] if value > NO_COST]
         lines.append(f"  {name}: {', '.join(left) or 'nothing that responds'}")
     if not plan.stiffening:
         worst = float(indicators.stiffening.max(initial=0.0))

@@ -9,6 +9,7 @@ import numpy as np
 from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...run.timing import work_s
+from ..tolerances import REQUEST_MET, SPLIT_COST, SURELY_MET, TIGHTENED_COST
 from .answer import Answer, not_compared
 from .choice import MOTIONS, accuracy_over_rtol
 from .comparison import kind_of_signal
@@ -39,13 +40,7 @@ def tail(m: int, n: int, power: float = POWER) -> float:
     return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
 
 
-MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
-# Of the accuracy: estimate up to which no further run shows what both packages lack. By `tail`, it
-# is at most 1.6 times what the package of the model lacks, which is a part of the estimate.
-SURE = 1.0 / 3.0
 TIGHTENED = 30.0  # tolerance of a check of joint forces over that of the run it is compared with
-TIGHTENED_COST = 4.0  # CPU time of that run over that of the check
-SPLIT_COST = 0.5  # of the budget that is left, for all runs of a split
 
 
 @dataclass
@@ -121,7 +116,7 @@ class Checking:
 
     def _fits(self) -> bool:
         """Tell whether the estimate is within the accuracy."""
-        return self._largest <= MARGIN * self.accuracy
+        return self._largest <= REQUEST_MET * self.accuracy
 
     def settled(self) -> bool:
         """Run model and check; tell whether the request is met, or nothing can help."""
@@ -183,7 +178,7 @@ class Checking:
                 f"{lacking}; with what is missing above them the error is about {self._largest:.2g}"
             )
             # More of the packages does not help if they lack too much.
-            return more is not None and float(more.max()) > MARGIN * self.accuracy
+            return more is not None and float(more.max()) > REQUEST_MET * self.accuracy
         if reason := self._meshes():
             answer.reason = reason
             return True
@@ -208,7 +203,7 @@ class Checking:
         """
         study, (model, check) = self.answer.study, self.answer.pair
         finer = any(b.mesh == "check" and not b.rigid for b in model.plan.bodies.values())
-        sure = self._largest <= SURE * self.accuracy and not finer
+        sure = self._largest <= SURELY_MET * self.accuracy and not finer
         use_model = sure and (not self._in_sections or self.left() <= 0.0)
         poor, share, blind = check.plan, np.zeros(len(self.powers)), list[str]()
         for name, body in check.plan.bodies.items():

@@ -17,18 +17,20 @@ from ...math.arrays import Array
 from ...package.common.files import write_text
 from ...package.common.plain_data import toml_text
 from ...run.inputs import plan_sha256, text_sha256
+from ..tolerances import (
+    DAMPED_ABOVE,
+    LEAST_RTOL,
+    MOST_RTOL,
+    OMITTED_SHARE,
+    STIFFENING_SHARE,
+    STIFFENING_SPIN,
+)
 from .indicators.response import Indicators
-from .plan import LEAST_RTOL, MOST_RTOL, BodyPlan, Plan, Rich
+from .plan import BodyPlan, Plan, Rich
 from .plan import rows as rows_of
 
-SHARE = 0.5  # of the accuracy, for all modes that are left out
-STIFFENING_SHARE = 0.25  # of the accuracy: loss from which stiffening is on
-STIFFENING_SPIN = 0.5  # of the first clamped frequency: spin from which it is on
 SHAPE_SHARE = 0.1  # of the accuracy, for static shapes that are left out
 COST = {"vibration": 1.0, "static": 1.5, "ringing": 6.0}  # of an addition, relative
-# Damped static shapes damp the vibrations that joints couple them with: a frequency changes by
-# little, but the phase by more with every period. The indicators take modes one by one.
-DAMPED_ABOVE = 3e-4
 MOTIONS = ("position", "velocity", "angular_velocity", "orientation", "joint")
 MOTION_RTOL, OTHER_RTOL = 3.0, 30.0  # accuracy over tolerance, by the kind of signal
 
@@ -40,7 +42,7 @@ def chosen(
     kinds: Mapping[str, str],
     least: Mapping[str, BodyPlan],
 ) -> tuple[Plan, Array]:
-    """Return a plan whose losses are below SHARE of the accuracy, and its losses (o,).
+    """Return a plan whose losses are below OMITTED_SHARE of the accuracy, and its losses (o,).
 
     Parameters
     ----------
@@ -56,14 +58,14 @@ def chosen(
     plan = Plan(dict(least), stiffening, rtol)
     omitted = _omitted(indicators, plan)
     loss = indicators.loss(omitted.sum(axis=2))
-    while loss.max(initial=0.0) > SHARE * accuracy:
+    while loss.max(initial=0.0) > OMITTED_SHARE * accuracy:
         additions = list(_additions(indicators, plan, omitted))
         if not additions:
             break
         lost = omitted.sum(axis=2) - np.array([gained for _, _, gained in additions])
         after = indicators.loss(lost)  # (additions, o)
-        gain = np.maximum(loss, SHARE * accuracy).sum()
-        gain = gain - np.maximum(after, SHARE * accuracy).sum(axis=1)
+        gain = np.maximum(loss, OMITTED_SHARE * accuracy).sum()
+        gain = gain - np.maximum(after, OMITTED_SHARE * accuracy).sum(axis=1)
         best = int(np.argmax(gain / np.array([COST[kind] for kind, _, _ in additions])))
         plan, loss = additions[best][1], after[best]
         omitted = _omitted(indicators, plan)

@@ -12,7 +12,8 @@ from ...inputs.case.record import KINDS, parts
 from ...math.arrays import Array
 from ...mechanism.built import BuiltMechanism
 from ...signals import Sensor, sensors
-from .plan import FAINT, with_values
+from ..tolerances import FAINT, FORCE_NOISE
+from .plan import with_values
 
 
 def difference(metric: str, one: Array, two: Array) -> Array:
@@ -37,9 +38,6 @@ LENGTHS, ANGLES = ("position", "deflection"), ("orientation", "rotation")
 # Of the largest relative. Packages are symmetric to rounding only: modes of a plane have 1e-10 of
 # their size across it, and forces across the plane of planar pendulums 7e-10 of those in it.
 SMALL = FAINT
-# Of the tolerance times the largest relative: planar pendulums have forces across their plane of
-# 0.2 to 1.5 times that, which a tighter tolerance removes.
-NOISE = 3.0
 RELATIVE = ": "  # between the name of a signal and that of its relative
 
 
@@ -99,7 +97,7 @@ class Relatives:
             size = float(np.abs(found[o]).max(initial=0.0))
             if size < max(self.least[name], SMALL * near):
                 found[o], sizes[o] = 0.0, whole
-            elif quiet is not None and quiet[o] and size < NOISE * rtol * whole:
+            elif quiet is not None and quiet[o] and size < FORCE_NOISE * rtol * whole:
                 sizes[o] = whole
         return found, sizes
 

@@ -19,12 +19,10 @@ from ...package.body.selection import (
     with_statics,
 )
 from ...run.inputs import RunSpec
+from ..tolerances import FAINT
 
 if TYPE_CHECKING:
     from ...inputs.case.tables.schema import Mechanism
-
-
-LEAST_RTOL, MOST_RTOL = 1e-9, 1e-3  # small deflections need the first: errors are of the size
 
 
 @dataclass(frozen=True)
@@ -125,7 +123,6 @@ TIGHTER = 30.0
 # Where the tolerance of the model follows from the size of small deflections, which is a
 # conservative estimate. A check of slider-cranks takes 3 instead of 5 s.
 TIGHTER_AMPLIFIED = 10.0
-FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
 # Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
 REMARKS = ("static-modes-dependent", "mesh-coarse-for-modes")
 MOST_STATIC = 16  # static shapes of a plan

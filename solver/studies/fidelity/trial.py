@@ -17,8 +17,9 @@ from ...run.outcome import collect
 from ...run.preparation import Prepared, complete, prepare
 from ...run.timing import work_s
 from ...signals import Recording
+from ..tolerances import LEAST_RTOL, PROMOTED
 from .comparison import difference, relatives, scales
-from .plan import LEAST_RTOL, Plan, Rich, planned, with_values
+from .plan import Plan, Rich, planned, with_values
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,6 @@ def distance(metric: str, one: Trial, two: Trial) -> Array:
 TIGHTER = 30.0  # tolerance of a plan over that of its promotion
 TOLERANCE = "tolerance"  # the promotion after which a plan needs another check
 MORE = 2  # vibrations that are promoted together
-PROMOTED = 0.3  # of the largest share, from which a kind is promoted
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,8 @@ from ....package.body.selection import (
 from ....package.specification import DIRECTIONS
 from ....run.inputs import RunSpec
 from ....run.preparation import complete, prepare
-from ..plan import DAMPED, FAINT, Base, Rich, energy, with_solver, with_values
+from ...tolerances import FAINT
+from ..plan import DAMPED, Base, Rich, energy, with_solver, with_values
 from .response import Indicators, elastic_columns, embedded, modal_loads, samples
 
 BASE_RTOL = 1e-4

@@ -1,0 +1,48 @@
+"""Limits by which plans of runs and their checks are decided.
+
+A line `Test:` names a test that fails if the value is ten times as large, or a tenth.
+Values without one have no such test so far.
+"""
+
+# Of the accuracy asked for: estimate up to which a request counts as met.
+REQUEST_MET = 0.9
+
+# Of the accuracy: estimate up to which no further run shows what both packages lack. By `tail`, it
+# is at most 1.6 times what the package of the model lacks, which is a part of the estimate.
+SURELY_MET = 1.0 / 3.0
+
+# CPU time of a run over that of its check with a looser tolerance.
+TIGHTENED_COST = 4.0
+
+# Of the budget that is left, for all runs that split an error by its sources.
+SPLIT_COST = 0.5
+
+# Of the accuracy: loss of all modes that are left out, and loss from which stiffening is on.
+OMITTED_SHARE = 0.5
+STIFFENING_SHARE = 0.25
+
+# Of the first clamped frequency: spin from which stiffening is on.
+STIFFENING_SPIN = 0.5
+
+# Damped static shapes damp the vibrations that joints couple them with: a frequency changes by
+# little, but the phase by more with every period. The indicators take modes one by one.
+DAMPED_ABOVE = 3e-4
+
+# Of the tolerance times the largest force, relative: planar pendulums have forces across their
+# plane of 0.2 to 1.5 times that, which a tighter tolerance removes.
+FORCE_NOISE = 3.0
+
+# Range of the tolerance of a plan: small deflections need the first, as errors are of their size.
+LEAST_RTOL = 1e-9
+MOST_RTOL = 1e-3
+
+# Root of the strain energy of a mode that does not respond, over the largest.
+FAINT = 1e-8
+
+# Of the largest share of the error, from which a kind of mode is promoted.
+# Test: tests/unit/test_fidelity_promotion.py::
+# test_what_exceeds_the_accuracy_is_promoted_with_what_exceeds_it_more
+PROMOTED = 0.3
+
+# Indicated cost that is not printed.
+NO_COST = 1e-9
