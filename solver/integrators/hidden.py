@@ -59,9 +59,9 @@ class HiddenForces:
         read = any((each.slope > each.loads + 1).any() for each in self._watched)
         self._states = slice(first, first + model.n_aux) if read else None
         self._breaking = [each for each in self._watched if each.breaking.any()]
-        loads = [load for each in self._breaking for load in each.loads.tolist()]
-        apart = np.isin(2 * np.arange(len(model.quantities.kind)), loads)
-        apart &= model.quantities.kind == DISTANCE
+        loads = {load for each in self._breaking for load in each.loads.tolist()}
+        distances = np.flatnonzero(model.quantities.kind == DISTANCE).tolist()
+        apart = [k for k in distances if 2 * k in loads]
         self._pairs: list[list[int]] = model.quantities.marker[apart].tolist()
         self._largest = 0.0  # distance of such a pair so far [m]
         self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
